@@ -8,14 +8,27 @@ from typing import Any
 from grip_bt.formats.xml_trees import Element
 
 from .blackboard import key_of
-from .drafts import FAIL, SKIPPED, SUCCEED, Keys, Made, Skipping, container, in_turn, named, set_to, skip, switch
-from .element import Reading, Where
+from .drafts import (
+    FAIL,
+    SKIPPED,
+    SUCCEED,
+    Keys,
+    NodeDraft,
+    SkipHandling,
+    container,
+    named,
+    sequence_of,
+    set_variable,
+    skip,
+    switch,
+)
+from .element import ReadContext, Reading
 
-Reader = Callable[[Reading, Element, Where], Made]
+Reader = Callable[[Reading, Element, ReadContext], NodeDraft]
 
 
 def _series(kind: str, memory: bool) -> Reader:
-    def read(reading: Reading, element: Element, where: Where) -> Made:
+    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
         goes_on = "success" if kind == "sequence" else "failure"
         children = reading.children(element, where.as_(goes_on))
         more: Keys = {} if memory else {"memory": False}
@@ -23,40 +36,42 @@ def _series(kind: str, memory: bool) -> Reader:
             return container(kind, named(children), **more)
         if len(children) == 1:
             only = named(children)
-            return container(kind, only, Skipping.of(where.meaning, only), **more)
+            return container(kind, only, SkipHandling.of(where.meaning, only), **more)
         return _all_may_skip(reading, kind, children, where, more)
 
     return read
 
 
-def _all_may_skip(reading: Reading, kind: str, children: list[Made], where: Where, more: Keys) -> Made:
+def _all_may_skip(reading: Reading, kind: str, children: list[NodeDraft], where: ReadContext, more: Keys) -> NodeDraft:
     """Return a series that is skipped when all of its children were: a variable says whether one wasn't."""
     ran = reading.variable("any_ran", where, "bool", False)
     told = []
     for child in children:
-        note = set_to(ran, True)
+        note = set_variable(ran, True)
         if kind == "fallback":
-            note = Made({"kind": "force", "as": "failure", "child": {"then": note.keys}}, instant=True)
+            note = NodeDraft({"kind": "force", "as": "failure", "child": {"then": note.keys}}, instant=True)
         made = container(
-            kind, {"do": child, "ran": note}, Skipping.of("success" if kind == "sequence" else "failure", {"do": child})
+            kind,
+            {"do": child, "ran": note},
+            SkipHandling.of("success" if kind == "sequence" else "failure", {"do": child}),
         )
-        told.append(Made(made.keys, True, child.name, child.instant))
-    end = Made(dict(SUCCEED if kind == "sequence" else FAIL), instant=True)
+        told.append(NodeDraft(made.keys, True, child.name, child.instant))
+    end = NodeDraft(dict(SUCCEED if kind == "sequence" else FAIL), instant=True)
     last = switch(ran, {"ended": True}, {"ended": end, "skip": skip()}, where.meaning, default="skip")
     last.name = "any_ran"
-    first = set_to(ran, False)
+    first = set_variable(ran, False)
     if kind == "fallback":
-        first = Made({"kind": "force", "as": "failure", "child": {"begin": first.keys}}, instant=True)
+        first = NodeDraft({"kind": "force", "as": "failure", "child": {"begin": first.keys}}, instant=True)
     first.name = "begin"
     all_of = named([first, *told, last])
     name_of_last = list(all_of)[-1]
-    return container(kind, all_of, Skipping.of(where.meaning, {name_of_last: last}), **more)
+    return container(kind, all_of, SkipHandling.of(where.meaning, {name_of_last: last}), **more)
 
 
 def _async(kind: str) -> Reader:
     """Return the reader of a series that gives the rest of the tree a tick after each child."""
 
-    def read(reading: Reading, element: Element, where: Where) -> Made:
+    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
         goes_on, ends = ("success", "failure") if kind == "sequence" else ("failure", "success")
         children = reading.children(element, where.as_(goes_on))
         if all(child.skips for child in children):
@@ -69,12 +84,12 @@ def _async(kind: str) -> Reader:
             on = {goes_on: after, ends: ends, **({SKIPPED: after} if by_name[name].skips else {})}
             by_name[name].keys = {**by_name[name].keys, "on": on}
         keys = {"kind": "state_machine", "initial": names[0], "outcomes": {"success": "success", "failure": "failure"}}
-        return Made({**keys, "children": {name: child.keys for name, child in by_name.items()}})
+        return NodeDraft({**keys, "children": {name: child.keys for name, child in by_name.items()}})
 
     return read
 
 
-def _with_memory(reading: Reading, element: Element, where: Where) -> Made:
+def _with_memory(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     """SequenceWithMemory: a variable keeps the place over a failure and over a halt."""
     children = reading.children(element, where.as_("success"))
     if all(child.skips for child in children):
@@ -82,22 +97,22 @@ def _with_memory(reading: Reading, element: Element, where: Where) -> Made:
     place = reading.variable(f"{element.attributes.get('name', 'sequence')}_at", where, "int", 0)
     steps = []
     for number, child in enumerate(children, 1):
-        step = container("sequence", {"do": child, "next": set_to(place, number)})
+        step = container("sequence", {"do": child, "next": set_variable(place, number)})
         made = switch(
             f"{place} < {number}",
             {"step": True},
-            {"step": step, "done": Made(dict(SUCCEED), instant=True)},
+            {"step": step, "done": NodeDraft(dict(SUCCEED), instant=True)},
             "success",
             default="done",
         )
         made.name = child.name
         steps.append(made)
-    begin = set_to(place, 0)
+    begin = set_variable(place, 0)
     begin.name = "from the beginning"
-    return in_turn([*steps, begin], element.tag) if children else Made(dict(SUCCEED))
+    return sequence_of([*steps, begin], element.tag) if children else NodeDraft(dict(SUCCEED))
 
 
-def _parallel(reading: Reading, element: Element, where: Where) -> Made:
+def _parallel(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     children = _unskipped(reading, element, where)
     count = len(children)
     successes = _threshold(reading, element, where, "success_count", "-1", count)
@@ -109,25 +124,27 @@ def _parallel(reading: Reading, element: Element, where: Where) -> Made:
     return container("parallel", named(children), rules=rules, prompt=True)
 
 
-def _parallel_all(reading: Reading, element: Element, where: Where) -> Made:
+def _parallel_all(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     children = _unskipped(reading, element, where)
     most = _threshold(reading, element, where, "max_failures", "1", len(children))
     if most in (1, len(children)):
         made = container("parallel", named(children), cancel="join")
-        return made if most == 1 else Made({**made.keys, "policy": "any"}, instant=made.instant)
+        return made if most == 1 else NodeDraft({**made.keys, "policy": "any"}, instant=made.instant)
     rules = [{"at_least": most, "ends": "failure", "then": "failure"}, {"then": "success"}]
     return container("parallel", named(children), rules=rules, wait_for="all")
 
 
-def _unskipped(reading: Reading, element: Element, where: Where) -> list[Made]:
+def _unskipped(reading: Reading, element: Element, where: ReadContext) -> list[NodeDraft]:
     children = reading.children(element, where)
     for child, below in zip(children, element.children, strict=True):
         if child.skips:
-            reading.refuse(below, f"may be skipped inside of a {element.tag}, which would ask it again each tick")
+            reading.refuse(
+                below, f"may be skipped; inside <{element.tag}> BehaviorTree.CPP would evaluate it again on every tick"
+            )
     return children
 
 
-def _threshold(reading: Reading, element: Element, where: Where, port: str, default: str, count: int) -> int:
+def _threshold(reading: Reading, element: Element, where: ReadContext, port: str, default: str, count: int) -> int:
     said = reading.number(element, where, port, default)
     number = said if said >= 0 else max(count + said + 1, 0)
     if not 1 <= number <= count:
@@ -138,7 +155,7 @@ def _threshold(reading: Reading, element: Element, where: Where, port: str, defa
     return number
 
 
-def _if_then_else(reading: Reading, element: Element, where: Where) -> Made:
+def _if_then_else(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     children = reading.children(element, where, 2, 3)
     condition, then = children[0], children[1]
     if condition.skips:
@@ -146,7 +163,7 @@ def _if_then_else(reading: Reading, element: Element, where: Where) -> Made:
     parts = named(children)
     names = list(parts)
     chosen = {name: parts[name] for name in names[:2]}
-    up = Skipping.of(where.meaning, {names[1]: then})
+    up = SkipHandling.of(where.meaning, {names[1]: then})
     if len(children) == 2:
         return container("sequence", chosen, up)
     inner = container("sequence", chosen, up)
@@ -154,17 +171,17 @@ def _if_then_else(reading: Reading, element: Element, where: Where) -> Made:
         return container(
             "fallback",
             {"then": inner, "else": children[2]},
-            Skipping.of(where.meaning, {"then": inner, "else": children[2]}),
+            SkipHandling.of(where.meaning, {"then": inner, "else": children[2]}),
         )
     lost = {"outcomes": {**inner.keys.get("outcomes", {}), "then_failed": "failure"}}
     inner.keys |= {**lost, "exits": {**inner.keys.get("exits", {}), f"{names[1]}.failure": "then_failed"}}
-    up = Skipping.of(where.meaning, {"then": inner, "else": children[2]})
+    up = SkipHandling.of(where.meaning, {"then": inner, "else": children[2]})
     made = container("fallback", {"then": inner, "else": children[2]}, up)
     made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
     return made
 
 
-def _while_do_else(reading: Reading, element: Element, where: Where) -> Made:
+def _while_do_else(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     children = reading.children(element, where, 2, 3)
     condition = children[0]
     if condition.skips:
@@ -173,18 +190,20 @@ def _while_do_else(reading: Reading, element: Element, where: Where) -> Made:
         reading.note("changed", element, "its condition is taken to end in the tick in which it begins")
     if len(children) == 2:
         parts = named(children)
-        up = Skipping.of(where.meaning, {list(parts)[1]: children[1]})
+        up = SkipHandling.of(where.meaning, {list(parts)[1]: children[1]})
         return container("sequence", parts, up, memory=False)
     holds = reading.variable("holds", where, "bool", False)
-    yes = container("sequence", {"ask": condition, "yes": set_to(holds, True)})
-    asked = container("fallback", {"yes": yes, "no": set_to(holds, False)})
+    yes = container("sequence", {"ask": condition, "yes": set_variable(holds, True)})
+    asked = container("fallback", {"yes": yes, "no": set_variable(holds, False)})
     ways = {"do": children[1], "else": children[2]}
     turn = switch(holds, {"do": True}, ways, where.meaning, default="else", memory=False)
-    return container("sequence", {"ask": asked, "then": turn}, Skipping.of(where.meaning, {"then": turn}), memory=False)
+    return container(
+        "sequence", {"ask": asked, "then": turn}, SkipHandling.of(where.meaning, {"then": turn}), memory=False
+    )
 
 
 def _switch(cases: int) -> Reader:
-    def read(reading: Reading, element: Element, where: Where) -> Made:
+    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
         children = reading.children(element, where, cases + 1, cases + 1)
         text = element.attributes.get("variable", "")
         key = key_of(text, "variable")
@@ -223,7 +242,7 @@ def _case(text: str, kind: str) -> Any:
     return text if number is None or kind == "str" else [text, number]
 
 
-def _try_catch(reading: Reading, element: Element, where: Where) -> Made:
+def _try_catch(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     if element.attributes.get("catch_on_halt", "false") not in ("false", "0"):
         reading.refuse(element, "`catch_on_halt` runs a node while everything is halted; nothing here does")
     count = len(element.children)
@@ -231,8 +250,10 @@ def _try_catch(reading: Reading, element: Element, where: Where) -> Made:
     tried = children[:-1]
     if all(child.skips for child in tried):
         reading.refuse(element, f"all of the first {count - 1} children may be skipped; add one that may not")
-    caught = Made({"kind": "force", "as": "failure", "child": {"do": children[-1].keys}}, instant=children[-1].instant)
-    return container("fallback", {"try": in_turn(tried, "try"), "catch": caught})
+    caught = NodeDraft(
+        {"kind": "force", "as": "failure", "child": {"do": children[-1].keys}}, instant=children[-1].instant
+    )
+    return container("fallback", {"try": sequence_of(tried, "try"), "catch": caught})
 
 
 CONTROLS: dict[str, tuple[Reader, tuple[str, ...]]] = {

@@ -8,15 +8,26 @@ from grip_bt.formats.xml_trees import Element
 
 from .blackboard import key_of
 from .controls import Reader
-from .drafts import FAIL, SUCCEED, Made, Skipping, around, container, in_turn, set_to, skip, switch
-from .element import Reading, Where
+from .drafts import (
+    FAIL,
+    SUCCEED,
+    NodeDraft,
+    SkipHandling,
+    container,
+    decorator,
+    sequence_of,
+    set_variable,
+    skip,
+    switch,
+)
+from .element import ReadContext, Reading
 from .expressions import Scripts, after
 from .leaves import value_of_text
 
 _ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": "skipped"}
 
 
-def end(status: str) -> Made:
+def end(status: str) -> NodeDraft:
     """Return a node that ends at once with a status of BT.CPP.
 
     Raises:
@@ -26,21 +37,21 @@ def end(status: str) -> Made:
         raise ValueError(f"the status {status!r} isn't SUCCESS, FAILURE or SKIPPED")
     if status == "SKIPPED":
         return skip()
-    return Made(dict(SUCCEED if status == "SUCCESS" else FAIL), instant=True)
+    return NodeDraft(dict(SUCCEED if status == "SUCCESS" else FAIL), instant=True)
 
 
-def _inverter(reading: Reading, element: Element, where: Where) -> Made:
-    return around("invert", reading.only(element, where), where.meaning)
+def _inverter(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+    return decorator("invert", reading.only(element, where), where.meaning)
 
 
 def _forced(outcome: str) -> Reader:
-    def read(reading: Reading, element: Element, where: Where) -> Made:
-        return around("force", reading.only(element, where), where.meaning, **{"as": outcome})
+    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+        return decorator("force", reading.only(element, where), where.meaning, **{"as": outcome})
 
     return read
 
 
-def _unskipped(reading: Reading, element: Element, where: Where) -> Made:
+def _unskipped(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     """Return the child of a decorator that remembers something beyond its end, which can't be skipped."""
     child = reading.only(element, where)
     if child.skips:
@@ -52,49 +63,49 @@ def _unskipped(reading: Reading, element: Element, where: Where) -> Made:
     return child
 
 
-def _repeat(reading: Reading, element: Element, where: Where) -> Made:
+def _repeat(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     times = reading.number(element, where, "num_cycles")
     child = _unskipped(reading, element, where)
     if times == 0 or times < -1:
         reading.refuse(element, f"`num_cycles` is {times}; write 1 or more, or -1 for ever")
-    return around("repeat", child, where.meaning, **({} if times == -1 else {"times": times}))
+    return decorator("repeat", child, where.meaning, **({} if times == -1 else {"times": times}))
 
 
-def _retry(reading: Reading, element: Element, where: Where) -> Made:
+def _retry(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     times = reading.number(element, where, "num_attempts")
     child = _unskipped(reading, element, where)
     if times == 0 or times < -1:
         reading.refuse(element, f"`num_attempts` is {times}; write 1 or more, or -1 for ever")
     if times > 0:
-        return around("retry", child, where.meaning, times=times)
-    failing = around("invert", child, where.meaning)
+        return decorator("retry", child, where.meaning, times=times)
+    failing = decorator("invert", child, where.meaning)
     failing.name = "fails"
-    again = around("repeat", failing, where.meaning)
+    again = decorator("repeat", failing, where.meaning)
     again.name = "until it succeeds"
-    return around("invert", again, where.meaning)
+    return decorator("invert", again, where.meaning)
 
 
-def _keep_running(reading: Reading, element: Element, where: Where) -> Made:
-    return around("repeat", _unskipped(reading, element, where), where.meaning)
+def _keep_running(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+    return decorator("repeat", _unskipped(reading, element, where), where.meaning)
 
 
-def _timeout(reading: Reading, element: Element, where: Where) -> Made:
+def _timeout(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     seconds = reading.seconds(element, where, "msec")
     child = _unskipped(reading, element, where) if seconds else reading.only(element, where)
-    made = around("timeout", child, where.meaning, seconds=seconds) if seconds else child
+    made = decorator("timeout", child, where.meaning, seconds=seconds) if seconds else child
     made.instant = False
     return made
 
 
-def _delay(reading: Reading, element: Element, where: Where) -> Made:
+def _delay(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     seconds = reading.seconds(element, where, "delay_msec")
     child = reading.only(element, where)
-    wait = Made({"node": "flow/wait", "with": {"seconds": seconds}}, name="wait")
-    up = Skipping.of(where.meaning, {"do": child})
+    wait = NodeDraft({"node": "flow/wait", "with": {"seconds": seconds}}, name="wait")
+    up = SkipHandling.of(where.meaning, {"do": child})
     return container("sequence", {"wait": wait, "do": child}, up)
 
 
-def _precondition(reading: Reading, element: Element, where: Where) -> Made:
+def _precondition(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     child = reading.only(element, where)
     with reading.refusing(element):
         condition = reading.scripts(element, where).condition(reading.said(element, where, "if"))
@@ -102,18 +113,20 @@ def _precondition(reading: Reading, element: Element, where: Where) -> Made:
     return switch(condition, {"do": True}, {"do": child, "else": other}, where.meaning, default="else")
 
 
-def _run_once(reading: Reading, element: Element, where: Where) -> Made:
+def _run_once(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     child = reading.only(element, where)
     with reading.refusing(element):
         skips = value_of_text(reading.said(element, where, "then_skip", "true"), "bool")
     ran = reading.variable(f"{child.name}_ran", where, "str", "")
-    failed = Made({"kind": "force", "as": "failure", "child": {"note": set_to(ran, "failure").keys}}, instant=True)
+    failed = NodeDraft(
+        {"kind": "force", "as": "failure", "child": {"note": set_variable(ran, "failure").keys}}, instant=True
+    )
     well = container(
         "sequence",
-        {"do": child, "note": set_to(ran, "success")},
-        Skipping.of(where.meaning, {"do": child}),
+        {"do": child, "note": set_variable(ran, "success")},
+        SkipHandling.of(where.meaning, {"do": child}),
     )
-    up = Skipping.of(where.meaning, {"do": well})
+    up = SkipHandling.of(where.meaning, {"do": well})
     first = container("fallback", {"do": well, "failed": failed}, up)
     if skips:
         return switch(ran, {"first": ""}, {"first": first, "skip": skip()}, where.meaning, default="skip")
@@ -122,7 +135,7 @@ def _run_once(reading: Reading, element: Element, where: Where) -> Made:
 
 
 def _loop(type_name: str) -> Reader:
-    def read(reading: Reading, element: Element, where: Where) -> Made:
+    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
         child = _unskipped(reading, element, where)
         text = element.attributes.get("queue", "")
         if key_of(text, "queue") is not None:
@@ -142,13 +155,13 @@ def _loop(type_name: str) -> Reader:
         target = where.board.variable(key)
         where.board.variables.every[target].written.append(type_name)
         take = {"node": "flow/compute", "with": {"expression": "a"}, "in": {"a": item}, "out": {"value": target}}
-        each = container("sequence", {"take": Made(take, instant=True), "do": child})
+        each = container("sequence", {"take": NodeDraft(take, instant=True), "do": child})
         keys = {"kind": "for_each", "items": queue, "item": item, "child": {"each": each.keys}}
         del where.board.variables.every[item]
         if empty.keys == SUCCEED:
-            return Made(keys)
-        up = Skipping.of(where.meaning, {"empty": empty})
-        return container("sequence", {"loop": Made(keys), "empty": empty}, up)
+            return NodeDraft(keys)
+        up = SkipHandling.of(where.meaning, {"empty": empty})
+        return container("sequence", {"loop": NodeDraft(keys), "empty": empty}, up)
 
     return read
 
@@ -190,7 +203,7 @@ def check_attributes(reading: Reading, element: Element) -> None:
             reading.note("left-out", element, f"the attribute `{name}`, which BT.CPP gives no meaning, was left out")
 
 
-def with_conditions(reading: Reading, element: Element, node: Made, where: Where) -> Made:
+def with_conditions(reading: Reading, element: Element, node: NodeDraft, where: ReadContext) -> NodeDraft:
     """Return a node with its conditions before and its scripts after it.
 
     BT.CPP looks at `_failureIf`, `_successIf`, `_skipIf` and `_while` in this order when the node begins, and at
@@ -213,10 +226,10 @@ def with_conditions(reading: Reading, element: Element, node: Made, where: Where
     return made
 
 
-def _condition_before(name: str, text: str, scripts: Scripts, node: Made, meaning: str) -> Made:
+def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, meaning: str) -> NodeDraft:
     if name == "_failureIf" and "precondition" not in node.keys:
         holds = scripts.condition(f"!({text})")
-        return Made({**node.keys, "precondition": holds}, node.skips, node.name, node.instant)
+        return NodeDraft({**node.keys, "precondition": holds}, node.skips, node.name, node.instant)
     condition = scripts.condition(text)
     if name == "_failureIf":
         return switch(condition, {"fails": True}, {"fails": end("FAILURE"), "do": node}, meaning, default="do")
@@ -228,31 +241,31 @@ def _condition_before(name: str, text: str, scripts: Scripts, node: Made, meanin
 
 
 def _end(keys: dict[str, Any]) -> Reader:
-    return lambda reading, element, where: Made(dict(keys), instant=True)
+    return lambda reading, element, where: NodeDraft(dict(keys), instant=True)
 
 
-def _sleep(reading: Reading, element: Element, where: Where) -> Made:
-    return Made({"node": "flow/wait", "with": {"seconds": reading.seconds(element, where, "msec")}})
+def _sleep(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+    return NodeDraft({"node": "flow/wait", "with": {"seconds": reading.seconds(element, where, "msec")}})
 
 
-def _script(reading: Reading, element: Element, where: Where) -> Made:
+def _script(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     with reading.refusing(element):
         made = reading.scripts(element, where).assignments(reading.said(element, where, "code"))
         if not made:
-            return Made(dict(SUCCEED), instant=True)
-        script = in_turn(made, "script")
-        return Made(script.keys, instant=True)
+            return NodeDraft(dict(SUCCEED), instant=True)
+        script = sequence_of(made, "script")
+        return NodeDraft(script.keys, instant=True)
     raise AssertionError("a refusal raises")
 
 
-def _script_condition(reading: Reading, element: Element, where: Where) -> Made:
+def _script_condition(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     with reading.refusing(element):
         condition = reading.scripts(element, where).condition(reading.said(element, where, "code"))
-        return Made({**SUCCEED, "precondition": condition}, instant=True)
+        return NodeDraft({**SUCCEED, "precondition": condition}, instant=True)
     raise AssertionError("a refusal raises")
 
 
-def _set_blackboard(reading: Reading, element: Element, where: Where) -> Made:
+def _set_blackboard(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
     out = element.attributes.get("output_key", "")
     key = key_of(out, "output_key") or out
     if not key:
@@ -265,12 +278,12 @@ def _set_blackboard(reading: Reading, element: Element, where: Where) -> Made:
         entry.texts = True
         kind = entry.type if entry.type in ("int", "float", "bool") else "str"
         with reading.refusing(element):
-            return set_to(variable, value_of_text(text, kind))
+            return set_variable(variable, value_of_text(text, kind))
     other = where.board.variable(source)
     entry.written.append(where.board.variables.every[other].type)
     where.board.variables.every[other].read.append("Any")
     keys = {"node": "flow/compute", "with": {"expression": "a"}, "in": {"a": other}, "out": {"value": variable}}
-    return Made(keys, instant=True)
+    return NodeDraft(keys, instant=True)
 
 
 ACTIONS: dict[str, tuple[Reader, tuple[str, ...]]] = {
@@ -285,7 +298,7 @@ ACTIONS: dict[str, tuple[Reader, tuple[str, ...]]] = {
 
 _COUNTS = "counts the writes of a blackboard entry; use a leaf of your own that remembers what it has seen"
 REFUSED = {
-    "ManualSelector": "asks a person at a terminal which child to tick; use a `switch` over a variable",
+    "ManualSelector": "asks the user at a terminal which child to tick; use a `switch` over a variable",
     "UnsetBlackboard": "takes a variable away; give it a value that means nothing",
     "SkipUnlessUpdated": _COUNTS,
     "WaitValueUpdate": _COUNTS,
@@ -293,17 +306,17 @@ REFUSED = {
     "WasEntryUpdated": _COUNTS,
     "WaitEntryUpdated": _COUNTS,
     "SkipUnlessEntryUpdated": _COUNTS,
-    "ConsumeQueue": "takes a queue on the blackboard apart; use `for_each` over a list",
-    "PopFromQueue": "takes a queue on the blackboard apart; use `for_each` over a list",
+    "ConsumeQueue": "consumes a queue on the blackboard; use `for_each` over a list",
+    "PopFromQueue": "consumes a queue on the blackboard; use `for_each` over a list",
     "QueueSize": "asks for the length of a queue on the blackboard; use `len(...)` of a list",
     "TestNode": "is BT.CPP's stand-in for tests",
     "AlwaysRunning": "never ends",
-    "BlackboardCheckInt": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
-    "BlackboardCheckDouble": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
-    "BlackboardCheckString": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
-    "BlackboardCheckBool": "is of BT.CPP 3; write `_skipIf` or <Precondition>",
-    "SequenceStar": "is of BT.CPP 3; it is <SequenceWithMemory> in 4",
-    "RetryUntilSuccesful": "is of BT.CPP 3; it is <RetryUntilSuccessful> in 4",
-    "SubTreePlus": 'is of BT.CPP 3; it is <SubTree _autoremap="true"> in 4',
+    "BlackboardCheckInt": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
+    "BlackboardCheckDouble": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
+    "BlackboardCheckString": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
+    "BlackboardCheckBool": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
+    "SequenceStar": "belongs to BehaviorTree.CPP 3; use <SequenceWithMemory>",
+    "RetryUntilSuccesful": "belongs to BehaviorTree.CPP 3; use <RetryUntilSuccessful>",
+    "SubTreePlus": 'belongs to BehaviorTree.CPP 3; use <SubTree _autoremap="true">',
 }
 """Tag -> why it has no equal, and what to do."""

@@ -21,7 +21,7 @@ FAIL: Keys = {"node": "flow/fail"}
 
 
 @dataclass
-class Made:
+class NodeDraft:
     """A node.
 
     Attributes:
@@ -52,14 +52,14 @@ def _never_fails(node: str) -> bool:
 
 
 @dataclass
-class Skipping:
+class SkipHandling:
     """What `skipped` of a container means, and the ends of children that lead to it."""
 
     meaning: str
     ends: list[str] = field(default_factory=list)
 
     @classmethod
-    def of(cls, meaning: str, children: Mapping[str, Made]) -> Skipping:
+    def of(cls, meaning: str, children: Mapping[str, NodeDraft]) -> SkipHandling:
         """Return how the children that may be skipped are handed up."""
         return cls(meaning, [f"{name}.{child.label}" for name, child in children.items() if child.skips])
 
@@ -71,43 +71,47 @@ class Skipping:
         return {**keys, "outcomes": {**keys.get("outcomes", {}), SKIPPED: self.meaning}, "exits": exits}
 
 
-def around(kind: str, child: Made, meaning: str, **more: Any) -> Made:
+def decorator(kind: str, child: NodeDraft, meaning: str, **more: Any) -> NodeDraft:
     """Return a decorator that hands up `skipped`."""
     name = distinct([child.name])[0]
     keys = {"kind": kind, **more, "child": {name: child.keys}}
-    return Made(Skipping.of(meaning, {name: child}).on(keys), child.skips, child.name, child.instant)
+    return NodeDraft(SkipHandling.of(meaning, {name: child}).on(keys), child.skips, child.name, child.instant)
 
 
-def container(kind: str, children: Mapping[str, Made], up: Skipping | None = None, **more: Any) -> Made:
+def container(kind: str, children: Mapping[str, NodeDraft], up: SkipHandling | None = None, **more: Any) -> NodeDraft:
     """Return a composite; `up` says which children hand up `skipped`, the others go by its meaning."""
     keys = {"kind": kind, **more, "children": {name: child.keys for name, child in children.items()}}
     instant = all(child.instant for child in children.values())
-    return Made(up.on(keys) if up else keys, bool(up and up.ends), instant=instant)
+    return NodeDraft(up.on(keys) if up else keys, bool(up and up.ends), instant=instant)
 
 
-def named(children: list[Made]) -> dict[str, Made]:
+def named(children: list[NodeDraft]) -> dict[str, NodeDraft]:
     """Return siblings by names that a task may have."""
     return dict(zip(distinct([child.name for child in children]), children, strict=True))
 
 
-def switch(on_value: str, cases: Mapping[str, Any], children: Mapping[str, Made], meaning: str, **more: Any) -> Made:
+def switch(
+    on_value: str, cases: Mapping[str, Any], children: Mapping[str, NodeDraft], meaning: str, **more: Any
+) -> NodeDraft:
     """Return a switch that hands up `skipped` of every child that has it."""
-    return container("switch", children, Skipping.of(meaning, children), on_value=on_value, cases=dict(cases), **more)
+    return container(
+        "switch", children, SkipHandling.of(meaning, children), on_value=on_value, cases=dict(cases), **more
+    )
 
 
-def skip() -> Made:
+def skip() -> NodeDraft:
     """Return a node whose success is the container's being skipped."""
-    return Made(dict(SUCCEED), True, "skip", True, "success")
+    return NodeDraft(dict(SUCCEED), True, "skip", True, "success")
 
 
-def set_to(variable: str, value: Any) -> Made:
+def set_variable(variable: str, value: Any) -> NodeDraft:
     """Return a node that gives a variable a literal value."""
-    return Made(
+    return NodeDraft(
         {"node": "flow/set", "with": {"value": value}, "out": {"value": variable}}, name=f"set {variable}", instant=True
     )
 
 
-def in_turn(children: list[Made], name: str) -> Made:
+def sequence_of(children: list[NodeDraft], name: str) -> NodeDraft:
     """Return nodes one after the other; one needs no sequence."""
     if len(children) == 1:
         return children[0]

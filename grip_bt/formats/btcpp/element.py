@@ -12,14 +12,14 @@ from grip_bt.formats.imported import Issues
 from grip_bt.formats.xml_trees import Element
 
 from .blackboard import Board, key_of
-from .drafts import SUCCEED, Made
+from .drafts import SUCCEED, NodeDraft
 from .expressions import Scripts
 
 RESERVED = ("name", "ID")
 
 
 @dataclass(frozen=True)
-class Where:
+class ReadContext:
     """Where an element is read.
 
     Attributes:
@@ -32,7 +32,7 @@ class Where:
     inside: tuple[str, ...]
     meaning: str = "success"
 
-    def as_(self, meaning: str) -> Where:
+    def as_(self, meaning: str) -> ReadContext:
         """Return the place of a child to whose container `skipped` means this."""
         return replace(self, meaning=meaning)
 
@@ -41,7 +41,7 @@ class Refused(Exception):
     """Ends the reading of one element; the refusal is noted already."""
 
 
-Child = Callable[[Element, Where], Made]
+Child = Callable[[Element, ReadContext], NodeDraft]
 
 
 class Reading:
@@ -82,11 +82,11 @@ class Reading:
         """Note what to know about an element."""
         self.issues.add(code, str(element), text, element.source, element.line)
 
-    def scripts(self, element: Element, where: Where) -> Scripts:
+    def scripts(self, element: Element, where: ReadContext) -> Scripts:
         """Return what reads scripts on this element's blackboard."""
         return Scripts(where.board, lambda text: self.note("changed", element, text))
 
-    def children(self, element: Element, where: Where, least: int = 1, most: int = 10_000) -> list[Made]:
+    def children(self, element: Element, where: ReadContext, least: int = 1, most: int = 10_000) -> list[NodeDraft]:
         """Return the children of an element, whose number has to lie within bounds."""
         count = len(element.children)
         if not least <= count <= most:
@@ -94,7 +94,7 @@ class Reading:
             self.refuse(element, f"has {count} children and needs {wanted}")
         return [self.attempt(below, where) for below in element.children]
 
-    def attempt(self, element: Element, where: Where) -> Made:
+    def attempt(self, element: Element, where: ReadContext) -> NodeDraft:
         """Read an element; a refusal is noted, and something stands in for it so that the others are found too."""
         self.seen.add(id(element))
         try:
@@ -103,13 +103,13 @@ class Reading:
             for below in element.children:
                 if id(below) not in self.seen:
                     self.attempt(below, where)
-            return Made(dict(SUCCEED), name=element.tag)
+            return NodeDraft(dict(SUCCEED), name=element.tag)
 
-    def only(self, element: Element, where: Where) -> Made:
+    def only(self, element: Element, where: ReadContext) -> NodeDraft:
         """Return the one child of a decorator."""
         return self.children(element, where, 1, 1)[0]
 
-    def said(self, element: Element, where: Where, port: str, default: str | None = None) -> str:
+    def said(self, element: Element, where: ReadContext, port: str, default: str | None = None) -> str:
         """Return a port's literal; a key is as good where its entry holds a literal and is never written."""
         text = element.attributes.get(port, default)
         if text is None:
@@ -122,7 +122,7 @@ class Reading:
             return str(entry.initial)
         self.refuse(element, f"`{port}` comes from the blackboard ({text}); write the value itself")
 
-    def number(self, element: Element, where: Where, port: str, default: str | None = None) -> int:
+    def number(self, element: Element, where: ReadContext, port: str, default: str | None = None) -> int:
         """Return a whole number."""
         text = self.said(element, where, port, default)
         try:
@@ -130,14 +130,14 @@ class Reading:
         except ValueError:
             self.refuse(element, f"`{port}` is {text!r} and has to be a whole number")
 
-    def seconds(self, element: Element, where: Where, port: str) -> float:
+    def seconds(self, element: Element, where: ReadContext, port: str) -> float:
         """Return a time [s] that is written in milliseconds."""
         milliseconds = self.number(element, where, port)
         if milliseconds < 0:
             self.refuse(element, f"`{port}` is {milliseconds} and can't be less than 0")
         return milliseconds / 1000
 
-    def variable(self, wanted: str, where: Where, type_name: str, value: object) -> str:
+    def variable(self, wanted: str, where: ReadContext, type_name: str, value: object) -> str:
         """Return a new variable of the task for the state of a node."""
         name = where.board.variables.new(wanted)
         entry = where.board.variables.every[name]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from . import script as s
 from .blackboard import Board
-from .drafts import Made, Skipping, container, in_turn, set_to, switch
+from .drafts import NodeDraft, SkipHandling, container, sequence_of, set_variable, switch
 
 EPSILON = 1.1920928955078125e-07
 """Of a single float: numbers that are no further apart are equal to BT.CPP."""
@@ -226,7 +226,7 @@ class Scripts:
             raise Inexact(f"{len(statements)} statements where one condition is wanted")
         return self._translated(lambda translator: translator.condition(statements[0])).text
 
-    def assignments(self, text: str) -> list[Made]:
+    def assignments(self, text: str) -> list[NodeDraft]:
         """Return a node for each assignment of a script, in order.
 
         Raises:
@@ -240,7 +240,7 @@ class Scripts:
             made.append(self._assignment(statement.target, statement.sign, statement.value))
         return made
 
-    def _assignment(self, key: str, sign: str, value: s.Script) -> Made:
+    def _assignment(self, key: str, sign: str, value: s.Script) -> NodeDraft:
         if isinstance(value, s.Ternary):
             return self._either(key, sign, value)
         if sign not in (":=", "="):
@@ -253,7 +253,7 @@ class Scripts:
         if isinstance(value, s.Literal):
             kind = type(value.value).__name__
             entry.written.append(kind)
-            return set_to(variable, self._fitted(key, value.value, entry.type))
+            return set_variable(variable, self._fitted(key, value.value, entry.type))
         inputs: dict[str, str] = {}
         computed = self._computed(value, inputs)
         entry.written.append(computed.type)
@@ -263,7 +263,7 @@ class Scripts:
             raise Inexact(f"{key!r} is of type {entry.type} and is given a {computed.type}")
         keys = {"node": "flow/compute", "with": {"expression": computed.text}}
         bound = {letter: name for name, letter in inputs.items()}
-        return Made({**keys, "in": bound, "out": {"value": variable}}, name=f"compute {variable}", instant=True)
+        return NodeDraft({**keys, "in": bound, "out": {"value": variable}}, name=f"compute {variable}", instant=True)
 
     def _fitted(self, key: str, value: bool | int | float | str, kind: str) -> bool | int | float | str:
         if isinstance(value, bool) and kind in ("int", "float"):
@@ -276,7 +276,7 @@ class Scripts:
             raise Inexact(f"{key!r} is a whole number and is given {value!r}")
         return value
 
-    def _either(self, key: str, sign: str, value: s.Ternary) -> Made:
+    def _either(self, key: str, sign: str, value: s.Ternary) -> NodeDraft:
         condition = self._translated(lambda translator: translator.condition(value.condition)).text
         ways = {
             "yes": self._assignment(key, sign, value.then),
@@ -310,16 +310,16 @@ class Scripts:
         return variable
 
 
-def after(node: Made, on_success: list[Made], on_failure: list[Made], meaning: str) -> Made:
+def after(node: NodeDraft, on_success: list[NodeDraft], on_failure: list[NodeDraft], meaning: str) -> NodeDraft:
     """Return a node with what is done when it has succeeded and when it has failed."""
     made = node
     if on_failure:
-        cause = in_turn(on_failure, "set")
-        told = Made({"kind": "force", "as": "failure", "child": {"then": cause.keys}}, instant=True)
-        up = Skipping.of(meaning, {"do": made})
+        cause = sequence_of(on_failure, "set")
+        told = NodeDraft({"kind": "force", "as": "failure", "child": {"then": cause.keys}}, instant=True)
+        up = SkipHandling.of(meaning, {"do": made})
         made = container("fallback", {"do": made, "failed": told}, up)
     if on_success:
-        up = Skipping.of(meaning, {"do": made})
-        made = container("sequence", {"do": made, "then": in_turn(on_success, "set")}, up)
+        up = SkipHandling.of(meaning, {"do": made})
+        made = container("sequence", {"do": made, "then": sequence_of(on_success, "set")}, up)
     made.name, made.instant = node.name, node.instant
     return made

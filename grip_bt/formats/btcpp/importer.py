@@ -27,8 +27,8 @@ from .blackboard import Board, Variables, key_of
 from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
 from .document import Document, Model
-from .drafts import SKIPPED, SUCCEED, Keys, Made
-from .element import Reading, Refused, Where, reads_only
+from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft
+from .element import ReadContext, Reading, Refused, reads_only
 from .leaves import Leaves, value_of_text
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
@@ -82,25 +82,25 @@ class _Importer:
         types = {name: (v.type, v.has_initial, v.constant) for name, v in self.variables.every.items()}
         return types, dict(self.leaves.settled)
 
-    def read(self, tree: str) -> Made:
+    def read(self, tree: str) -> NodeDraft:
         """Read the tree once, with what was learned before."""
         self.variables = Variables(before=self.variables.every)
         self.reading = Reading(self.node)
         self.used = {tree}
-        where = Where(Board(self.variables), (tree,))
+        where = ReadContext(Board(self.variables), (tree,))
         try:
             made = self._root(self.document.trees[tree], where)
         except Refused:
-            made = Made(dict(SUCCEED))
+            made = NodeDraft(dict(SUCCEED))
         self.leaves.settle()
         return made
 
-    def _root(self, tree: Element, where: Where) -> Made:
+    def _root(self, tree: Element, where: ReadContext) -> NodeDraft:
         if len(tree.children) != 1:
             self.reading.refuse(tree, f"needs one node inside, and has {len(tree.children)}")
         return self.reading.attempt(tree.children[0], where)
 
-    def node(self, element: Element, where: Where) -> Made:
+    def node(self, element: Element, where: ReadContext) -> NodeDraft:
         """Read a node, and all below it."""
         self.reading.nodes += 1
         if self.reading.nodes > MOST_NODES:
@@ -126,17 +126,17 @@ class _Importer:
         made.name = element.attributes.get("name") or name
         return with_conditions(self.reading, element, made, where)
 
-    def _leaf(self, element: Element, name: str, where: Where) -> Made:
+    def _leaf(self, element: Element, name: str, where: ReadContext) -> NodeDraft:
         said = self.document.models.get(name, Model(element.tag if element.tag in _EXPLICIT else "Action"))
         if element.children or said.kind in ("Control", "Decorator"):
             kind = said.kind if said.kind in ("Control", "Decorator") else "node with children"
             self.reading.refuse(element, f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes")
         ports = {k: v for k, v in element.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
         with self.reading.refusing(element):
-            return Made(self.leaves.leaf(name, ports, where.board), instant=said.kind == "Condition")
+            return NodeDraft(self.leaves.leaf(name, ports, where.board), instant=said.kind == "Condition")
         raise AssertionError("a refusal raises")
 
-    def _sub_tree(self, element: Element, where: Where) -> Made:
+    def _sub_tree(self, element: Element, where: ReadContext) -> NodeDraft:
         name = element.attributes.get("ID", "")
         tree = self.document.trees.get(name)
         if tree is None:
@@ -149,7 +149,7 @@ class _Importer:
         self.used.add(name)
         auto = element.attributes.get("_autoremap", "false") in ("true", "1", "True")
         board = Board(self.variables, element.attributes.get("name") or name, where.board, auto)
-        inner = Where(board, (*where.inside, name), where.meaning)
+        inner = ReadContext(board, (*where.inside, name), where.meaning)
         model_of = self.document.models.get(name)
         defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
         for key, text in {**defaults, **element.attributes}.items():
@@ -165,7 +165,7 @@ class _Importer:
 
     # --- the task ---
 
-    def result(self, made: Made, tree: str) -> Imported:
+    def result(self, made: NodeDraft, tree: str) -> Imported:
         """Return the task of the last reading."""
         inputs, data = self._declared(_mentioned(made.keys))
         task: dict[str, Any] = {"grip": model.FORMAT_VERSION, "name": node_name(tree)}

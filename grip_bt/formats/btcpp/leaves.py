@@ -77,7 +77,7 @@ class PortUse:
 
 
 @dataclass
-class Face:
+class UnknownNodeType:
     """An unknown node type: what the model says of it and how it is used."""
 
     name: str
@@ -147,7 +147,7 @@ class Leaves:
 
     def __init__(self, catalog: Catalog, models: dict[str, Model]):
         self.catalog, self.models = catalog, models
-        self.faces: dict[str, Face] = {}
+        self.faces: dict[str, UnknownNodeType] = {}
         self.settled: dict[str, Manifest] = {}
 
     def settle(self) -> None:
@@ -170,7 +170,7 @@ class Leaves:
         )
         if known is not None:
             return self._known(self.catalog.get(known), said, board)
-        face = self.faces.setdefault(name, Face(name, self.models.get(name)))
+        face = self.faces.setdefault(name, UnknownNodeType(name, self.models.get(name)))
         face.times += 1
         if face.model is not None:
             self._check_ports(name, said, face.model)

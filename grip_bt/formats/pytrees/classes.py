@@ -141,7 +141,7 @@ ENDS = {
     "flow/fail": {"failure": "failure"},
 }
 """What the leaves that behaviours of py_trees become can end with."""
-_RUNNING = "it makes an end of a child that runs, or the reverse; no node of a task does"
+_RUNNING = "it turns RUNNING into an end or an end into RUNNING; no task node does that"
 _BLACKBOARD = "it works on py_trees' blackboard, which a task hasn't; its variables have types and a place"
 _WHY: dict[type[Behaviour], str] = {
     decorators.RunningIsFailure: f"RunningIsFailure: {_RUNNING}",

@@ -60,12 +60,12 @@ def test_everything_that_has_no_equal_is_listed_at_once(name: str) -> None:
 
 
 PARTS: list[tuple[str, str]] = [
-    ("<ManualSelector><A/></ManualSelector>", "asks a person at a terminal"),
+    ("<ManualSelector><A/></ManualSelector>", "asks the user at a terminal"),
     ("<UnsetBlackboard key='x'/>", "takes a variable away"),
     ("<SkipUnlessUpdated entry='{x}'><A/></SkipUnlessUpdated>", "counts the writes of a blackboard entry"),
     ("<WaitValueUpdate entry='{x}'><A/></WaitValueUpdate>", "counts the writes of a blackboard entry"),
-    ("<ConsumeQueue><A/></ConsumeQueue>", "takes a queue on the blackboard apart"),
-    ("<SequenceStar><A/></SequenceStar>", "is <SequenceWithMemory> in 4"),
+    ("<ConsumeQueue><A/></ConsumeQueue>", "consumes a queue on the blackboard"),
+    ("<SequenceStar><A/></SequenceStar>", "use <SequenceWithMemory>"),
     ("<SubTreePlus ID='x'/>", "_autoremap"),
     ("<A _onHalted='x := 1'/>", "`_onHalted`"),
     ("<Mine><A/></Mine>", "is a node with children of your own C++ code"),
@@ -78,8 +78,8 @@ PARTS: list[tuple[str, str]] = [
     ("<WhileDoElse><A/></WhileDoElse>", "has 1 children and needs 2 to 3"),
     (f"<WhileDoElse>{4 * '<A/>'}</WhileDoElse>", "has 4 children and needs 2 to 3"),
     ("<Parallel success_count='4'><A/><B/></Parallel>", "`success_count` is 4, and there are 2 children"),
-    ("<Parallel><A _skipIf='true'/><B/></Parallel>", "may be skipped inside of a Parallel"),
-    ("<ParallelAll><A _while='true'/><B/></ParallelAll>", "may be skipped inside of a ParallelAll"),
+    ("<Parallel><A _skipIf='true'/><B/></Parallel>", "may be skipped; inside <Parallel>"),
+    ("<ParallelAll><A _while='true'/><B/></ParallelAll>", "may be skipped; inside <ParallelAll>"),
     ("<Repeat num_cycles='2'><A _skipIf='true'/></Repeat>", "may be skipped inside of <Repeat>"),
     ("<Repeat num_cycles='{n}'><A/></Repeat>", "`num_cycles` comes from the blackboard ({n})"),
     ("<Repeat num_cycles='many'><A/></Repeat>", "`num_cycles` is 'many' and has to be a whole number"),

@@ -110,7 +110,7 @@ def stuck() -> Behaviour:
 @pytest.mark.parametrize(
     ("node", "why"),
     [
-        (lambda: decorators.RunningIsFailure("x", stuck()), "RunningIsFailure: it makes an end of a child that runs"),
+        (lambda: decorators.RunningIsFailure("x", stuck()), "RunningIsFailure: it turns RUNNING into an end"),
         (lambda: decorators.OneShot("x", stuck(), OneShotPolicy.ON_COMPLETION), "OneShot: what it remembers"),
         (lambda: decorators.EternalGuard("x", stuck(), lambda: True), "EternalGuard: its condition is a Python"),
         (lambda: decorators.Timeout("x", stuck(), 0.0), "a Timeout of 0 s is over at once"),
