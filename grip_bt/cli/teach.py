@@ -14,7 +14,7 @@ from grip_bt.app.wiring.parts import Opening, Resources
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -67,7 +67,7 @@ def _one(kind: str, parts: Any, name: str) -> Any:
 
 
 def _list(file: Path, as_json: bool) -> int:
-    taught = Taught(file)
+    taught = TaughtStates(file)
     entries = [(part, name, value) for part in taught.parts() for name, value in taught.of(part).items()]
     if as_json:
         print(json.dumps([{"part": part, "name": name, **_plain(value)} for part, name, value in entries], indent=2))

@@ -20,11 +20,11 @@ from .joined import require_joints
 from .kinematics.target import FREE
 from .planning.requests import (
     CheckTogether,
+    CheckTrajectory,
     ChooseGrasp,
     ChosenGrasp,
-    PlanAlong,
     PlanningSettings,
-    PlanOnward,
+    PlanServoStep,
     PlanStraight,
     PlanThrough,
     PlanTo,
@@ -33,9 +33,9 @@ from .planning.requests import (
 )
 from .planning.service import PlanningService
 from .scene import PlanningScene
-from .steered_motion import Stream, Twist, velocity_of
+from .steered_motion import SteeredMotion, Twist, velocity_of
 from .steering import HOLD, approaching, bounded, jogged, lasting
-from .taught import Taught
+from .taught import TaughtStates
 from .trajectory.limits import refuse_beyond_limits
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class ArmSetup:
     hand: str = ""
     settings: PlanningSettings = field(default_factory=PlanningSettings)
     states: Mapping[str, JointState] = field(default_factory=dict)
-    taught: Taught = field(default_factory=Taught)
+    taught: TaughtStates = field(default_factory=TaughtStates)
 
 
 class ArmCommander:
@@ -92,7 +92,7 @@ class ArmCommander:
         self._more_states, self._taught = setup.states, setup.taught
         self._model, self._planner, self._executor = model, planner, executor
         self._scene, self._others = scene, others
-        self._stream = Stream(executor, self._plan_step)
+        self._stream = SteeredMotion(executor, self._plan_step)
         self._lock = threading.Lock()
         self._reached_by: list[tuple[Pose, JointState]] = []
 
@@ -149,13 +149,15 @@ class ArmCommander:
         """Plan one motion through way points; see `ports.Arm`."""
         named = tuple(replace(point, goal=self._goal(point.goal)) for point in way_points)
         if not named:
-            raise ValueError("a motion through way points has at least one of them")
+            raise ValueError("at least one way point is needed")
         return self._ask(PlanThrough(self._situation(start), named, constraint))
 
-    def plan_along(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
+    def plan_from_trajectory(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         """Check a trajectory that was made elsewhere and make a plan of it; see `ports.Arm`."""
         require_joints(trajectory.names, self._executor.joint_names, self._name)
-        return self._ask(PlanAlong(replace(self._situation(), settings=self._own_settings()), trajectory, slow_down))
+        return self._ask(
+            CheckTrajectory(replace(self._situation(), settings=self._own_settings()), trajectory, slow_down)
+        )
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Check that plans of several arms, begun at once, keep the arms apart; see `ports.Arm`."""
@@ -244,7 +246,7 @@ class ArmCommander:
         names = situation.start.names
         begin = replace(situation.start, velocity=velocity_of(start, names))
         linear, angular = (tuple(map(float, part)) for part in twist)
-        request = PlanOnward(replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold)
+        request = PlanServoStep(replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold)
         return self._ask(request).then(lambda plan: Operation.finished(plan.trajectory))
 
     def _submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:

@@ -18,7 +18,7 @@ from grip_bt.base.ports import HandPort
 from grip_bt.base.values import JointState
 from grip_bt.base.values.joints import Closing
 
-from .taught import Taught
+from .taught import TaughtStates
 
 _NOTHING = 1e-9
 
@@ -106,7 +106,7 @@ class HandCommander:
         closing_time: float = CLOSING_TIME,
         fingers: Mapping[str, Sequence[str]] | None = None,
         limits: Mapping[str, tuple[float, float]] | None = None,
-        taught: Taught | None = None,
+        taught: TaughtStates | None = None,
         reach: Reach | None = None,
     ):
         self._reach = reach
@@ -114,7 +114,7 @@ class HandCommander:
         self._opening_time, self._closing_time = opening_time, closing_time
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
         self._limits = dict(limits or {})
-        self._taught = taught if taught is not None else Taught()
+        self._taught = taught if taught is not None else TaughtStates()
         self._closing: Closing | None = None
 
     @property

@@ -255,7 +255,7 @@ class _Parts(Generic[J]):
             motion.whole.fail(CanceledError("the motion was stopped"))
 
 
-class HeldExecutor:
+class PausableExecutor:
     """Implements `grip_bt.base.ports.Executor` and `Pausable` over an executor that can be stopped.
 
     A motion that is held ends with ExecutionAbortedError where the joints were moved by something else meanwhile.
@@ -313,7 +313,7 @@ class HeldExecutor:
         return rest_of(trajectory, measured, passed, accelerations, jerks)
 
 
-class HeldSteerable(HeldExecutor):
+class PausableSteerable(PausableExecutor):
     """Implements `Steerable` besides, over an executor that does.
 
     A motion that was held in its middle isn't changed any more; it goes on to its end.
@@ -348,13 +348,13 @@ def held(
     accelerations: Mapping[str, float] | None = None,
     now: Callable[[], float] = time.monotonic,
     jerks: Mapping[str, float] | None = None,
-) -> HeldExecutor:
-    """Return an executor that can be held, and steered where `executor` can be; see `HeldExecutor`."""
-    kind = HeldSteerable if isinstance(executor, Steerable) else HeldExecutor
+) -> PausableExecutor:
+    """Return an executor that can be held, and steered where `executor` can be; see `PausableExecutor`."""
+    kind = PausableSteerable if isinstance(executor, Steerable) else PausableExecutor
     return kind(executor, accelerations, now, jerks)
 
 
-class HeldHand:
+class PausableHand:
     """Implements `grip_bt.base.ports.HandPort` and `Pausable` over a hand that can be stopped."""
 
     def __init__(self, hand: HandPort):

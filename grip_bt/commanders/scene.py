@@ -42,7 +42,7 @@ class SceneObject:
 
 
 @dataclass(frozen=True, slots=True)
-class Carrier:
+class HandMount:
     """What a hand is in the robot's model, so that what it holds can be avoided by others.
 
     Attributes:
@@ -66,7 +66,7 @@ class SceneSnapshot:
 
     objects: Mapping[str, SceneObject] = field(default_factory=dict)
     allowed: frozenset[tuple[str, str]] = frozenset()
-    carriers: Mapping[str, Carrier] = field(default_factory=dict)
+    carriers: Mapping[str, HandMount] = field(default_factory=dict)
 
     def with_object(self, item: SceneObject) -> SceneSnapshot:
         """Return the scene with an object added or replaced."""
@@ -129,7 +129,7 @@ class PlanningScene:
         room: Iterable[SceneObject] = (),
         links: Mapping[str, Sequence[str]] | None = None,
         folder: Path | None = None,
-        carriers: Mapping[str, Carrier] | None = None,
+        carriers: Mapping[str, HandMount] | None = None,
         robot: Callable[[JointState | None], Sequence[Array]] | None = None,
     ):
         self._robot = robot
@@ -309,4 +309,4 @@ def _in_world(pose: Pose) -> Pose:
     return pose
 
 
-__all__ = ["ANYTHING", "Box", "Carrier", "Cylinder", "PlanningScene", "SceneObject", "SceneSnapshot"]
+__all__ = ["ANYTHING", "Box", "Cylinder", "HandMount", "PlanningScene", "SceneObject", "SceneSnapshot"]

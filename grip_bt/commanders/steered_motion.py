@@ -26,7 +26,7 @@ PlanStep = Callable[[JointState, Twist, float], Operation[Trajectory]]
 """Where the joints are, and how fast; the twist; for how long it is held [s] -> a step that is free to its end."""
 
 
-class Stream:
+class SteeredMotion:
     """Steers an arm.
 
     Args:

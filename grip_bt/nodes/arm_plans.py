@@ -85,7 +85,9 @@ class ExecuteTrajectory(ArmLeaf):
 
     def start(self) -> Operation[JointState]:
         """Check it, go to where it begins, follow it."""
-        return self.arm.plan_along(self.read("trajectory"), slow_down=self.params["slow_down"]).then(self._follow)
+        return self.arm.plan_from_trajectory(self.read("trajectory"), slow_down=self.params["slow_down"]).then(
+            self._follow
+        )
 
     def _follow(self, plan: Plan) -> Operation[JointState]:
         if not self.params["approach"]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Context
 from grip_bt.base.values import JointState
-from grip_bt.commanders.trajectory.limits import Stillness
+from grip_bt.commanders.trajectory.limits import RestDetector
 
 LOOK = 0.05
 """How often it is looked at whether they are [s]."""
@@ -24,7 +24,7 @@ class Resting:
 
     def __init__(self, context: Context, state: Callable[[], JointState]):
         self._context, self._state = context, state
-        self._judge, self._rest = Stillness(), False
+        self._judge, self._rest = RestDetector(), False
 
     def reached(self) -> bool:
         """Tell whether the joints were measured at rest; where nothing is measured, they weren't."""

@@ -239,7 +239,7 @@ class Server:
 
     def _allow_motion(self) -> None:
         if self._held:
-            raise GripError("the robot was told to hold by whoever watches over this run; nothing moves any more")
+            raise GripError("the robot was stopped by the supervisor of this run; no further motion is accepted")
 
     def _call_follow(self, number: int, names: list[str], times: Any, positions: Any, velocities: Any = None) -> None:
         self._allow_motion()
@@ -297,7 +297,7 @@ class Server:
     def _replace(self, rows: Any) -> None:
         """End whatever moves one of these joints, for what takes its place."""
         for number in self._moving(rows):
-            self._finish(number, Ended("canceled", "another motion has taken the place of this one"))
+            self._finish(number, Ended("canceled", "replaced by another motion"))
 
     def _call_state(self, number: int, names: list[str]) -> Answer:
         return self._measured(self.world.robot.rows(names))
@@ -330,5 +330,5 @@ class Server:
 
     def _call_put_back(self, number: int, **kept: Any) -> None:
         if self._motions:
-            raise GripError("a world is put back while nothing moves in it")
+            raise GripError("a world can only be restored while nothing moves")
         self.world.put_back(kept)

@@ -8,7 +8,7 @@ import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 from grip_bt.runtime import JournalReader
 
 PROJECT = """grip: 1
@@ -84,7 +84,7 @@ def test_every_verb_does_its_work_and_the_refused_ones_say_why(task, robot):
     taught = task.with_name("taught.yaml")
     assert taught.exists() == (robot == "sim")  # what fakes are taught lasts for the run
     if robot == "sim":
-        assert Taught(taught).get("right", "above") == above
+        assert TaughtStates(taught).get("right", "above") == above
 
 
 SWING = """grip: 1

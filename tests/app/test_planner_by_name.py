@@ -7,8 +7,8 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.planning.requests import (
     CheckTogether,
+    CheckTrajectory,
     ChooseGrasp,
-    PlanAlong,
     PlanningSettings,
     PlanStraight,
     PlanTo,
@@ -40,7 +40,7 @@ def asked(request_of, planner):
 
 
 SEARCHES = [lambda s: PlanTo(s, START), lambda s: PlanStraight(s, (Pose(),)), lambda s: ChooseGrasp(s, ())]
-GIVEN = [lambda s: PlanAlong(s, ROAD), lambda s: CheckTogether(s, ())]
+GIVEN = [lambda s: CheckTrajectory(s, ROAD), lambda s: CheckTogether(s, ())]
 
 
 @pytest.mark.parametrize("request_of", SEARCHES)

@@ -6,7 +6,7 @@ import pytest
 
 from grip_bt.base.values import JointState, Pose
 from grip_bt.cli.__main__ import main
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 
 PROJECT = "grip: 1\nrobot: panda_allegro\narms: {right: {hand: right_hand}}\nhands: {right_hand: {}}\nworld: table\n"
 
@@ -20,7 +20,7 @@ def project(tmp_path):
 def test_without_a_name_it_lists_what_was_taught(project, capsys):
     assert main(["teach", "--project", str(project)]) == 0
     assert "nothing was taught yet" in capsys.readouterr().out
-    taught = Taught(project / "taught.yaml")
+    taught = TaughtStates(project / "taught.yaml")
     taught.put("right", "above", JointState(("a",), [0.25]), {})
     taught.put("right", "look", Pose((1, 2, 3)), {})
     assert main(["teach", "--project", str(project)]) == 0
@@ -46,7 +46,7 @@ def test_it_remembers_where_the_robot_is(project, capsys):
     sim = ["--robot", "sim", "--project", str(project)]
     assert main(["teach", "start", *sim]) == 0
     assert main(["teach", "loose", "--hand", "right_hand", *sim]) == 0
-    taught = Taught(project / "taught.yaml")
+    taught = TaughtStates(project / "taught.yaml")
     assert set(taught.states("right")) == {"start"}
     assert set(taught.states("right_hand")) == {"loose"}
     assert main(["teach", "home", *sim]) == 1

@@ -19,9 +19,9 @@ from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.pausing import rest_of
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import (
-    PlanAlong,
+    CheckTrajectory,
     PlanningSettings,
-    PlanOnward,
+    PlanServoStep,
     PlanStraight,
     PlanThrough,
     PlanTo,
@@ -161,7 +161,7 @@ def _given(motions: Motions, rng: np.random.Generator) -> Trajectory:
     begin = motions.free(rng, 0.6)
     rows = np.stack([begin, *(motions.free(rng, 0.6) for _ in range(3))])
     times = np.concatenate([[0.0], np.cumsum(rng.uniform(1.0, 5.0, 3))])
-    return motions.answer(PlanAlong(motions.at(begin), Trajectory(motions.chain.joints, times, rows)))
+    return motions.answer(CheckTrajectory(motions.at(begin), Trajectory(motions.chain.joints, times, rows)))
 
 
 def _steered(motions: Motions, rng: np.random.Generator) -> Trajectory:
@@ -170,7 +170,7 @@ def _steered(motions: Motions, rng: np.random.Generator) -> Trajectory:
     velocity = np.zeros_like(q)
     for k in range(8):
         linear, angular = rng.uniform(-0.25, 0.25, 3), rng.uniform(-0.5, 0.5, 3)
-        request = PlanOnward(motions.at(q, velocity), tuple(linear), tuple(angular), HOLD)
+        request = PlanServoStep(motions.at(q, velocity), tuple(linear), tuple(angular), HOLD)
         try:
             step = motions.answer(request)
         except ExpectedError:

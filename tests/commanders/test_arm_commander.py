@@ -162,7 +162,7 @@ def swung(rig, joint, by, seconds):
 
 def test_a_given_trajectory_becomes_a_plan_for_all_joints(rig):
     first = rig.arm.state().names[0]
-    plan = rig.arm.plan_along(swung(rig, first, 0.3, 2.0)).result()
+    plan = rig.arm.plan_from_trajectory(swung(rig, first, 0.3, 2.0)).result()
     assert (plan.group, plan.trajectory.names) == ("arm", rig.arm.state().names)
     assert plan.trajectory.positions[1] - rig.arm.state().position == pytest.approx([0.3, *[0.0] * 6])
     assert rig.arm.execute(plan).result().position == pytest.approx(rig.arm.state().position)
@@ -171,14 +171,14 @@ def test_a_given_trajectory_becomes_a_plan_for_all_joints(rig):
 def test_a_given_trajectory_that_is_too_fast_says_how_much_longer_it_has_to_last(rig):
     first = rig.arm.state().names[0]
     with pytest.raises(OutOfLimitsError, match=rf"velocity of {first} = -?45\.\d+ .* times as long") as caught:
-        rig.arm.plan_along(swung(rig, first, 0.3, 0.01)).result()
+        rig.arm.plan_from_trajectory(swung(rig, first, 0.3, 0.01)).result()
     assert caught.value.data["joints"] == (first,)
 
 
 def test_a_given_trajectory_out_of_limits_says_where(rig):
     first = rig.arm.state().names[0]
     with pytest.raises(OutOfLimitsError, match=rf"20\.00 s after its beginning, .* out of limits: {first} = "):
-        rig.arm.plan_along(swung(rig, first, 9.0, 20.0)).result()
+        rig.arm.plan_from_trajectory(swung(rig, first, 9.0, 20.0)).result()
 
 
 def test_a_given_trajectory_with_something_in_its_way_says_when_and_what(rig):
@@ -187,22 +187,22 @@ def test_a_given_trajectory_with_something_in_its_way_says_when_and_what(rig):
     down[1] += 1.2  # the shoulder leans forward, into the table
     given = Trajectory(home.names, [0.0, 5.0], [home.position, down])
     with pytest.raises(PathInvalidError, match=r"after \d\.\d s of the trajectory, .* touches") as caught:
-        rig.arm.plan_along(given).result()
+        rig.arm.plan_from_trajectory(given).result()
     assert 0.0 < caught.value.data["time"] < 5.0
     backward = Trajectory(home.names, [0.0, 5.0], [down, home.position])
-    with pytest.raises(PathInvalidError, match="where the trajectory begins, .* touches"):
-        rig.arm.plan_along(backward).result()
+    with pytest.raises(PathInvalidError, match="the trajectory starts in collision: .* touches"):
+        rig.arm.plan_from_trajectory(backward).result()
 
 
 def test_a_given_trajectory_is_looked_at_where_a_controller_draws_it_between_its_points(rig):
     home = rig.arm.state()
     rows, velocities = np.tile(home.position, (4, 1)), np.zeros((4, 7))
     rows[1:3, 1] += 0.3  # the shoulder leans forward, far above the table
-    rig.arm.plan_along(Trajectory(home.names, [0.0, 1.5, 3.5, 5.0], rows, velocities)).result()
+    rig.arm.plan_from_trajectory(Trajectory(home.names, [0.0, 1.5, 3.5, 5.0], rows, velocities)).result()
     velocities[1:3, 1] = [1.5, -1.5]  # through the same points, and into the table between the inner ones
     swung = Trajectory(home.names, [0.0, 1.5, 3.5, 5.0], rows, velocities)
     with pytest.raises(PathInvalidError, match=r"of the trajectory, .* touches") as caught:
-        rig.arm.plan_along(swung).result()
+        rig.arm.plan_from_trajectory(swung).result()
     assert 1.5 < caught.value.data["time"] < 3.5
 
 
@@ -215,10 +215,10 @@ def abrupt(rig):
 def test_a_given_trajectory_that_accelerates_too_hard_is_refused_and_can_be_given_more_time(rig):
     given, limits = abrupt(rig), rig.model.limits("arm")
     with pytest.raises(OutOfLimitsError, match=r"acceleration of panda_joint1 = .*1\.41\d times.*slow_down") as caught:
-        rig.arm.plan_along(given).result()
+        rig.arm.plan_from_trajectory(given).result()
     assert abs(caught.value.data["value"]) == pytest.approx(2.0 * limits.acceleration[0], rel=1e-3)
     assert abs(caught.value.data["limit"]) == limits.acceleration[0]
-    plan = rig.arm.plan_along(given, slow_down=True).result()
+    plan = rig.arm.plan_from_trajectory(given, slow_down=True).result()
     assert plan.trajectory.positions[:, 0] == pytest.approx(given.positions[:, 0])
     speed, times = PlanningSettings().speed, np.linspace(0.0, plan.trajectory.duration, 1001)
     hardest = np.abs(plan.trajectory.sampled(times)[2]).max(axis=0)[0]
@@ -229,7 +229,7 @@ def test_a_given_trajectory_that_accelerates_too_hard_is_refused_and_can_be_give
 @pytest.mark.parametrize("made", ["elsewhere", "RRTConnect"])
 def test_a_plan_that_is_beyond_limits_moves_nothing_whoever_is_said_to_have_made_it(rig, made):
     first = rig.arm.state()
-    slow = rig.arm.plan_along(swung(rig, first.names[0], 0.3, 2.0)).result()
+    slow = rig.arm.plan_from_trajectory(swung(rig, first.names[0], 0.3, 2.0)).result()
     hasty = slow.trajectory
     hasty = Trajectory(hasty.names, hasty.times / 10, hasty.positions, hasty.velocities * 10)
     with pytest.raises(OutOfLimitsError, match="of panda_joint1 = "):

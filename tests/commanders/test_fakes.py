@@ -169,7 +169,7 @@ def test_a_fake_arm_takes_goals_of_its_robots_own_joints_and_the_others_stay():
 
 def test_a_fake_arm_follows_a_trajectory_of_its_robots_own_joints():
     arm = own_arm()
-    arm.execute(arm.plan_along(Trajectory(("j1",), [0.0, 1.0], [[0.1], [0.5]])).result()).result()
+    arm.execute(arm.plan_from_trajectory(Trajectory(("j1",), [0.0, 1.0], [[0.1], [0.5]])).result()).result()
     assert arm.state().ordered(("j1", "j2")) == pytest.approx([0.5, 0.2])
 
 

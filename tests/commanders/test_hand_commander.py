@@ -11,7 +11,7 @@ from grip_bt.base.values import JointState
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.fake import FakeHand
 from grip_bt.commanders.hand import HandCommander, Synergies
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 
 FINGERS = {"index": ("joint_0.0", "joint_1.0"), "thumb": ("joint_12.0", "joint_13.0")}
 STATES = build_robot("panda_allegro").named_states["hand"]
@@ -93,10 +93,10 @@ def test_a_hand_moves_by_synergies_and_stays_within_its_limits(port):
 
 def test_a_taught_posture_is_a_named_one_also_in_the_next_run(port, tmp_path):
     file = tmp_path / "taught.yaml"
-    hand = HandCommander("right", port, STATES, taught=Taught(file))
+    hand = HandCommander("right", port, STATES, taught=TaughtStates(file))
     hand.move("flat")
     hand.teach("halt")
-    again = HandCommander("right", port, STATES, taught=Taught(file))
+    again = HandCommander("right", port, STATES, taught=TaughtStates(file))
     assert again.named_states()["halt"].position.tolist() == hand.state().position.tolist()
     assert again.move("halt").result().position == pytest.approx(STATES["flat"].position)
     with pytest.raises(NameTakenError, match="closed"):

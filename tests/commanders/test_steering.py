@@ -12,7 +12,7 @@ from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.fake import FakeExecutor, OnClock
 from grip_bt.commanders.kinematics.collision import recent_checker
 from grip_bt.commanders.planning.answer import answer
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanOnward
+from grip_bt.commanders.planning.requests import PlanningSettings, PlanServoStep
 from grip_bt.commanders.steering import HOLD, SAMPLING, approaching, spliced, steered
 from grip_bt.runtime.clock import ManualClock
 
@@ -83,7 +83,7 @@ def test_a_steered_hand_moves_on_a_line_at_its_speed_without_a_stop(rig):
     assert speeds[4:] == pytest.approx(np.tile([0.0, 0.1, 0.0], (len(speeds) - 4, 1)), abs=0.004)
     assert places[:, [0, 2]] == pytest.approx(np.tile(begin.position[[0, 2]], (len(places), 1)), abs=2e-3)
     assert rig.arm.grasp_pose().quaternion == pytest.approx(begin.quaternion, abs=5e-3)
-    assert all(isinstance(request, PlanOnward) for request in rig.planner.requests)
+    assert all(isinstance(request, PlanServoStep) for request in rig.planner.requests)
 
 
 def test_limits_of_velocity_and_acceleration_are_kept_over_every_splice(rig):

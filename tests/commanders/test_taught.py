@@ -8,17 +8,17 @@ import pytest
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.values import JointState, Pose
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 
 
 def test_states_and_poses_come_back_to_the_last_digit(tmp_path):
     rng = np.random.default_rng(0)
-    taught = Taught(tmp_path / "taught.yaml")
+    taught = TaughtStates(tmp_path / "taught.yaml")
     values = {f"s{k}": JointState(("a", "b"), rng.normal(size=2)) for k in range(5)}
     values |= {f"p{k}": Pose(rng.normal(size=3), rng.normal(size=4), "crate") for k in range(5)}
     for name, value in values.items():
         taught.put("right", name, value, {})
-    again = Taught(tmp_path / "taught.yaml").of("right")
+    again = TaughtStates(tmp_path / "taught.yaml").of("right")
     assert list(again) == list(values)
     for name, value in values.items():
         if isinstance(value, Pose):
@@ -29,7 +29,7 @@ def test_states_and_poses_come_back_to_the_last_digit(tmp_path):
 
 
 def test_teaching_again_replaces_and_without_a_file_lasts_for_the_run():
-    taught = Taught()
+    taught = TaughtStates()
     taught.put("right", "here", JointState(("a",), [1.0]), {})
     taught.put("right", "here", JointState(("a",), [2.0]), {})
     assert taught.get("right", "here").position == [2.0]
@@ -44,7 +44,7 @@ def test_teaching_again_replaces_and_without_a_file_lasts_for_the_run():
 
 def test_a_file_written_by_hand_is_read(tmp_path):
     (tmp_path / "t.yaml").write_text("right:\n  look:\n    pose: {position: [1, 2, 3]}\n  up:\n    state: {a: 1}\n")
-    assert Taught(tmp_path / "t.yaml").get("right", "look") == Pose((1, 2, 3))
+    assert TaughtStates(tmp_path / "t.yaml").get("right", "look") == Pose((1, 2, 3))
 
 
 @pytest.mark.parametrize(
@@ -60,4 +60,4 @@ def test_a_file_written_by_hand_is_read(tmp_path):
 def test_a_wrong_file_says_where(tmp_path, text, says):
     (tmp_path / "t.yaml").write_text(text)
     with pytest.raises(DocumentError, match=says):
-        Taught(tmp_path / "t.yaml")
+        TaughtStates(tmp_path / "t.yaml")

@@ -18,7 +18,7 @@ from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import CheckTogether, PlanningSettings, Situation
-from grip_bt.commanders.scene import Box, Carrier, SceneObject, SceneSnapshot
+from grip_bt.commanders.scene import Box, HandMount, SceneObject, SceneSnapshot
 from grip_bt.commanders.trajectory.splines import eased
 from grip_bt.runtime.clock import ManualClock
 
@@ -44,7 +44,7 @@ def model(tmp_path_factory):
 @pytest.fixture
 def carriers(model):
     hands = model.description.hands
-    return {f"{side}_hand": Carrier(f"{side}_manipulator", frozenset(hands[f"{side}_gripper"])) for side in SIDES}
+    return {f"{side}_hand": HandMount(f"{side}_manipulator", frozenset(hands[f"{side}_gripper"])) for side in SIDES}
 
 
 def at(model, side, q=UPRIGHT):

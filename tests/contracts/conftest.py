@@ -39,7 +39,7 @@ from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.fake.hand import BRAKING
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
-from grip_bt.commanders.pausing import HeldHand, held
+from grip_bt.commanders.pausing import PausableHand, held
 from grip_bt.runtime.clock import ManualClock
 
 
@@ -122,7 +122,7 @@ def held_executor() -> Iterator[ExecutorRig]:
 def held_hand_port() -> Iterator[HandRig]:
     with fake_hand_port() as rig:
         yield HandRig(
-            HeldHand(rig.port), rig.let_pass, rig.open, rig.closed, rig.offer, rig.take, exact=True, braking=BRAKING
+            PausableHand(rig.port), rig.let_pass, rig.open, rig.closed, rig.offer, rig.take, exact=True, braking=BRAKING
         )
 
 

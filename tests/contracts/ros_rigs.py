@@ -18,7 +18,7 @@ from grip_bt.base.values import JointState
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
-from grip_bt.commanders.pausing import HeldHand
+from grip_bt.commanders.pausing import PausableHand
 from grip_bt.commanders.trajectory.stopping import ACCELERATION
 
 SERVERS = Path(__file__).parents[1] / "ros" / "data"
@@ -110,7 +110,7 @@ def controlled_hand(ros_robot: tuple[Any, Any]) -> Iterator[HandRig]:
 @contextmanager
 def commanded_ros_hand(ros_robot: tuple[Any, Any]) -> Iterator[HandRig]:
     with controlled_hand(ros_robot) as rig:
-        hand = HandCommander("right", HeldHand(rig.port), {"open": rig.open, "closed": rig.closed})
+        hand = HandCommander("right", PausableHand(rig.port), {"open": rig.open, "closed": rig.closed})
         yield HandRig(hand, rig.let_pass, rig.open, rig.closed, rig.offer)
 
 

@@ -96,7 +96,7 @@ def test_a_trajectory_that_is_given_is_followed_through_its_points_at_its_times(
     start, names = arm_rig.port.state(), arm_rig.away.names
     rows = [start.position, arm_rig.away.position, arm_rig.away.position, start.position]
     given = Trajectory(names, [0.0, 6.0, 10.0, 16.0], rows)
-    plan = arm_rig.wait(arm_rig.port.plan_along(given)).result()
+    plan = arm_rig.wait(arm_rig.port.plan_from_trajectory(given)).result()
     assert plan.trajectory.times.tolist() == given.times.tolist()
     began, there = arm_rig.port.state().time, None
     operation = arm_rig.port.execute(plan)
@@ -116,10 +116,10 @@ def test_joints_that_a_trajectory_does_not_name_stay_and_those_of_others_are_ref
     start = arm_rig.port.state()
     name, here = start.names[-1], float(start.position[-1])
     given = Trajectory((name,), [0.0, 2.0], [[here], [here + 0.1]])
-    measured = arm_rig.wait(arm_rig.port.plan_along(given).then(arm_rig.port.execute)).result()
+    measured = arm_rig.wait(arm_rig.port.plan_from_trajectory(given).then(arm_rig.port.execute)).result()
     assert measured.position - start.position == pytest.approx([0.0] * (len(start.names) - 1) + [0.1], abs=0.02)
     with pytest.raises(UnknownNameError, match=name):
-        arm_rig.port.plan_along(Trajectory(("elsewhere",), [0.0, 2.0], [[0.0], [0.1]]))
+        arm_rig.port.plan_from_trajectory(Trajectory(("elsewhere",), [0.0, 2.0], [[0.0], [0.1]]))
 
 
 def test_one_plan_alone_meets_nothing(arm_rig):

@@ -90,7 +90,7 @@ class FakeArm(Steps):
         self.constraint = constraint
         return self._plan("plan", goal)
 
-    def plan_along(self, trajectory, *, slow_down=False):
+    def plan_from_trajectory(self, trajectory, *, slow_down=False):
         return self._plan("along", trajectory.end())
 
     def check_together(self, plans):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task import loads
 from grip_bt.task.catalog import Catalog, read_python_nodes
 from grip_bt.task.catalog.sensors import sensor_manifest
@@ -52,7 +52,7 @@ def test_its_tasks_are_right():
 
 def test_its_file_of_taught_names_is_one(tmp_path):
     (tmp_path / "taught.yaml").write_text(fences("commanders", "yaml")[-1])
-    taught = Taught(tmp_path / "taught.yaml")
+    taught = TaughtStates(tmp_path / "taught.yaml")
     assert set(taught.of("right")) == {"above_crate", "look"}
     assert set(taught.states("right_hand")) == {"pinch"}
 

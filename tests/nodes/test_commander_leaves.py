@@ -81,7 +81,7 @@ def test_a_trajectory_that_begins_elsewhere_is_refused_when_the_arm_may_not_go_t
 
 @pytest.mark.parametrize("error", [OutOfLimitsError("too fast"), PathInvalidError("a touches b")])
 def test_a_trajectory_that_cannot_be_followed_moves_nothing_and_says_why(world, error):
-    cell = Cell(world, plan_along=[error])
+    cell = Cell(world, plan_from_trajectory=[error])
     before = cell.arm.grasp_pose()
     given = Trajectory(("x",), [0.0, 1.0], [[0.5], [0.6]])
     leaf = cell.leaf("arm/execute_trajectory", trajectory=given)

@@ -13,7 +13,7 @@ from grip_bt.base.failures import CanceledError, NoPlanError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.joined import all_of
-from grip_bt.commanders.pausing import HeldExecutor
+from grip_bt.commanders.pausing import PausableExecutor
 from grip_bt.nodes.motion import first_of, tolerant
 
 ros = partial(pytest.param, marks=pytest.mark.ros)
@@ -64,7 +64,7 @@ def after_held(first, step):
         def state(self):
             return JointState(("a",), [0.0])
 
-    held = HeldExecutor(Inner())
+    held = PausableExecutor(Inner())
     held.pause()
     first.add_done_callback(held.resume)
     return held.execute(WAY)

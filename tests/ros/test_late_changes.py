@@ -9,7 +9,7 @@ import pytest
 from controller_model import ModelController, ModelExecutor, ModelTime
 
 from grip_bt.base.operation import Operation
-from grip_bt.commanders.steered_motion import Stream, velocity_of
+from grip_bt.commanders.steered_motion import SteeredMotion, velocity_of
 from grip_bt.commanders.steering import steered
 
 NAMES = ("a", "b", "c")
@@ -25,7 +25,7 @@ class Steering:
         self.clock, self.rng, self.acceleration = ModelTime(), rng, acceleration
         self.controller = ModelController(NAMES, self.clock, delay)
         self.executor = ModelExecutor(self.controller, self.clock)
-        self.planning, self.stream = planning, Stream(self.executor, self.plan)
+        self.planning, self.stream = planning, SteeredMotion(self.executor, self.plan)
         self.motions = []
 
     def plan(self, start, twist, hold):

@@ -12,7 +12,7 @@ from ros_bench import ended
 
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Steerable
-from grip_bt.commanders.steered_motion import Stream, velocity_of
+from grip_bt.commanders.steered_motion import SteeredMotion, velocity_of
 from grip_bt.commanders.steering import steered
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -51,7 +51,7 @@ def test_a_steered_motion_goes_on_and_ends_soon_after_the_last_word(bus, states,
         executor = StreamedExecutor(bus, "/stream/commands", NAMES, states)
     assert isinstance(executor, Steerable)
     monkeypatch.setattr("grip_bt.commanders.steered_motion.HOLD", HOLD)
-    stream, amended, begin, longest = Stream(executor, plan_step), [], states.state(NAMES).position, 0
+    stream, amended, begin, longest = SteeredMotion(executor, plan_step), [], states.state(NAMES).position, 0
     amend, deadline = executor.amend, time.monotonic() + 5 * PATIENCE
     executor.amend = lambda tail, at: amended.append(amend(tail, at)) or amended[-1]
     # A machine that is late lets the joints come to rest, as it should; then a motion begins anew.

@@ -17,7 +17,7 @@ from grip_bt.base.message_store import MessageLibrary, names
 from grip_bt.commanders.description.files import Stamps, as_they_were, noting_files, stamps_of
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import joints_of_fingers, links_of_groups
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task.catalog import AllowedImports, Catalog, TaskFolder, find_manifests, find_python_nodes
 from grip_bt.task.catalog.project_parts import UNFIT, UNMOVED, Equipment, Equipped, Trouble
 from grip_bt.task.catalog.sensors import sensor_manifest
@@ -73,7 +73,7 @@ def _robot(project: Project) -> RobotDescription | GripError | None:
 
 
 def _arms(
-    project: Project, robot: RobotDescription | None, taught: Taught | None, troubles: tuple[Trouble, ...]
+    project: Project, robot: RobotDescription | None, taught: TaughtStates | None, troubles: tuple[Trouble, ...]
 ) -> dict[str, Equipped]:
     found = {}
     for name, arm in project.file.arms.items():
@@ -91,7 +91,7 @@ def _arms(
 def _hands(
     project: Project,
     robot: RobotDescription | None,
-    taught: Taught | None,
+    taught: TaughtStates | None,
     links: list[str],
     troubles: tuple[Trouble, ...],
 ) -> dict[str, Equipped]:
@@ -139,10 +139,10 @@ def _sensors(
     return found
 
 
-def _taught(project: Project) -> Taught | DocumentError:
+def _taught(project: Project) -> TaughtStates | DocumentError:
 
     try:
-        return Taught(project.folder / TAUGHT)
+        return TaughtStates(project.folder / TAUGHT)
     except DocumentError as error:
         return error
 

@@ -21,8 +21,8 @@ from grip_bt.commanders.joined import JoinedExecutor
 from grip_bt.commanders.kinematics.fingertips import fingertip_posture
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.service import PlanningProcess, PlanningService
-from grip_bt.commanders.scene import Carrier, PlanningScene
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.scene import HandMount, PlanningScene
+from grip_bt.commanders.taught import TaughtStates
 
 from ..project.config import ArmConfig
 from ..project.faults import TAUGHT, check_arms, common_states
@@ -86,7 +86,7 @@ def commanded(
     """
     project = opening.project
     file = project.file
-    model, taught = RobotModel(description), Taught(project.folder / TAUGHT)
+    model, taught = RobotModel(description), TaughtStates(project.folder / TAUGHT)
     hands = {
         name: HandCommander(
             name,
@@ -121,7 +121,7 @@ def commanded(
         links,
         project.folder,
         {
-            hand: Carrier(
+            hand: HandMount(
                 file.arms[arm].group,
                 frozenset((*links[hand], *description.hands.get(file.hands[hand].group, ()))),
             )

@@ -14,7 +14,7 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.fake import FakeArm, FakeCamera, FakeComponent, FakeHand, FakeRos, FakeSensor
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 from grip_bt.ros.frames import FrameError, mounted_frames
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.manifest import Manifest
@@ -32,7 +32,7 @@ class FakeBackend:
     def open(self, opening: Opening, stack: ExitStack) -> Resources:
         """Make them; there is nothing to start."""
         project, file = opening.project, opening.project.file
-        robot, taught = description_of(project), Taught()
+        robot, taught = description_of(project), TaughtStates()
         arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
         facts = {name: hand_facts(robot, hand.group) for name, hand in file.hands.items()}
         ports = {name: _fingers(each) for name, each in facts.items()}
@@ -102,7 +102,7 @@ def _replies(manifest: Manifest, outcomes: int) -> list[dict[str, Any]]:
     return [{**fields, "outcome": number} for number in range(outcomes)]
 
 
-def _arm(name: str, robot: RobotDescription | None, group: str, taught: Taught) -> FakeArm:
+def _arm(name: str, robot: RobotDescription | None, group: str, taught: TaughtStates) -> FakeArm:
     own, states = arm_states(robot, group)
     return FakeArm(name, states=states, taught=taught, own=own)
 
@@ -112,7 +112,7 @@ def _fingers(facts: HandFacts) -> FakeHand:
     return FakeHand(opened, thing=facts.thing, forces=facts.forces, closed=closed)
 
 
-def _hand(name: str, port: FakeHand, taught: Taught, facts: HandFacts) -> HandCommander:
+def _hand(name: str, port: FakeHand, taught: TaughtStates, facts: HandFacts) -> HandCommander:
     return HandCommander(
         name,
         port,

@@ -11,7 +11,7 @@ from typing import Any, Literal, Protocol
 from grip_bt.base.errors import MissingPartError
 from grip_bt.base.ports import Clock
 from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
-from grip_bt.commanders.taught import Taught
+from grip_bt.commanders.taught import TaughtStates
 from grip_bt.runtime import RunContext, RunParts
 from grip_sim.adapters import SimReferee
 from grip_sim.simulation import Simulation
@@ -48,7 +48,7 @@ class FakeState:
     arms: Mapping[str, FakeArm] = field(default_factory=dict)
     hands: Mapping[str, FakeHand] = field(default_factory=dict)
     components: Mapping[str, FakeComponent] = field(default_factory=dict)
-    taught: Taught = field(default_factory=Taught)
+    taught: TaughtStates = field(default_factory=TaughtStates)
 
     def kept(self) -> dict[str, Any]:
         """Return all of it, as a value of the journal."""

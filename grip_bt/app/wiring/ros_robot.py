@@ -10,7 +10,7 @@ from functools import partial
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
-from grip_bt.commanders.pausing import HeldHand, held
+from grip_bt.commanders.pausing import PausableHand, held
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.controllers import (
     ControlledHand,
@@ -77,7 +77,7 @@ class RosBackend:
         limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
         controllers = _Controllers(settings, bus, states, limits, jerks)
         executors = {name: held(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone}
-        ports = {name: HeldHand(controllers.hand(name, joints[name])) for name in file.hands}
+        ports = {name: PausableHand(controllers.hand(name, joints[name])) for name in file.hands}
         parts = commanded(opening, robot.description, planner, executors, ports, {})
         cameras = _cameras(project, settings, bus, progress)
         robot.wait_until_ready(opening)

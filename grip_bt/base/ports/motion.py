@@ -133,7 +133,7 @@ class Arm(Protocol):
             ValueError: there are no way points.
         """
 
-    def plan_along(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
+    def plan_from_trajectory(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         """Check a trajectory that was made elsewhere, such as a stored one, and make a plan of it, as it is.
 
         Points without velocities get those of the monotone cubic through them.

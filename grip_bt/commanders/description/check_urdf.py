@@ -287,13 +287,13 @@ def _structure(robot: ET.Element, links: list[str], reporter: Reporter) -> Itera
     for joint in robot.findall("joint"):
         parent, child = ((e.get("link", "") if (e := joint.find(t)) is not None else "") for t in ("parent", "child"))
         if child in above:
-            yield reporter.error("two-parents", f"link {child!r} hangs on two joints; a robot is a tree", joint)
+            yield reporter.error("two-parents", f"link {child!r} has two parent joints; a robot is a tree", joint)
         elif child:
             above[child] = parent
     roots = [link for link in dict.fromkeys(links) if link not in above]
     if len(roots) > 1:
         yield reporter.error(
-            "two-roots", f"these links hang on nothing: {listing(roots)}; join them by fixed joints", robot
+            "two-roots", f"these links have no parent: {listing(roots)}; connect them with fixed joints", robot
         )
     for link in links:
         depth, at = 0, link
@@ -334,6 +334,6 @@ def _mimic_loops(robot: ET.Element, reporter: Reporter) -> Iterator[Finding]:
             seen.add(at)
             at = leads[at]
         if at in leads:
-            yield reporter.error("cycle", f"joint {name!r} mimics, in the end, itself", joint)
+            yield reporter.error("cycle", f"joint {name!r} mimics itself through a chain", joint)
         elif at != name and kinds.get(at) in ("fixed", *HELD):
             yield reporter.error("fixed-leader", f"joint {name!r} mimics {at!r}, which never moves", joint)

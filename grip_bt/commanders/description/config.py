@@ -128,5 +128,5 @@ class RobotConfig(_Config):
             found = " and ".join(given) if given else "nothing"
             raise ValueError(f"a robot is made of exactly one of {', '.join(SOURCES)}; this one has {found}")
         if (self.arm is None) != (self.hand is None) or (self.arm is None) != (self.mount is None):
-            raise ValueError("a robot that is put together has all of arm, hand and mount")
+            raise ValueError("a composed robot needs arm, hand and mount")
         return self

@@ -84,7 +84,7 @@ def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Insp
     except (DocumentError, UnknownNameError) as error:
         return Inspected((finding_of(error),))
     except RecursionError:
-        return Inspected((Finding("error", "cycle", "the robot is, in the end, a part of itself"),))
+        return Inspected((Finding("error", "cycle", "the robot contains itself"),))
 
 
 def _inspected(config: RobotConfig, folder: Path) -> Inspected:

@@ -215,7 +215,7 @@ class _Check:
             for chain in group.chains:
                 yield from self._chain(group, *chain)
             if self._contains_itself(group.name):
-                yield self._say("error", "cycle", f"{where} is, in the end, a part of itself", group)
+                yield self._say("error", "cycle", f"{where} contains itself", group)
 
     def others(self) -> Iterator[Finding]:
         links, joints, groups = self.tree.links, self.tree.joints, self.srdf.groups
@@ -259,7 +259,7 @@ class _Check:
                 continue
             if not joint.lower - 1e-6 <= position <= joint.upper + 1e-6:
                 allowed = f"{joint.lower:g} ... {joint.upper:g}"
-                message = f"{where}: joint {name!r} at {position:g} is out of its limits {allowed}; it is put inside"
+                message = f"{where}: joint {name!r} at {position:g} is out of its limits {allowed}; it is clamped"
                 yield self._say("warning", "out-of-limits", message)
 
     def _chain(self, group: Group, base: str, tip: str) -> Iterator[Finding]:

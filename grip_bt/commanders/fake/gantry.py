@@ -21,13 +21,13 @@ from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, T
 
 from ..joined import require_joints
 from ..pausing import held
-from ..steered_motion import Stream, Twist, velocity_of
+from ..steered_motion import SteeredMotion, Twist, velocity_of
 from ..steering import HOLD, approaching, bounded, jogged, lasting, steered
-from ..taught import Taught
+from ..taught import TaughtStates
 from .joints import AtOnce, FakeExecutor, Schedule, Script, steps_of
 
 JOINTS = ("x", "y", "z", "rx", "ry", "rz")
-PLANNING = ("plan", "plan_straight", "plan_through", "plan_along", "plan_step", "choose_grasp")
+PLANNING = ("plan", "plan_straight", "plan_through", "plan_from_trajectory", "plan_step", "choose_grasp")
 SPEED = 0.5
 """Of each joint [m/s or rad/s]."""
 ACCELERATION = 2.0
@@ -43,7 +43,7 @@ class FakeArm:
         home: pose of the grasp frame in the state `home`, where it is at first.
         schedule: its time; at once when None.
         states: further named states of the joints `JOINTS`.
-        script: verb (`plan`, `plan_straight`, `plan_through`, `plan_along`, `plan_step`, `choose_grasp`, `execute`) ->
+        script: verb (`plan`, `plan_straight`, `plan_through`, `plan_from_trajectory`, `plan_step`, `choose_grasp`, `execute`) ->
             what becomes of each such request; `plan_step` is asked while the arm is steered.
         taught: what was taught before; nothing when None.
         own: where the robot's own joints are at first; it has none when None.
@@ -56,19 +56,19 @@ class FakeArm:
         schedule: Schedule | None = None,
         states: Mapping[str, JointState] | None = None,
         script: Mapping[str, Script] | None = None,
-        taught: Taught | None = None,
+        taught: TaughtStates | None = None,
         own: JointState | None = None,
     ):
         own = own or JointState((), ())
         self._name, self._joints = name, (*own.names, *JOINTS)
         start = JointState(self._joints, [*own.position, *_joints_of(home or Pose([0.3, -0.4, 0.5]))])
         self._states = {"home": start, **(states or {})}
-        self._taught = taught if taught is not None else Taught()
+        self._taught = taught if taught is not None else TaughtStates()
         scripts = dict(script or {})
         schedule = schedule or AtOnce()
         self._gantry = FakeExecutor(start, schedule, scripts.pop("execute", ()))
         self._executor = held(self._gantry, now=schedule.now)
-        self._stream = Stream(self._executor, self._plan_step)
+        self._stream = SteeredMotion(self._executor, self._plan_step)
         self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in PLANNING}
         if scripts:
             raise UnknownNameError("verb of a fake arm", next(iter(scripts)), (*self._scripts, "execute"))
@@ -123,7 +123,7 @@ class FakeArm:
         Fakes round no corners. See `ports.Arm`.
         """
         if not way_points:
-            raise ValueError("a motion through way points has at least one of them")
+            raise ValueError("at least one way point is needed")
         rows = [self._row(self.state().position, start)]
         for point in way_points:
             rows.append(self._end(point.goal, rows[-1]))
@@ -135,10 +135,10 @@ class FakeArm:
         planned = self._planned("plan_through", ends, begin)
         return planned.then(lambda plan: Operation.finished(replace(plan, radii=none)))
 
-    def plan_along(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
+    def plan_from_trajectory(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
         """Make a plan of a trajectory; fakes know no limits and no shapes. See `ports.Arm`."""
         require_joints(trajectory.names, self._joints, self._name)
-        failure = next(self._scripts["plan_along"])
+        failure = next(self._scripts["plan_from_trajectory"])
         if failure is not None:
             return Operation.failed(failure)
         rows = np.tile(self.state().position, (len(trajectory.times), 1))

@@ -73,7 +73,7 @@ class FakeHand:
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move towards a posture; see `ports.HandPort`."""
-        self._end(CanceledError("another motion has taken the place of this one"))
+        self._end(CanceledError("replaced by another motion"))
         self.torque_limits.append(torque_limit)
         failure = next(self._script)
         if failure is not None:

@@ -166,7 +166,7 @@ class FakeExecutor:
         """
         if trajectory.names != self._names:
             raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
-        self._end(CanceledError("another motion has taken the place of this one"))
+        self._end(CanceledError("replaced by another motion"))
         off = float(np.abs(trajectory.positions[0] - self._position).max())
         if off > START_TOLERANCE:
             return Operation.failed(

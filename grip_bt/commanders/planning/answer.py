@@ -24,17 +24,17 @@ from .goals import goals_of, out_of_limits, touching
 from .grasps import choose_grasp
 from .requests import (
     CheckTogether,
+    CheckTrajectory,
     ChooseGrasp,
     ChosenGrasp,
-    PlanAlong,
-    PlanOnward,
+    PlanServoStep,
     PlanStraight,
     PlanThrough,
     PlanTo,
     Request,
 )
 from .search import Search, first_success
-from .steering_step import plan_onward
+from .steering_step import plan_servo_step
 from .straight import plan_straight
 from .through import plan_through
 
@@ -66,7 +66,7 @@ def check_together(model: RobotModel, request: CheckTogether) -> None:
         )
 
 
-def plan_along(model: RobotModel, request: PlanAlong) -> Trajectory:
+def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Trajectory:
     """Return the trajectory for all joints of the group; those that it doesn't name stay where they are.
 
     Raises:
@@ -84,7 +84,7 @@ def plan_along(model: RobotModel, request: PlanAlong) -> Trajectory:
             raise out_of_limits(chain, row, f"{moment:.2f} s after its beginning, the trajectory is")
     checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
     if met := checker.pairs(positions[0]):
-        raise PathInvalidError(f"where the trajectory begins, {touching(met)}", pairs=met, time=0.0)
+        raise PathInvalidError(f"the trajectory starts in collision: {touching(met)}", pairs=met, time=0.0)
     known = given.velocities is not None
     whole = Trajectory(
         chain.joints,
@@ -152,10 +152,10 @@ def answer(
     elif isinstance(request, PlanThrough):
         trajectory, radii = plan_through(model, request, canceled, clocks)
         return Plan(request.situation.group, trajectory, "through", time.monotonic() - begin, radii)
-    elif isinstance(request, PlanOnward):
-        planner, trajectory = "onward", plan_onward(model, request)
-    elif isinstance(request, PlanAlong):
-        planner, trajectory = "given", plan_along(model, request)
+    elif isinstance(request, PlanServoStep):
+        planner, trajectory = "onward", plan_servo_step(model, request)
+    elif isinstance(request, CheckTrajectory):
+        planner, trajectory = "given", plan_from_trajectory(model, request)
     else:
         planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled, clocks)
     return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin)

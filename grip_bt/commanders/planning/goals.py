@@ -75,7 +75,7 @@ def _pose_goals(chain: Chain, checker: CollisionChecker, request: PlanTo, start:
     if hinted or found:
         return hinted + sorted(found, key=lambda q: float(np.linalg.norm(q - start)))
     if pairs:
-        raise GoalInCollisionError(f"wherever the pose is reached, {touching(pairs)}", pairs=pairs)
+        raise GoalInCollisionError(f"every solution for the pose is in collision: {touching(pairs)}", pairs=pairs)
     poses = _poses(request)
     what = f"{poses[0]}" if len(poses) == 1 else f"any of {len(poses)} poses"
     raise NoIkError(f"no joint positions reach {what}", pose=poses[0])
@@ -118,6 +118,6 @@ def out_of_limits(chain: Chain, q: Array, what: str) -> OutOfLimitsError:
 def touching(pairs: Sequence[tuple[str, str]]) -> str:
     """Return up to three pairs of names in words; without any, why a motion counts as touching."""
     if not pairs:
-        return "something comes nearer than 0.05 mm, which counts as touching"
+        return "two bodies come closer than 0.05 mm, which counts as contact"
     shown = "; ".join(f"{a} touches {b}" for a, b in pairs[:3])
     return shown + (f"; and {len(pairs) - 3} more pairs" if len(pairs) > 3 else "")

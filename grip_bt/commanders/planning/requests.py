@@ -116,7 +116,7 @@ class PlanThrough:
 
 
 @dataclass(frozen=True, slots=True)
-class PlanOnward:
+class PlanServoStep:
     """Plan a step of a steered motion: with a twist for a moment, and then to rest.
 
     Attributes:
@@ -133,7 +133,7 @@ class PlanOnward:
 
 
 @dataclass(frozen=True, slots=True)
-class PlanAlong:
+class CheckTrajectory:
     """Make a plan of a trajectory that is given, if it can be followed.
 
     Attributes:
@@ -185,4 +185,4 @@ class ChosenGrasp:
     reasons: dict[str, int] = field(default_factory=dict)
 
 
-Request = PlanTo | PlanStraight | PlanThrough | PlanOnward | PlanAlong | ChooseGrasp | CheckTogether
+Request = PlanTo | PlanStraight | PlanThrough | PlanServoStep | CheckTrajectory | ChooseGrasp | CheckTogether

@@ -16,7 +16,7 @@ from ..steering import bounded, steered
 from .checks import allowed
 from .continuous import first_touch
 from .goals import out_of_limits, touching
-from .requests import PlanOnward
+from .requests import PlanServoStep
 
 DAMPING = 1e-4
 """Of the pseudo-inverse of the Jacobian: near singular configurations joints would else become too fast."""
@@ -24,7 +24,7 @@ AMISS = 0.3
 """A twist of which more than this part can't be had isn't begun."""
 
 
-def plan_onward(model: RobotModel, request: PlanOnward) -> Trajectory:
+def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:
     """Plan one step.
 
     Raises:
@@ -48,7 +48,7 @@ def plan_onward(model: RobotModel, request: PlanOnward) -> Trajectory:
             raise out_of_limits(chain, row, "going on, the arm would be")
     checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
     if touched := first_touch(checker, step):
-        raise PathInvalidError(f"the arm can't go on: {touching(touched[1])}", pairs=touched[1])
+        raise PathInvalidError(f"the steering step would collide: {touching(touched[1])}", pairs=touched[1])
     return step
 
 

@@ -28,7 +28,7 @@ def refuse_beyond_limits(trajectory: Trajectory, limits: Limits) -> None:
         OutOfLimitsError: it breaks one; `data` has the `joints`, the `time` [s], the `value` and the `limit`.
     """
     if len(trajectory.times) > 1 and trajectory.velocities is None:
-        words = "has points without velocities, where speeds would jump; have `plan_along` make a plan of it"
+        words = "has points without velocities, where speeds would jump; have `plan_from_trajectory` make a plan of it"
         raise OutOfLimitsError(f"the trajectory {words}", joints=trajectory.names)
     times, position, velocity, acceleration = _all_along(trajectory)
     fastest, hardest, still = limits.velocity, limits.acceleration, np.full(len(trajectory.names), STILL)
@@ -77,7 +77,7 @@ TOLD = 0.05
 """Velocities that are published are noisy: only larger ones tell that a joint moves [rad/s or m/s]."""
 
 
-class Stillness:
+class RestDetector:
     """Judges measurements one after the other.
 
     Attributes:

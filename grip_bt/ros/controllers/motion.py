@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
-from grip_bt.commanders.trajectory.limits import Stillness
+from grip_bt.commanders.trajectory.limits import RestDetector
 
 from ..steps import Steps, walk
 from .joint_states import JointStates
@@ -157,7 +157,7 @@ def rest_of_joints(states: JointStates, names: tuple[str, ...], within: float = 
 
     Where they aren't `within` [s], the result says what is known instead.
     """
-    judge = Stillness()
+    judge = RestDetector()
 
     def why() -> str:
         return f"{judge.moving} still moves" if judge.moving else "nothing was measured of the joints since"
