@@ -16,12 +16,14 @@ import threading
 from collections.abc import Mapping
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, RootModel
+from pydantic import BaseModel, ConfigDict, RootModel, ValidationError
 
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.files import replace_text
 from grip_bt.base.values import JointState, Pose
+from grip_bt.base.yaml.models import diagnostic_of, document_error
+from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
 
 
 class _PoseEntry(BaseModel):
@@ -41,7 +43,7 @@ class _File(RootModel[dict[str, dict[str, _Entry]]]):
     pass
 
 
-class Taught:
+class TaughtStates:
     """Named joint states and poses, by part of the robot. Safe to use from any thread.
 
     Args:
@@ -107,11 +109,6 @@ class Taught:
 
 
 def _read(file: Path) -> dict[str, dict[str, _Entry]]:
-    from pydantic import ValidationError
-
-    from grip_bt.base.yaml.models import diagnostic_of, document_error
-    from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
-
     tree = parse(read_file(file), str(file))
     if not isinstance(tree, YamlMapping):
         raise document_error([("a mapping of names to what was taught is expected", tree.line, tree.column)], str(file))

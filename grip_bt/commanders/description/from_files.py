@@ -113,9 +113,7 @@ class _Single:
         elif self.moveit is not None and self.moveit.urdf is not None:
             path, arguments = self.moveit.urdf, {**self.moveit.arguments, **config.arguments}
         else:
-            raise DocumentError(
-                "the location of the URDF isn't given; give it as `urdf:` or `xacro:`", str(self.folder)
-            )
+            raise DocumentError("no URDF is given; name it as `urdf:` or `xacro:`", str(self.folder))
         if config.xacro is None and path.suffix != ".xacro":
             if config.arguments:
                 self._warn("unused-arguments", "arguments are for xacro files; this URDF takes none", path)

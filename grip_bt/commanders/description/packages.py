@@ -12,7 +12,9 @@ from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 
-from grip_bt.base.errors import MissingPartError
+from grip_bt.base.errors import DocumentError, MissingPartError
+
+from .xml import read_xml
 
 SCHEMES = ("package://", "model://")
 
@@ -96,10 +98,6 @@ _PLACES: tuple[Callable[[str], Path | None], ...] = (_in_ros, _installed)
 
 
 def _name_in(manifest: Path) -> str:
-    from grip_bt.base.errors import DocumentError
-
-    from .xml import read_xml
-
     try:
         return (read_xml(manifest, "package").findtext("name") or "").strip()
     except DocumentError:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from ..names import PLANNERS, SOLVERS
 from .moveit_files import JointLimits
 from .moveit_package import MoveItPackage
 from .robot import RobotDescription
@@ -15,9 +16,6 @@ from .tree import Joint, Tree
 
 def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> dict[str, Any]:
     """Return a robot's groups, joints, limits, end effectors, states, and what can plan for it, as JSON data."""
-    from ..kinematics.ik import SOLVERS
-    from ..planning.search import planners
-
     joints = Tree(ET.fromstring(robot.urdf)).joints
     return {
         "name": robot.name,
@@ -46,7 +44,7 @@ def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> di
             for group, states in robot.named_states.items()
         },
         "solvers": sorted(name for name in SOLVERS if name != "analytic" or _has_six_turning(robot, joints)),
-        "planners": sorted(planners()),
+        "planners": sorted(PLANNERS),
         "preferences": {
             group: {field: asdict(preference) for field, preference in fields.items()}
             for group, fields in robot.preferences.items()

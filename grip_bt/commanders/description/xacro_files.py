@@ -20,7 +20,7 @@ from grip_bt.base.interpreter import python_command
 
 from .files import as_they_were, note, stamps_of
 from .packages import Packages
-from .xml import Element, parse_xml
+from .xml import Element, parse_xml, read_xml
 
 MOST = 64
 """Expansions that are kept; beyond that, those go that were made first."""
@@ -112,8 +112,6 @@ def expanded(path: Path, arguments: Mapping[str, object], packages: Packages, ro
 
 def declared_arguments(path: Path) -> tuple[str, ...]:
     """Return the names of the arguments that a xacro file declares itself, in order."""
-    from .xml import read_xml
-
     names = (e.get("name", "") for e in read_xml(path, "robot").iter("xacro:arg"))
     return tuple(dict.fromkeys(filter(None, names)))
 

@@ -22,6 +22,10 @@ from pathlib import Path
 from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType, TracebackType
 from typing import Any
 
+from grip_bt.base.errors import GripError
+
+from .packages import Packages
+
 _BUILTINS: dict[str, object] = {
     b.__name__: b
     for b in (
@@ -120,10 +124,6 @@ def main() -> None:
 def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) -> dict[str, str | list[str]]:
     import xacro
     from xacro import substitution_args
-
-    from grip_bt.base.errors import GripError
-
-    from .packages import Packages
 
     guard(xacro)
     known = Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),))

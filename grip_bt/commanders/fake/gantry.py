@@ -43,8 +43,8 @@ class FakeArm:
         home: pose of the grasp frame in the state `home`, where it is at first.
         schedule: its time; at once when None.
         states: further named states of the joints `JOINTS`.
-        script: verb (`plan`, `plan_straight`, `plan_through`, `plan_from_trajectory`, `plan_step`, `choose_grasp`, `execute`) ->
-            what becomes of each such request; `plan_step` is asked while the arm is steered.
+        script: verb (`plan`, `plan_straight`, `plan_through`, `plan_from_trajectory`, `plan_step`, `choose_grasp`,
+            `execute`) -> what becomes of each such request; `plan_step` is asked while the arm is steered.
         taught: what was taught before; nothing when None.
         own: where the robot's own joints are at first; it has none when None.
     """
