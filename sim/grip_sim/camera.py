@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.base.arrays import Array, Mask
-from grip_sim.geometry import camera_info
 from grip_sim.physics import physx
 from grip_sim.specs import BoxSpec, CameraSpec, Colour
 
@@ -73,7 +72,7 @@ class RayCamera:
         still: Sequence[tuple[BoxSpec, Target]],
         moving: Sequence[Target],
     ):
-        self.spec, self.info, self._system = spec, camera_info(spec), system
+        self.spec, self.info, self._system = spec, spec.info(), system
         rays = self.info.rays().reshape(-1, 3)
         self._stretch = np.linalg.norm(rays, axis=1)  # distance along the ray per metre of depth
         self._directions = (rays / self._stretch[:, None]) @ self.info.pose.rotation().T

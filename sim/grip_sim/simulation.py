@@ -9,7 +9,6 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.commanders.description.load import load_robot
 from grip_sim.adapters import SimCamera, SimExecutor, SimHand, SimReferee, check_positive
 from grip_sim.client import SimClient
-from grip_sim.geometry import camera_info
 from grip_sim.specs import WorldSpec
 
 SETTLE = 0.5
@@ -52,7 +51,7 @@ class Simulation(SimClient):
         cameras = {camera.name: camera for camera in self.spec.cameras}
         if name not in cameras:
             raise UnknownNameError("camera", name, cameras)
-        return SimCamera(self, name, camera_info(cameras[name]))
+        return SimCamera(self, name, cameras[name].info())
 
     def settle(self, seconds: float = SETTLE) -> None:
         """Let simulated time pass and wait for it.

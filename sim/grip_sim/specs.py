@@ -12,6 +12,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from grip_bt.base.values import CameraInfo, Pose
+
 Vector = tuple[float, float, float]
 Colour = tuple[int, int, int]
 GRAVITY = 9.81
@@ -150,6 +152,12 @@ class CameraSpec:
     position: Vector = (0.53, 0.14, 1.30)
     quaternion: tuple[float, float, float, float] = (0.0, 0.7071067811865476, -0.7071067811865476, 0.0)
     far: float = 3.0
+
+    def info(self) -> CameraInfo:
+        """Return the camera's geometry."""
+        f = self.height / 2 / np.tan(self.field_of_view / 2)
+        matrix = [[f, 0, self.width / 2], [0, f, self.height / 2], [0, 0, 1]]
+        return CameraInfo(self.width, self.height, np.array(matrix), Pose(self.position, self.quaternion))
 
 
 @dataclass(frozen=True, slots=True)

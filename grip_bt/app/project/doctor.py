@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from typing import Literal
 
 from grip_bt.base.interpreter import python_command
@@ -82,12 +83,11 @@ def _simulator() -> Finding:
 
 
 def _rendering() -> Finding:
-    try:
-        from grip_sim import render_support
+    if find_spec("sapien") is None:
+        return Finding("camera", "missing", "no module 'sapien'", INSTALL.format(extra="sim"), needed=False)
+    from grip_sim import render_support
 
-        return Finding("camera", "ok", render_support(), needed=False)
-    except ImportError as error:
-        return Finding("camera", "missing", str(error), INSTALL.format(extra="sim"), needed=False)
+    return Finding("camera", "ok", render_support(), needed=False)
 
 
 def _ros() -> Finding:

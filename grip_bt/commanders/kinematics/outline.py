@@ -16,6 +16,8 @@ import pinocchio as pin
 
 from grip_bt.base.arrays import Array
 
+from .shapes import convex_hull
+
 
 @dataclass(frozen=True)
 class Outline:
@@ -41,7 +43,7 @@ def outlined(geometry: pin.GeometryModel, grouped: Iterable[int]) -> Outline:
     for group in groups:
         points = np.vstack([corners(shapes[k]) for k in group])
         body = pin.GeometryObject(
-            f"hull/{shapes[group[0]].name}", shapes[group[0]].parentJoint, pin.SE3.Identity(), _hull(points)
+            f"hull/{shapes[group[0]].name}", shapes[group[0]].parentJoint, pin.SE3.Identity(), convex_hull(points)
         )
         place |= dict.fromkeys(group, outline.addGeometryObject(body))
     pairs = {tuple(sorted((place[p.first], place[p.second]))) for p in geometry.collisionPairs}
@@ -136,9 +138,3 @@ def corners(shape: pin.GeometryObject) -> Array:
         low, high = solid.aabb_local.min_, solid.aabb_local.max_
         points = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
     return points @ shape.placement.rotation.T + shape.placement.translation
-
-
-def _hull(points: Array) -> coal.ConvexBase:
-    rows = coal.StdVec_Vec3s()
-    rows.extend(list(points))
-    return coal.Convex.convexHull(rows, True, "Qt")

@@ -10,6 +10,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.values.solids import Mesh
 
@@ -105,13 +106,13 @@ def load_mesh(
 
 def hull_of(mesh: Mesh) -> Mesh:
     """Return the hull of a mesh with no more points than its corners; what is checked depends on these only."""
-    return Mesh(np.array(_hull(mesh).points()), margin=mesh.margin)
+    return Mesh(np.array(convex_hull(mesh.points).points()), margin=mesh.margin)
 
 
 def coal_mesh(mesh: Mesh) -> coal.CollisionGeometry:
     """Return the mesh as coal's convex body, or as its surface of triangles."""
     if not mesh.hollow:
-        body = _hull(mesh)
+        body = convex_hull(mesh.points)
         body.setSweptSphereRadius(mesh.margin)
         return body
     surface = coal.BVHModelOBBRSS()
@@ -122,9 +123,10 @@ def coal_mesh(mesh: Mesh) -> coal.CollisionGeometry:
     return surface
 
 
-def _hull(mesh: Mesh) -> coal.ConvexBase:
+def convex_hull(points: Array) -> coal.ConvexBase:
+    """Return the convex hull of points."""
     rows = coal.StdVec_Vec3s()
-    rows.extend(list(np.array(mesh.points)))
+    rows.extend(list(np.array(points)))
     return coal.Convex.convexHull(rows, True, "Qt")
 
 
