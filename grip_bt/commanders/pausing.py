@@ -46,7 +46,6 @@ def rest_of(
     comes up to its speed as quickly as the joints' limits allow. What the joints are off the path fades meanwhile.
 
     Args:
-        trajectory: what was under way.
         measured: where its joints are, in its order.
         passed: how long it had been under way [s].
         acceleration: limits of its joints, shape (n,) [rad/s^2 or m/s^2].

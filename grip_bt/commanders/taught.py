@@ -89,9 +89,6 @@ class TaughtStates:
         """Add or replace an entry, and write the file.
 
         Args:
-            part: the arm or the hand.
-            name: of the entry.
-            value: what was measured.
             taken: names that mean something else already, such as those of the robot's description.
 
         Raises:

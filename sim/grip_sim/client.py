@@ -35,7 +35,6 @@ class SimClient:
         sent: how many requests were sent, without what is said of turns.
 
     Args:
-        spec: the world to make.
         pace: simulated seconds per second; None for as fast as it goes.
         hold: file descriptor over which somebody else may have the robot hold; None for nobody.
 

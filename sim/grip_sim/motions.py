@@ -59,7 +59,6 @@ class Brake:
     A drive that brakes is some mrad ahead of its target: drawn back, the joints would creep for another 0.1 s.
 
     Args:
-        robot: whose joints.
         rows: which joints, n of them.
         ramp: how their targets come to rest.
         begun: simulated time now [s].
@@ -98,7 +97,6 @@ class Follow:
     """Joints follow a timed path, interpolated as `Trajectory.sampled` does.
 
     Args:
-        robot: whose joints.
         rows: which joints, n of them.
         times: shape (k,), from 0 [s].
         positions: shape (k, n) [rad].
@@ -191,7 +189,6 @@ class MoveHand:
     """Fingers go towards a posture, as far as what they meet lets them.
 
     Args:
-        robot: whose joints.
         rows: which joints, n of them.
         goal: shape (n,) [rad].
         duration: how long the targets take to get there [s].

@@ -40,7 +40,6 @@ class Server:
 
     Args:
         connection: to the client.
-        spec: the world.
         pace: simulated seconds per second; None for as fast as it goes.
         hold: over which somebody else may have the robot hold for good, by any word; None for nobody.
     """

@@ -94,7 +94,6 @@ def start_simulation(spec: WorldSpec, pace: float | None = None, hold: int | Non
     """Start a simulator in a process of its own and let its objects come to rest.
 
     Args:
-        spec: the world.
         pace: simulated seconds per second; None for as fast as it goes.
         hold: file descriptor over which somebody else may have the robot hold; None for nobody.
 

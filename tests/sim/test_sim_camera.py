@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
-from grip_sim.geometry import camera_info
 from grip_sim.specs import PICK_X, PICK_Y, CameraSpec, ObjectSpec, WorldSpec, table_world
 
 pytestmark = pytest.mark.sim
@@ -89,7 +88,7 @@ def test_nothing_is_seen_that_the_geometry_does_not_have(overhead):
 
 
 def test_the_front_of_a_cylinder_is_round_seen_from_the_side(world):
-    frame, info = world.look("side"), camera_info(SIDE)
+    frame, info = world.look("side"), SIDE.info()
     rays = info.rays()
     row = SIDE.height // 2
     labels = frame.labels[row]
@@ -114,7 +113,7 @@ def test_where_nothing_is_the_depth_is_zero_and_the_label_says_so(world):
 
 
 def test_the_points_of_a_cloud_lie_on_the_surfaces_of_the_objects(overhead):
-    info = camera_info(CameraSpec())
+    info = CameraSpec().info()
     cloud = RgbdFrame(Image(overhead.image), DepthImage(overhead.depth, info)).cloud()
     labels = overhead.labels.reshape(-1)[overhead.depth.reshape(-1) > 0]
     points = cloud.points[labels == overhead.names.index("cylinder")].astype(float)
@@ -139,7 +138,7 @@ def test_the_arm_at_home_hides_nothing_of_the_pick_region():
     from grip_sim.world import World
 
     made = World(table_world(0))
-    frame, info = made.look("overhead"), camera_info(CameraSpec())
+    frame, info = made.look("overhead"), CameraSpec().info()
     x, y = np.meshgrid(np.arange(PICK_X[0], PICK_X[1], 0.01), np.arange(PICK_Y[0], PICK_Y[1], 0.01))
     robot = {link.name for link in made.robot.links}
     for height in (0.0, 0.17):

@@ -82,7 +82,6 @@ def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_descrip
     from grip_bt.base.values import DepthImage, JointState
     from grip_bt.commanders.kinematics.model import RobotModel
     from grip_bt.nodes.sight import robot_pixels
-    from grip_sim.geometry import camera_info
     from grip_sim.specs import table_world
     from grip_sim.world import World
 
@@ -94,7 +93,7 @@ def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_descrip
     shown = np.array([name in links for name in taken.names] + [False])[taken.labels]
     measured = world.robot.measure(world.robot.rows(tuple(robot.joints)))
     hulls = RobotModel(robot).hulls(JointState(measured.names, measured.position))
-    mine = robot_pixels(DepthImage(taken.depth, camera_info(world.spec.cameras[0])), hulls)
+    mine = robot_pixels(DepthImage(taken.depth, world.spec.cameras[0].info()), hulls)
     assert (shown & ~mine).mean() < 1e-3
     assert (mine & ~shown).mean() < 5e-3
     if name == "ur10_shadow":  # at home it stands between the camera and the table

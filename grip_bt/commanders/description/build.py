@@ -74,7 +74,6 @@ def normal(
     """Return a copy of a URDF without errors.
 
     Args:
-        robot: its tree.
         folder: that relative mesh paths start in.
         packages: for `package://`.
         limits: joint -> limits that override its own.

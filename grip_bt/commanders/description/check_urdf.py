@@ -167,7 +167,6 @@ def check_urdf(robot: ET.Element, source: str, packages: Packages) -> list[Findi
     """Return what is wrong with a URDF.
 
     Args:
-        robot: its tree.
         source: the file; relative mesh paths start in its folder.
         packages: where `package://` meshes are looked for.
     """

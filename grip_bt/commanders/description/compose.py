@@ -116,7 +116,6 @@ def on_arm(
         arm: what it had on that link is left out.
         hand: its links and joints get the mount's namespace; its groups and fingers keep their names.
         mount: where the hand sits.
-        name: of the new robot.
         config: groups, states and so on that are added.
 
     Raises:
@@ -148,7 +147,6 @@ def in_one_world(robots: Mapping[str, Placed], name: str, config: RobotConfig) -
 
     Args:
         robots: namespace -> robot; an underscore is added.
-        name: of the whole.
         config: groups, states and so on that are added, such as one group of all arms.
     """
     urdf = ET.Element("robot", name=name)

@@ -158,11 +158,7 @@ def _parameters(data: dict[Any, Any]) -> dict[str, Any]:
 
 
 class Reading:
-    """Takes entries out of a mapping that was read from a file, and says where what has to be.
-
-    Args:
-        source: the file.
-    """
+    """Takes entries out of a mapping that was read from a file, and says where what has to be."""
 
     def __init__(self, source: Path):
         self.source = str(source)

@@ -64,7 +64,6 @@ def read_package(folder: Path, packages: Packages) -> MoveItPackage:
     """Read a package; what is wrong with single files is in `findings`.
 
     Args:
-        folder: the package.
         packages: where the URDF's package is looked for; this one is always found.
 
     Raises:

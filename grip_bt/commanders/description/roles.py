@@ -41,9 +41,7 @@ def roles(tree: Tree, srdf: Srdf, groups: Mapping[str, tuple[str, ...]], config:
     """Return them for a robot whose SRDF was checked.
 
     Args:
-        tree: its links and joints.
         srdf: its groups as they are written.
-        groups: its groups as joints.
         config: what the project says about it.
     """
     return _Roles(tree, srdf, groups, config).found()

@@ -70,7 +70,6 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
     """Return a xacro file's XML.
 
     Args:
-        path: the file.
         arguments: values for its `<xacro:arg>`s; those that it doesn't declare are passed too, for files it includes.
         packages: for `$(find NAME)`.
 
