@@ -86,7 +86,7 @@ def test_a_watcher_holds_the_robot_for_good_over_a_channel_of_its_own():
         assert ours.recv(4) == b"held"
         with pytest.raises(CanceledError):
             bench.wait(operation)
-        with pytest.raises(GripError, match="told to hold by whoever watches over this run"):
+        with pytest.raises(GripError, match="stopped by the supervisor of this run"):
             bench.wait(bench.arm.execute(bench.way(bench.arm.state().position)))
 
 
