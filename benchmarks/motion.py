@@ -36,8 +36,9 @@ from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.kinematics.target import Target
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import interpolated
-from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanTo, Situation
+from grip_bt.commanders.planning.requests import ChooseGrasp, PlanTo, Situation
 from grip_bt.commanders.scene import Box, PlanningScene, SceneObject, SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 
 TABLE = {
     "table": ((0.7, 1.2, 0.1), (0.65, 0.0, -0.05)),
@@ -177,7 +178,7 @@ def plans(model: RobotModel, count: int) -> dict[str, float]:
         start, goal = (ends[k] for k in rng.choice(len(ends), 2, replace=False))
         needed += not checker.all_free(interpolated(np.stack([start, goal]), 0.01))
         state = JointState(chain.joints + opened.names, np.concatenate([start, opened.position]))
-        begin = Situation("arm", state, snapshot, "hand", PlanningSettings(seed=seed, time_limit=2.0))
+        begin = Situation("arm", state, snapshot, "hand", PlanningSettings(seed=seed, planning_time=2.0))
         with timed(seconds):
             try:
                 trajectory = answer(model, PlanTo(begin, JointState(chain.joints, goal)), lambda: False).trajectory

@@ -194,7 +194,8 @@ def race(model: RobotModel, asked: list[PlanTo]) -> None:
 
 
 def _reseeded(query: PlanTo) -> PlanTo:
-    settings = dataclasses.replace(query.situation.settings, seed=query.situation.settings.seed + 5000)
+    was = query.situation.settings
+    settings = was.model_copy(update={"seed": was.seed + 5000})
     return dataclasses.replace(query, situation=dataclasses.replace(query.situation, settings=settings))
 
 

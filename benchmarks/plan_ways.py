@@ -32,8 +32,9 @@ from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning import answer, search
 from grip_bt.commanders.planning.paths import length
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
+from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 
 Way = Callable[..., Any]
 HEADINGS = ("median", "95 %", "mean", "search", "length", "paired", "solved")
@@ -99,7 +100,7 @@ def queries(model: RobotModel, count: int, seed: int = 4) -> list[PlanTo]:
     for number in range(count):
         start, goal = (ends[k] for k in rng.choice(len(ends), 2, replace=False))
         state = JointState(chain.joints + opened.names, np.concatenate([start, opened.position]))
-        settings = PlanningSettings(seed=number, time_limit=2.0)
+        settings = PlanningSettings(seed=number, planning_time=2.0)
         asked.append(PlanTo(Situation("arm", state, scene, "hand", settings), JointState(chain.joints, goal)))
     return asked
 

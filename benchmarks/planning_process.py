@@ -25,10 +25,11 @@ from grip_bt.commanders.description.ready import ROBOTS
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import answer
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
+from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.planning.search import planners
 from grip_bt.commanders.planning.service import PlanningProcess
 from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 
 ANYWHERE = PathConstraint(box=Pose(), size=(9.0, 9.0, 9.0))
 
@@ -142,7 +143,7 @@ def endless(model: RobotModel, constraint: PathConstraint | None = None, **setti
     turned = (q for _ in range(1000) if (q := rng.uniform(limits.lower, limits.upper))[0] > 1.0)
     goal = next(q for q in turned if checker.free(q))
     state = JointState(home.names + opened.names, np.concatenate([home.position, opened.position]))
-    asked = PlanningSettings(seed=1, time_limit=60.0, **settings)
+    asked = PlanningSettings(seed=1, planning_time=60.0, **settings)
     begin = Situation("arm", state, snapshot, "hand", asked)
     return PlanTo(begin, JointState(chain.joints, goal), constraint=constraint)
 

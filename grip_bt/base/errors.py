@@ -73,7 +73,7 @@ class MissingPartError(GripError):
 
     def __init__(self, what: str, remedy: str):
         self.what, self.remedy = what, remedy
-        super().__init__(f"{what} isn't available here. To mend it: {remedy}")
+        super().__init__(f"{what} isn't available here. Fix: {remedy}")
 
 
 class DocumentError(GripError):
@@ -272,7 +272,7 @@ class DivergedError(GripError):
 
 
 class ResumeError(GripError):
-    """A run of the journal can't be gone on with; the message says why, and what can be done."""
+    """A run of the journal can't be resumed; the message says why, and what can be done."""
 
 
 class SimulatorLostError(GripError):

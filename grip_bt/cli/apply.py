@@ -20,7 +20,7 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.edit import Edited, Extract, apply_to_document, command_of
 
-from .streams import put
+from .terminal import put
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -28,7 +28,7 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError
 
 from .parser import add_no_code, whole
-from .signals import on_stop
+from .terminal import on_stop
 
 STOPPED = 130
 

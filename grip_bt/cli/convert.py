@@ -16,7 +16,7 @@ from grip_bt.task import fmt, read_text
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 
-from .streams import put
+from .terminal import put
 
 FORMATS = {
     "svg": "grip_bt.formats.draw:to_svg",

@@ -19,7 +19,7 @@ from grip_bt.runtime.control import result_facts
 from grip_bt.task import walk
 
 from .run import add_run_options, exit_status, options_of, sentence
-from .signals import on_hang_up, on_stop
+from .terminal import on_hang_up, on_stop
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -1,4 +1,4 @@
-"""`grip doctor`: what this machine can do, and the command that mends what it can't."""
+"""`grip doctor`: whether everything is installed, and the command that fixes what isn't."""
 
 from __future__ import annotations
 
@@ -31,4 +31,4 @@ def run(args: argparse.Namespace) -> int:
 def _show(finding: Finding) -> None:
     print(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
     if finding.state != "ok" and finding.remedy:
-        print(f"      {'':<12} to mend it: {finding.remedy}")
+        print(f"      {'':<12} fix: {finding.remedy}")

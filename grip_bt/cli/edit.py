@@ -9,7 +9,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError
 
 from .parser import add_no_code
-from .signals import on_hang_up
+from .terminal import on_hang_up
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -10,7 +10,7 @@ from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.task import fmt
 
-from .streams import put
+from .terminal import put
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

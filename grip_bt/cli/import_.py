@@ -22,7 +22,7 @@ from grip_bt.task.document import read
 from grip_bt.task.validation import validate
 
 from .parser import add_no_code
-from .streams import put
+from .terminal import put
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,30 @@
 from __future__ import annotations
 
 import argparse
+import json
+import queue
+import sys
 import threading
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from grip_bt.app.project.folder import find_project
+from grip_bt.app.wiring.progress import report_if_slow
+from grip_bt.base.errors import GripError
+from grip_bt.base.failures import ServerLostError, ServerTimeOutError
+from grip_bt.base.message_store.yaml import plain_of, text_of
+from grip_bt.base.operation import Operation
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.messages import MessageServer
+from grip_bt.ros.client.types import type_name
+from grip_bt.ros.messages.client import RosMessages
+from grip_bt.ros.messages.server import MessageServer
+from grip_bt.ros.messages.wire import ServerStates, entry_rows, plain_of_entry, text_of_message, value_from_text
 
-from . import messages_client as client
-from .signals import on_stop
+from .terminal import on_stop
 
 ARCHIVE = "messages.sqlite"
 _VALUE = "YAML, as in a project's files or field by field; - for the standard input"
@@ -32,20 +46,20 @@ def _add_readers(actions: Any) -> None:
     listing = actions.add_parser("list", help="what a running server has")
     listing.add_argument("store", nargs="?", default="", help="only of this store")
     listing.add_argument("--json", action="store_true", help="print one JSON list")
-    listing.set_defaults(run=client.run_list)
+    listing.set_defaults(run=run_list)
     show = actions.add_parser("show", help="print one message as YAML")
     _add_entry(show)
     _add_form(show)
-    show.set_defaults(run=client.run_show)
+    show.set_defaults(run=run_show)
     take = actions.add_parser("take", help="print the oldest message of a queue and remove it")
     take.add_argument("store", help="such as grasps")
     _add_form(take)
-    take.set_defaults(run=client.run_show, name="")
+    take.set_defaults(run=run_show, name="")
     watch = actions.add_parser("watch", help="print each change as it comes, until stopped")
     watch.add_argument("store", nargs="?", default="", help="only of this store")
     watch.add_argument("--count", type=int, default=0, metavar="N", help="end after N changes")
     watch.add_argument("--json", action="store_true", help="print one JSON object a line, with the value")
-    watch.set_defaults(run=client.run_watch)
+    watch.set_defaults(run=run_watch)
 
 
 def _add_writers(actions: Any) -> None:
@@ -61,15 +75,15 @@ def _add_writers(actions: Any) -> None:
         parser.add_argument("--within", type=float, default=10.0, help="how long to wait for it [s] (default: 10)")
         parser.add_argument("--type", default="", help="ROS type of the messages of a new store")
         parser.add_argument("--by", default="", help="who or what it comes from, for people")
-        parser.set_defaults(run=client.run_add)
+        parser.set_defaults(run=run_add)
     delete = actions.add_parser("delete", help="remove one message")
     _add_entry(delete)
-    delete.set_defaults(run=client.run_delete)
+    delete.set_defaults(run=run_delete)
     reset = actions.add_parser("reset", help="empty a store, or all, and read the project's files again")
     reset.add_argument("store", nargs="?", default="", help="only this one (default: all)")
-    reset.set_defaults(run=client.run_reset)
+    reset.set_defaults(run=run_reset)
     save = actions.add_parser("save", help="keep everything over restarts of the server")
-    save.set_defaults(run=client.run_save)
+    save.set_defaults(run=run_save)
 
 
 def _add_entry(parser: argparse.ArgumentParser) -> None:
@@ -89,9 +103,159 @@ def run_serve(args: argparse.Namespace) -> int:
     on_stop(over.set)
     project = find_project(args.project)
     with Bus("grip_messages") as bus:
-        with client.told_of_building():
+        with told_of_building():
             MessageServer(bus, project.folder / "messages", project.state_folder / ARCHIVE)
         print(f"serving the messages of {project.folder} under /grip/messages", flush=True)
         while not over.wait(1.0):
             pass
     return 0
+
+
+WAIT = 15.0
+"""How long a server may take to answer [s]."""
+SILENT = 2.0
+"""After how long somebody who waits is told what for [s]."""
+
+
+def run_list(args: argparse.Namespace) -> int:
+    """Print one line for each message."""
+    with _server() as server:
+        if args.store:
+            _done(server.names(args.store))  # tells which stores there are
+        answer = _done(server.listing())
+    rows = [row for row in entry_rows(answer) if args.store in ("", row["store"])]
+    if args.json:
+        print(json.dumps(rows, indent=2))
+        return 0
+    for row in rows:
+        when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(row["time"]))
+        print(f"{row['store']:<14} {row['name']:<24} {row['type']:<36} {when}  {row['provenance']}")
+    waiting = {s: n for s, n in zip(answer.stores, answer.queued, strict=True) if n and args.store in ("", s)}
+    for store, count in waiting.items():
+        print(f"{store:<14} {count} in the queue")
+    if not rows and not waiting:
+        print("no messages; `grip messages add STORE NAME VALUE` adds one", file=sys.stderr)
+    return 0
+
+
+def run_show(args: argparse.Namespace) -> int:
+    """Print one message, or take the oldest of a queue."""
+    with _server() as server:
+        entry = _done(server.message(args.store, args.name))
+    if args.json:
+        about = {"store": args.store, "name": entry.name, "time": entry.time, "provenance": entry.provenance}
+        print(json.dumps({**about, "type": type_name(type(entry.value)), "message": plain_of(entry.value)}))
+    else:
+        said = text_of(entry.value) if args.message else text_of_message(args.store, entry.value)
+        print(said.rstrip() or f"# a {type_name(type(entry.value))}, too big to be written")
+    return 0
+
+
+def run_add(args: argparse.Namespace) -> int:
+    """Add a message, or push it."""
+    with _server() as server:
+        value = _value(server, args)
+        _done(server.put(args.store, args.name, value, args.by or "grip messages"))
+    return 0
+
+
+def run_delete(args: argparse.Namespace) -> int:
+    """Remove one message."""
+    with _server() as server:
+        _done(server.delete(args.store, args.name))
+    return 0
+
+
+def run_reset(args: argparse.Namespace) -> int:
+    """Empty a store or all, and have the files read."""
+    with _server() as server:
+        _done(server.reset(args.store))
+    return 0
+
+
+def run_save(args: argparse.Namespace) -> int:
+    """Have everything kept."""
+    with _server() as server:
+        count = _done(server.save())
+    print(f"{count} messages are kept over restarts of the server")
+    return 0
+
+
+def run_watch(args: argparse.Namespace) -> int:
+    """Print changes as they come."""
+    changes: queue.SimpleQueue[tuple[str, str, str, Any]] = queue.SimpleQueue()
+    printed = 0
+    with _server() as server, suppress(KeyboardInterrupt):
+        _done(server.names(args.store) if args.store else server.listing())  # that there is one, and such a store
+        stop = server.watch(lambda *change: changes.put(change))
+        print("watching /grip/messages/changes; Ctrl-C ends it", file=sys.stderr, flush=True)
+        while not args.count or printed < args.count:
+            store, kind, name, value = changes.get()
+            if args.store in ("", store):
+                print(_change(store, kind, name, value, args.json), flush=True)
+                printed += 1
+        stop()
+    return 0
+
+
+def _change(store: str, kind: str, name: str, value: Any, as_json: bool) -> str:
+    if as_json:
+        message = None if value is None else plain_of_entry(store, value)
+        return json.dumps({"store": store, "change": kind, "name": name, "message": message})
+    words = "" if value is None else " ".join(str(value).split())
+    return f"{store:<14} {kind:<8} {name:<24} {words[:100]}{'...' if len(words) > 100 else ''}".rstrip()
+
+
+def _value(server: RosMessages, args: argparse.Namespace) -> Any:
+    """Return the one value that the command line says.
+
+    Raises:
+        GripError: it says none, or more than one.
+    """
+    given = [way for way in (args.value, args.file, args.topic) if way is not None]
+    if len(given) != 1:
+        several = "one way only" if given else "the value is missing"
+        raise GripError(f"{several}: say YAML, `-` (the standard input), `--file FILE` or `--topic TOPIC`")
+    if args.topic is not None:
+        return server.next_of(args.topic, args.type, args.within)
+    if args.file is not None:
+        text, source = read_file(args.file), str(args.file)
+    else:
+        text, source = (sys.stdin.read() if args.value == "-" else args.value), "value"
+    type_ = args.type or _type_of(server, args.store)
+    return value_from_text(args.store, source, text, type_, ServerStates(server, _done))
+
+
+def _type_of(server: RosMessages, store: str) -> str:
+    """Return the type of a store's messages, as far as it has some."""
+    answer = _done(server.listing())
+    return next((entry.type for entry in answer.entries if entry.store == store), "")
+
+
+@contextmanager
+def _server() -> Iterator[RosMessages]:
+    """Give a client of the server.
+
+    Raises:
+        ServerLostError: there is none; it says how to start one.
+    """
+    with Bus("grip_messages_client") as bus:
+        with told_of_building():
+            messages = RosMessages(bus)
+        try:
+            yield messages
+        except ServerLostError as error:
+            advice = "start one: `grip messages serve` in the project's folder, with the same ROS_DOMAIN_ID"
+            raise ServerLostError(f"{error}; {advice}") from error
+
+
+def told_of_building() -> AbstractContextManager[None]:
+    """Say that the interfaces are being built, where that takes its time: once on a machine."""
+    words = "grip: building the interfaces of messages, once; this takes a while ..."
+    return report_if_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)
+
+
+def _done(operation: Operation[Any]) -> Any:
+    if not operation.wait(WAIT):
+        raise ServerTimeOutError(f"the server of messages gives no answer within {WAIT:.0f} s")
+    return operation.result()

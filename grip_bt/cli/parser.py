@@ -20,7 +20,7 @@ def add_no_code(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-code",
         action="store_true",
-        help="refuse, with a list, where code that isn't GRIP's would be imported or started",
+        help="fail, listing it, where third-party code would be imported or started",
     )
 
 

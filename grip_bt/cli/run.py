@@ -23,8 +23,7 @@ from grip_bt.runtime.control import result_facts
 from .debug_prompt import Prompt, breakpoint_of
 from .parser import add_no_code, number, whole
 from .resume import Given, add_resume_options, check_usage, fork_often, prepare
-from .signals import on_stop
-from .streams import progress
+from .terminal import on_stop, progress
 
 EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "died": 4, "stopped": 130}
 INVALID = 1
@@ -41,7 +40,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--journal", type=Path, metavar="FILE", help="where to write (default: the project's own)")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
     parser.add_argument(
-        "--rate", type=number(above=0), action=Given, metavar="HZ", help="tick so often a second (default: on wakes)"
+        "--rate", type=number(above=0), action=Given, metavar="HZ", help="tick rate [Hz] (default: tick on events)"
     )
     parser.add_argument(
         "--watchdog",
@@ -51,14 +50,16 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help=f"end a run whose node doesn't return for S seconds (default: {WATCHDOG:g}; 0: never)",
     )
-    mocked = parser.add_argument_group("in place of nodes")
+    mocked = parser.add_argument_group("mocks")
     mocked.add_argument(
         "--mock", action="append", default=[], metavar="NODE=SCRIPT", help="script such as failure.no_ik,success"
     )
     mocked.add_argument("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
     way = parser.add_argument_group("control").add_mutually_exclusive_group()
     way.add_argument("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
-    way.add_argument("--debug", action="store_true", help="a prompt: begin paused, step, set breakpoints, look at data")
+    way.add_argument(
+        "--debug", action="store_true", help="interactive debugger: begin paused, step, set breakpoints, look at data"
+    )
     parser.add_argument(
         "--break",
         dest="breaks",
@@ -66,7 +67,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=breakpoint_of,
         metavar="PLACE",
-        help="hold there: 'NODE', 'NODE:OUTCOME', 'NODE if EXPRESSION' (implies --debug, unless --control)",
+        help="pause there: 'NODE', 'NODE:OUTCOME', 'NODE if EXPRESSION' (implies --debug, unless --control)",
     )
     parser.add_argument(
         "--in-process", action="store_true", help="run in this process, for debuggers and profilers of Python"
@@ -84,7 +85,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         choices=("sim", "fake", "ros"),
         default="sim",
         action=Given,
-        help="simulated, parts that do as asked, or the controllers of a real robot",
+        help="simulated, fakes that succeed at once, or the controllers of a real robot",
     )
     parser.add_argument(
         "--seed",
@@ -99,7 +100,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         type=number(above=0, advice="; leave it out for as fast as the simulation goes"),
         action=Given,
         metavar="X",
-        help="simulated seconds a second (default: as fast as it goes)",
+        help="playback speed: simulated seconds a second (default: as fast as it goes)",
     )
 
 
@@ -248,7 +249,7 @@ def _tell(end: Mapping[str, Any], as_json: bool) -> None:
     else:
         took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
         ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
-        named = f"run {end['run']}" if end.get("run") else "no run was begun"
+        named = f"run {end['run']}" if end.get("run") else "no run was started"
         print(f"{sentence(end)}; {took}{ticks}{named}")
         if "truth" in end:
             print(f"the referee: {words(end['truth'])}")

@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from grip_bt import __version__
-from grip_bt.base.errors import GripError, NodeError
+from grip_bt.base.errors import GripError, MissingPartError, NodeError
 
-from . import streams
-from .extras import missing_extra
 from .parser import Parser
+from .terminal import give_up, ready
 
 VERBS = {
     "demo": "run a packaged demonstration in simulation",
@@ -37,7 +36,7 @@ VERBS = {
     "capsule": "write a run as one HTML file that needs no server",
     "robot": "check a robot's files, show what a robot has, list ready-made ones",
     "teach": "remember where an arm or a hand is now, under a name",
-    "doctor": "what this machine can do, and how to mend what it can't",
+    "doctor": "check the installation, and say how to fix it",
 }
 """What each does, for the list of them; the module of the same name is loaded when the verb is named."""
 MODULES = {"import": "import_"}
@@ -67,7 +66,7 @@ def run_verb(arguments: Sequence[str] | None) -> int:
         KeyboardInterrupt: Ctrl-C.
         SystemExit: 2, the command line is wrong; 0, help was asked for.
     """
-    streams.ready()
+    ready()
     try:
         status = _done(arguments)
         sys.stdout.flush()  # here, where what keeps it from being written can be said
@@ -86,7 +85,7 @@ def run_verb(arguments: Sequence[str] | None) -> int:
         return _said(str(missing))
     except BrokenPipeError:
         # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.
-        streams.give_up()
+        give_up()
         return 0
     except OSError as error:
         return _refused_by_the_system(error)
@@ -111,14 +110,32 @@ def _refused_by_the_system(error: OSError) -> int:
     if error.filename is None:
         if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
             raise error
-        streams.give_up()
+        give_up()
         return _said(f"stdout: {error.strerror}; the output isn't whole: send it to another place, or make room")
     name = str(error.filename) if isinstance(error.filename, int) else os.fsdecode(error.filename)
     if error.errno == errno.ENOENT:
         return _said(f"{name}: {error.strerror}; make its folder first, or name another place")
-    return _said(f"{name}: {error.strerror}; name another place, or mend its rights")
+    return _said(f"{name}: {error.strerror}; name another place, or change its permissions")
 
 
 def _said(words: str, status: int = INVALID) -> int:
     print(f"grip: {words}", file=sys.stderr)
     return status
+
+
+_PACKAGES = {
+    "motion": ("coal", "example_robot_data", "ompl", "pinocchio", "pytracik", "toppra", "xacro"),
+    "sim": ("sapien",),
+    "ros": ("ament_index_python", "builtin_interfaces", "rclpy", "rosidl_adapter", "rosidl_parser", "std_msgs"),
+    "gui": ("fastapi", "starlette", "uvicorn", "websockets"),
+    "recording": ("mcap",),
+    "analytic": ("eaik",),
+}
+EXTRAS = {package: extra for extra, packages in _PACKAGES.items() for package in packages}
+
+
+def missing_extra(error: ModuleNotFoundError) -> MissingPartError | None:
+    """Return in our words that a package of an extra isn't installed; None for any other module."""
+    package = (error.name or "").partition(".")[0]
+    extra = EXTRAS.get(package)
+    return None if extra is None else MissingPartError(f"{package!r}", f"pip install 'grip-bt[{extra}]'")

@@ -12,8 +12,10 @@ from grip_bt.app.wiring.parts import load_part
 from grip_bt.base.errors import GripError
 
 from .parser import number
-from .signals import on_stop
-from .streams import progress
+from .terminal import on_stop, progress
+
+if TYPE_CHECKING:
+    from grip_bt.app.wiring.ros_simulation import Served
 
 if TYPE_CHECKING:
     from grip_bt.app.wiring.ros_simulation import Served
@@ -26,7 +28,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("world", nargs="?", default="table", help="which world (default: table)")
     parser.add_argument("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
     parser.add_argument("--seed", type=int, default=0, help="of the world (default: 0)")
-    parser.add_argument("--pace", type=number(above=0), default=1.0, metavar="X", help="simulated seconds a second")
+    parser.add_argument(
+        "--pace", type=number(above=0), default=1.0, metavar="X", help="playback speed: simulated seconds a second"
+    )
     parser.add_argument(
         "--camera-rate", type=number(above=0), default=2.0, metavar="HZ", help="frames a second, while somebody listens"
     )

@@ -23,7 +23,6 @@ from .planning.requests import (
     CheckTrajectory,
     ChooseGrasp,
     ChosenGrasp,
-    PlanningSettings,
     PlanServoStep,
     PlanStraight,
     PlanThrough,
@@ -33,6 +32,7 @@ from .planning.requests import (
 )
 from .planning.service import PlanningService
 from .scene import PlanningScene
+from .settings import PlanningSettings
 from .steered_motion import SteeredMotion, Twist, velocity_of
 from .steering import HOLD, approaching, bounded, jogged, lasting
 from .taught import TaughtStates
@@ -236,7 +236,7 @@ class ArmCommander:
 
     def _own_settings(self) -> PlanningSettings:
         """For what isn't searched: whoever plans, ours checks."""
-        return replace(self._settings, planner=PlanningSettings().planner)
+        return self._settings.model_copy(update={"planner": PlanningSettings().planner})
 
     def _twist_to(self, target: Pose, speed: float, there: JointState) -> Twist:
         return approaching(self._model.grasp_pose(there, group=self._group), target, speed, HOLD)

@@ -58,7 +58,7 @@ def test_what_needs_no_robot_works_without_extras(bare, tmp_path):
         assert done.returncode == 0, (words, done.stdout, done.stderr)
     told = bare("doctor").stdout
     assert all(part in told for part in ("motion", "simulator", "ros", "editor"))
-    assert told.count("to mend it: ") >= 4
+    assert told.count("fix: ") >= 4
 
 
 @pytest.mark.slow

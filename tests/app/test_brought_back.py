@@ -143,8 +143,8 @@ def test_a_state_that_was_too_big_to_be_kept_is_said(
     fork = ["run", "--fork", "last", "--at", "box", "--in-process"]
     assert main(fork) == 1
     said = capsys.readouterr().err
-    assert "the scene can't be brought back to what it was at event" in said
-    assert "with --yes, that begins as in a new run" in said
+    assert "the scene cannot be restored to its state at event" in said
+    assert "with --yes, it starts from its initial state" in said
 
 
 def test_with_yes_a_part_that_cannot_be_brought_back_begins_as_in_a_new_run(
@@ -163,8 +163,8 @@ def test_with_yes_a_part_that_cannot_be_brought_back_begins_as_in_a_new_run(
     fork = ["run", "--fork", "last", "--at", "box", "--in-process", "--yes"]
     assert main([*fork, *(f"--set-outcome={node}=success" for node in ("gone", "again", "last", "scene"))]) == 0
     said = capsys.readouterr().err
-    assert "the scene: can't be brought back to what it was at event" in said
-    assert "; that begins as in a new run" in said
+    assert "the scene: cannot be restored to its state at event" in said
+    assert "; it starts from its initial state" in said
     with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
         begun = [e for e in reader.events(find_run(reader, "last")) if e.event in ("run_started", "run_resumed")]
     assert list(begun[-1].data["anew"]) == ["scene"]

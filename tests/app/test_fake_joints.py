@@ -74,4 +74,4 @@ def test_a_project_without_hands_says_so(tmp_path):
     task = tmp_path / "t.yaml"
     task.write_text(PINCH)
     told = str(run(task, robot="fake").error)
-    assert "a hand isn't available here. To mend it: name one under `hands` in grip.yaml" in told
+    assert "a hand isn't available here. Fix: name one under `hands` in grip.yaml" in told

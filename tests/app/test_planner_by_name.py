@@ -9,12 +9,12 @@ from grip_bt.commanders.planning.requests import (
     CheckTogether,
     CheckTrajectory,
     ChooseGrasp,
-    PlanningSettings,
     PlanStraight,
     PlanTo,
     Situation,
 )
 from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 
 START = JointState(("a",), [0.0])
 ROAD = Trajectory(("a",), [0.0, 1.0], [[0.0], [1.0]])
@@ -32,7 +32,7 @@ class Asked:
 def asked(request_of, planner):
     """Return who was asked, of our own planner and of one that is called `theirs`."""
     own, theirs = Asked(), Asked()
-    situation = Situation("arm", START, SceneSnapshot(), "", PlanningSettings(planner=planner, time_limit=60.0))
+    situation = Situation("arm", START, SceneSnapshot(), "", PlanningSettings(planner=planner, planning_time=60.0))
     request = request_of(situation)
     PlannerByName(own, {"theirs": theirs}).submit(request)
     assert own.requests + theirs.requests == [request]

@@ -177,13 +177,13 @@ def test_a_motion_that_was_under_way_is_asked_about(tmp_path: Path) -> None:
     run = kill_in_the_middle(tmp_path, "task.yaml", 0.1, "--durable")
     asked = grip("run", "--resume", run, cwd=tmp_path)
     assert asked.returncode == 1
-    assert "this has to be agreed to; with --yes, it is:" in asked.stderr
-    assert "/: my/move was under way, and how far it came isn't known; it is started again" in asked.stderr
+    assert "resuming needs your confirmation (or pass --yes):" in asked.stderr
+    assert "/: my/move was under way, and its progress is unknown; it is started again" in asked.stderr
     told = grip("run", "--resume", run, "--set-outcome", "/=failure.dropped", "--json", cwd=tmp_path)
     assert (told.returncode, json.loads(told.stdout)["code"]) == (3, "dropped"), told.stderr
     again = grip("run", "--resume", run, "--yes", cwd=tmp_path)
     assert again.returncode == 1
-    assert f"run {run} can't be gone on with, since it has ended: failure" in again.stderr
+    assert f"run {run} cannot be resumed: it has ended: failure" in again.stderr
 
 
 @pytest.fixture
@@ -282,7 +282,7 @@ def test_options_that_dont_go_together_are_usage_errors(
 
 def test_a_run_that_has_ended_is_forked_instead(forked: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "--resume", "last"]) == 1
-    assert "can't be gone on with, since it has ended: success. As a new run" in capsys.readouterr().err
+    assert "cannot be resumed: it has ended: success. As a new run" in capsys.readouterr().err
 
 
 def test_a_run_whose_task_was_changed_is_what_it_was(forked: Path, capsys: pytest.CaptureFixture[str]) -> None:

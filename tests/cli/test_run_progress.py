@@ -71,4 +71,4 @@ def test_what_was_measured_after_a_stop_is_in_the_result(capsys):
 
 def test_a_stop_before_there_is_a_run_names_none(capsys):
     _tell({"status": "stopped", "outcome": None, "message": "before the task began", "run": None}, as_json=False)
-    assert capsys.readouterr().out == "stopped: before the task began; no run was begun\n"
+    assert capsys.readouterr().out == "stopped: before the task began; no run was started\n"

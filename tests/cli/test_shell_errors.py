@@ -83,7 +83,7 @@ def test_a_place_that_the_system_refuses_is_one_sentence_not_a_traceback(project
     assert main(["new", "x" * 300]) == 1
     said = capsys.readouterr().err
     assert said.startswith("grip: xxx")
-    assert "File name too long; name another place, or mend its rights" in said
+    assert "File name too long; name another place, or change its permissions" in said
 
 
 def test_nothing_to_launch_is_told_apart_from_no_project(project, tmp_path, capsys):

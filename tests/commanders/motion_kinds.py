@@ -20,7 +20,6 @@ from grip_bt.commanders.pausing import rest_of
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import (
     CheckTrajectory,
-    PlanningSettings,
     PlanServoStep,
     PlanStraight,
     PlanThrough,
@@ -29,6 +28,7 @@ from grip_bt.commanders.planning.requests import (
     Situation,
 )
 from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.steering import HOLD, jogged, lasting, spliced
 from grip_bt.commanders.trajectory.stopping import stop_ramp
 
@@ -58,7 +58,7 @@ class Motions:
             limits = self.chain.limits
             self.chain.limits = replace(limits, jerk=limits.acceleration * jerk)
         self.checker = CollisionChecker(self.chain, self.scene, self.hand)
-        self._rest, self._settings = rest, PlanningSettings(speed=speed, time_limit=PATIENCE, jerk=jerk and 1.0)
+        self._rest, self._settings = rest, PlanningSettings(speed=speed, planning_time=PATIENCE, jerk=jerk and 1.0)
         used = self.chain.limits
         self.velocity, self.acceleration, self.jerk = used.velocity * speed, used.acceleration * speed, used.jerk
 
@@ -90,7 +90,7 @@ class Motions:
         if velocity is not None:
             moving = dict(zip(self.chain.joints, velocity.tolist(), strict=True))
             start = replace(start, velocity=[moving.get(name, 0.0) for name in start.names])
-        return Situation(self.group, start, self.scene, self.hand, replace(self._settings, seed=seed))
+        return Situation(self.group, start, self.scene, self.hand, self._settings.model_copy(update={"seed": seed}))
 
     def goal(self, q: np.ndarray) -> JointState:
         """Return positions of the group's joints as a state."""

@@ -13,8 +13,9 @@ from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
+from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.settings import PlanningSettings
 
 CRATE = np.array([0.48, -0.40])
 PATIENCE = 60.0
@@ -94,7 +95,7 @@ def side_grasps(thing: Thing, rng: np.random.Generator) -> list[Grasp]:
 
 def situation(model: RobotModel, scene, arm: JointState | None = None, hand: str = "open", seed: int = 0) -> Situation:
     start = joined(arm or named(model, "arm", "home"), named(model, "hand", hand))
-    return Situation("arm", start, scene, "right_hand", PlanningSettings(seed=seed, time_limit=PATIENCE))
+    return Situation("arm", start, scene, "right_hand", PlanningSettings(seed=seed, planning_time=PATIENCE))
 
 
 def endless_request(planner="RRTConnect"):
@@ -112,7 +113,7 @@ def endless_request(planner="RRTConnect"):
         offset = np.array([x, y, 0.0]) * (opening + edge / 2) + [0.0, 0.04, 0.0]
         scene.set_box(f"frame_{k}", size, Pose(middle.apply([offset])[0], middle.quaternion))
     begin = situation(model, scene.snapshot())
-    settings = dataclasses.replace(begin.settings, time_limit=600.0, planner=planner)
+    settings = begin.settings.model_copy(update={"planning_time": 600.0, "planner": planner})
     begin = dataclasses.replace(begin, settings=settings)
     checker = CollisionChecker(chain, scene.snapshot(), "right_hand")
     assert checker.free(home.position)

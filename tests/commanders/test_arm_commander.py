@@ -17,7 +17,8 @@ from grip_bt.base.values import JointState, Plan, Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.fake import FakeExecutor
 from grip_bt.commanders.planning.answer import answer
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo
+from grip_bt.commanders.planning.requests import PlanTo
+from grip_bt.commanders.settings import PlanningSettings
 
 
 class PlansHere:
@@ -42,7 +43,7 @@ class Rig:
         self.scene = room(self.model, hand=lambda: self.arm.grasp_pose())
         self.planner = PlansHere(self.model)
         self.arm = ArmCommander(
-            ArmSetup("right", hand="right_hand", settings=PlanningSettings(time_limit=600.0)),
+            ArmSetup("right", hand="right_hand", settings=PlanningSettings(planning_time=600.0)),
             self.model,
             self.planner,
             self.executor,
@@ -105,7 +106,7 @@ def test_each_plan_sees_the_scene_and_the_hand_as_they_are_when_it_is_asked(rig)
 
 def test_planning_settings_reach_the_planner():
     rig = Rig()
-    settings = PlanningSettings(planner="KPIECE1", speed=0.2, seed=4, time_limit=600.0)
+    settings = PlanningSettings(planner="KPIECE1", speed=0.2, seed=4, planning_time=600.0)
     setup = ArmSetup("a", hand="right_hand", settings=settings)
     arm = ArmCommander(setup, rig.model, rig.planner, rig.executor, rig.scene, lambda: [rig.posture])
     plan = arm.plan(JointState(("panda_joint1",), [0.4])).result()

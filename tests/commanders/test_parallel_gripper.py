@@ -136,7 +136,7 @@ def test_a_robot_whose_models_are_not_installed_is_missed_with_what_to_install(n
     said = capsys.readouterr()
     assert said.err.count("\n") == 1
     assert f"{package!r}" in said.err
-    assert f"To mend it: pip install 'grip-bt[{extra}]'" in said.err
+    assert f"Fix: pip install 'grip-bt[{extra}]'" in said.err
     with pytest.raises(MissingPartError, match=rf"robot {name!r}, in the package {package!r}"):
         load_robot(name)
 

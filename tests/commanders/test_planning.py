@@ -29,8 +29,9 @@ from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import interpolated
-from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo
+from grip_bt.commanders.planning.requests import ChooseGrasp, PlanStraight, PlanTo
 from grip_bt.commanders.planning.search import planners
+from grip_bt.commanders.settings import PlanningSettings
 
 
 def never():
@@ -46,7 +47,7 @@ def table(seed=3):
 
 
 def with_settings(state, **changes):
-    return dataclasses.replace(state, settings=dataclasses.replace(state.settings, **changes))
+    return dataclasses.replace(state, settings=state.settings.model_copy(update=changes))
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +102,7 @@ def test_a_pose_goal_is_reached_and_hints_come_first(chosen):
 @pytest.mark.parametrize("planner", ["RRTConnect", "KPIECE1", "LBKPIECE1", "BITstar", "PRM"])
 def test_planners_are_chosen_by_name(chosen, planner):
     model, scene, *_ = table()
-    start = with_settings(situation(model, scene.snapshot()), planner=planner, time_limit=600.0)
+    start = with_settings(situation(model, scene.snapshot()), planner=planner, planning_time=600.0)
     plan = answer(model, PlanTo(start, chosen.at_pre_grasp), never)
     assert plan.planner == planner
     assert_free(model, scene.snapshot(), plan.trajectory)
@@ -257,7 +258,7 @@ def test_another_thing_beside_the_target_blocks_the_approach(chosen):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"speed": 0.0}, {"speed": 1.5}, {"time_limit": 0.0}, {"margin": -0.1}, {"timing": "spline"}]
+    "wrong", [{"speed": 0.0}, {"speed": 1.5}, {"planning_time": 0.0}, {"margin": -0.1}, {"timing": "spline"}]
 )
 def test_settings_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):

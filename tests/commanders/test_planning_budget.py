@@ -52,7 +52,8 @@ def chosen(table):
 
 
 def limited(begin, seconds: float, **settings):
-    return dataclasses.replace(begin, settings=dataclasses.replace(begin.settings, time_limit=seconds, **settings))
+    changed = begin.settings.model_copy(update={"planning_time": seconds, **settings})
+    return dataclasses.replace(begin, settings=changed)
 
 
 @pytest.mark.parametrize("planner", ["RRTConnect", "BiTRRT", "KPIECE1"])

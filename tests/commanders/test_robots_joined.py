@@ -17,8 +17,9 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import answer
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
+from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.settings import PlanningSettings
 
 NOTHING = PlanningScene({}).snapshot()
 
@@ -116,7 +117,7 @@ def test_two_arms_are_planned_together_and_never_collide_on_the_way(two):
     checker = CollisionChecker(chain, NOTHING)
     assert checker.free(start.ordered(chain.joints))
     assert checker.free(goal.ordered(chain.joints))
-    begin = Situation("arms", start, NOTHING, "", PlanningSettings(seed=1, time_limit=600.0))
+    begin = Situation("arms", start, NOTHING, "", PlanningSettings(seed=1, planning_time=600.0))
     plan = answer(model, PlanTo(begin, goal), never)
     assert set(plan.trajectory.names) == set(joints)
     path = np.array(plan.trajectory.positions)[:, [plan.trajectory.names.index(j) for j in chain.joints]]
@@ -129,7 +130,7 @@ def test_one_arm_is_planned_apart_from_the_other(two):
     model = RobotModel(two)
     start = JointState(two.group("arms"), np.zeros(12))
     goal = state(two, "right_manipulator", [0.5, 0.6, 0, 0, 0, 0])
-    begin = Situation("right_manipulator", start, NOTHING, "", PlanningSettings(seed=1, time_limit=600.0))
+    begin = Situation("right_manipulator", start, NOTHING, "", PlanningSettings(seed=1, planning_time=600.0))
     plan = answer(model, PlanTo(begin, goal), never)
     assert set(plan.trajectory.names) == set(two.group("right_manipulator"))
     touching = JointState(two.group("arms"), [-np.pi / 2, np.pi / 2, 0, 0, 0, 0, *np.zeros(6)])

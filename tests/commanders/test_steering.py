@@ -12,7 +12,8 @@ from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.fake import FakeExecutor, OnClock
 from grip_bt.commanders.kinematics.collision import recent_checker
 from grip_bt.commanders.planning.answer import answer
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanServoStep
+from grip_bt.commanders.planning.requests import PlanServoStep
+from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.steering import HOLD, SAMPLING, approaching, spliced, steered
 from grip_bt.runtime.clock import ManualClock
 
@@ -49,7 +50,7 @@ class Rig:
         self.scene = room(self.model, hand=lambda: self.arm.grasp_pose())
         self.planner, posture = Later(self.model), named(self.model, "hand", "open")
         self.arm = ArmCommander(
-            ArmSetup("right", hand="right_hand", settings=PlanningSettings(speed=speed, time_limit=600.0)),
+            ArmSetup("right", hand="right_hand", settings=PlanningSettings(speed=speed, planning_time=600.0)),
             self.model,
             self.planner,
             self.executor,

@@ -15,10 +15,11 @@ from grip_bt.commanders.kinematics.target import Target
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, excess, interpolated, kept
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanTo, Situation
+from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.planning.search import plan_free, settable
 from grip_bt.commanders.planning.tree_planners import CLEARANCES, Tree, costs
 from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 
 LEVEL = pin.rpy.rpyToMatrix(0, np.pi / 2, 0)
 """A grasp frame whose z axis points forward, level."""
@@ -51,7 +52,7 @@ def level_at(checker, *position, turn=0.0):
 
 def situation(model, checker, start, **settings):
     state = joined(JointState(checker.chain.joints, start), named(model, "hand", "open"))
-    return Situation("arm", state, SCENE, "hand", PlanningSettings(**{"time_limit": 600.0, **settings}))
+    return Situation("arm", state, SCENE, "hand", PlanningSettings(**{"planning_time": 600.0, **settings}))
 
 
 def pose(rotation, *position):
@@ -113,7 +114,7 @@ def test_a_constrained_motion_keeps_the_hand_level_round_an_obstacle(model, chec
 def test_a_constrained_motion_stays_in_its_box(model, checker):
     box = PathConstraint(box=pose(np.eye(3), 0.4, 0.0, 0.4), size=(0.5, 0.9, 0.4))
     one, other = level_at(checker, 0.45, -0.3, 0.3), level_at(checker, 0.45, 0.3, 0.3)
-    begin = situation(model, checker, one, time_limit=600.0)
+    begin = situation(model, checker, one, planning_time=600.0)
     request = PlanTo(begin, JointState(checker.chain.joints, other), constraint=box)
     for q in answer(model, request, lambda: False).trajectory.positions:
         offset = checker.chain.grasp_pose(q).translation - [0.4, 0.0, 0.4]
@@ -158,7 +159,7 @@ def test_a_constraint_that_nothing_can_keep_ends_in_time(model, checker):
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
     tight = PathConstraint(box=pose(np.eye(3), 0.5, 0.0, 0.3), size=(0.02, 0.62, 0.02))  # straight through the post
     request = PlanTo(
-        situation(model, checker, one, time_limit=0.5, attempts=1),
+        situation(model, checker, one, planning_time=0.5, attempts=1),
         JointState(checker.chain.joints, other),
         constraint=tight,
     )
@@ -214,7 +215,7 @@ def test_acceleration_has_its_own_factor(model, checker):
     assert strongest(speed=0.8) > 0.2
 
 
-@pytest.mark.parametrize("wrong", [{"speed": 0.0}, {"acceleration": 1.5}, {"attempts": 0}, {"time_limit": 0.0}])
+@pytest.mark.parametrize("wrong", [{"speed": 0.0}, {"acceleration": 1.5}, {"attempts": 0}, {"planning_time": 0.0}])
 def test_settings_say_what_is_allowed(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):
         PlanningSettings(**wrong)

@@ -17,8 +17,9 @@ from grip_bt.commanders.joined import execute_together
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import answer
-from grip_bt.commanders.planning.requests import CheckTogether, PlanningSettings, Situation
+from grip_bt.commanders.planning.requests import CheckTogether, Situation
 from grip_bt.commanders.scene import Box, HandMount, SceneObject, SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.trajectory.splines import eased
 from grip_bt.runtime.clock import ManualClock
 
@@ -112,7 +113,11 @@ INWARD = {"left": [-np.pi / 2, 1.2, 0, 0, 0, 0], "right": [np.pi / 2, 1.2, 0, 0,
 def situation(model, carriers):
     start = at(model, "left")
     return Situation(
-        "left_manipulator", start, SceneSnapshot({}, carriers=carriers), "left_hand", PlanningSettings(time_limit=600.0)
+        "left_manipulator",
+        start,
+        SceneSnapshot({}, carriers=carriers),
+        "left_hand",
+        PlanningSettings(planning_time=600.0),
     )
 
 
@@ -185,7 +190,7 @@ def arms(model, carriers):
     executors = {side: FakeExecutor(at(model, side), OnClock(clock)) for side in SIDES}
     made = {
         side: ArmCommander(
-            ArmSetup(side, f"{side}_manipulator", f"{side}_hand", PlanningSettings(time_limit=600.0)),
+            ArmSetup(side, f"{side}_manipulator", f"{side}_hand", PlanningSettings(planning_time=600.0)),
             model,
             planner,
             executors[side],

@@ -15,10 +15,10 @@ from patience import PATIENCE
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm, Executor, Hand, HandPort
 from grip_bt.base.values import JointState
-from grip_bt.commanders.planning.requests import PlanningSettings
+from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.trajectory.stopping import ACCELERATION
 
-PATIENT = PlanningSettings(time_limit=PATIENCE)
+PATIENT = PlanningSettings(planning_time=PATIENCE)
 """A plan may take what a slow machine needs."""
 
 

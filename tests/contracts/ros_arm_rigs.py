@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -99,7 +98,7 @@ def _arm_rig(executor: Any, planner: Any, name: str = "RRTConnect") -> ArmRig:
     scene = PlanningScene({"hand": lambda: model().grasp_pose(executor.state())})
     scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
     service = Patient(planner())
-    setup = ArmSetup("right", hand="hand", settings=replace(PATIENT, planner=name))
+    setup = ArmSetup("right", hand="hand", settings=PATIENT.model_copy(update={"planner": name}))
     arm = ArmCommander(setup, model(), service, executor, scene, lambda: [opened])
     away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
     return ArmRig(arm, time.sleep, away, np.array([0.0, 0.02, -0.1]))

@@ -11,6 +11,7 @@ import pytest
 from patience import PATIENCE
 
 from grip_bt.cli.__main__ import main
+from grip_gui.live.inspector import Looker
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]  # the first one builds the interfaces
 FILES = {
@@ -41,8 +42,8 @@ def ask(served, monkeypatch, capsys):
     from grip_bt.ros import messages as managers
 
     patient = partial(managers.RosMessages, timeout=PATIENCE, wait=PATIENCE)
-    monkeypatch.setattr(managers, "RosMessages", patient)
-    monkeypatch.setattr("grip_bt.cli.messages_client.WAIT", PATIENCE)
+    monkeypatch.setattr("grip_bt.cli.messages.RosMessages", patient)
+    monkeypatch.setattr("grip_bt.cli.messages.WAIT", PATIENCE)
 
     def run(*words: str) -> tuple[int, str, str]:
         status = main(["messages", *words])
@@ -58,6 +59,15 @@ def test_what_is_shown_can_be_added_and_is_the_same_to_the_last_digit(ask):
         assert ask("add", store, "copy", shown[1])[0] == 0
         assert ask("show", store, "copy")[1] == shown[1]
     assert "0.1234567890123456" in ask("show", "joint_states", "copy")[1]
+
+
+def test_a_trajectory_that_names_the_servers_states_is_put_from_the_page_too(ask):
+    looker = Looker()
+    try:
+        looker.put("trajectories", "from_page", "", "[{name: home, interpolate_time: 0, pause_time: 1}]")
+    finally:
+        looker.close()
+    assert ask("show", "trajectories", "from_page")[0] == 0
 
 
 def test_a_trajectory_is_added_by_the_names_of_joint_states(ask):

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.ros
 WRONG = {
     "ros/wait_for_message, with: {topic: /x, type: geometry_mgs/msg/Pose}": (
         "the interface package 'geometry_mgs' of geometry_mgs/msg/Pose (did you mean 'geometry_msgs'?) isn't available "
-        "here. To mend it: grip interfaces build FOLDER"
+        "here. Fix: grip interfaces build FOLDER"
     ),
     "ros/wait_for_message, with: {topic: /x, value: Psoe}": "value: unknown type 'Psoe'; did you mean 'Pose'?",
     "ros/latest_message, with: {topic: /x, type: std_msgs/msg/Strng}": "did you mean 'std_msgs/msg/String'?",

@@ -128,7 +128,7 @@ def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(b
     said = (
         r"/clock: no simulated time within 0\.2 s: it has no publisher; rosgraph_msgs/msg/Clock is published in .* as "
     )
-    with ExitStack() as stack, pytest.raises(ServerLostError, match=said + "/sim/clock. To mend it: start the simul"):
+    with ExitStack() as stack, pytest.raises(ServerLostError, match=said + "/sim/clock. Fix: start the simul"):
         ros_parts.simulated_clock(bus, stack)
 
 

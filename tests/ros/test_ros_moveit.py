@@ -31,8 +31,9 @@ from grip_bt.base.failures import (
 from grip_bt.base.ports import Executor
 from grip_bt.base.values import Grasp, JointState, Pose, Trajectory
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.planning.requests import ChooseGrasp, PlanningSettings, PlanStraight, PlanTo, Situation
+from grip_bt.commanders.planning.requests import ChooseGrasp, PlanStraight, PlanTo, Situation
 from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.settings import PlanningSettings
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 ROBOT = "ur5_allegro"
@@ -109,7 +110,7 @@ def home(robot) -> JointState:
 
 def situation(robot, scene, **settings) -> Situation:
     start = {**home(robot).as_mapping(), **robot.named_state("hand", "open").as_mapping()}
-    chosen = PlanningSettings(planner="move_group", time_limit=30.0, **settings)
+    chosen = PlanningSettings(planner="move_group", planning_time=30.0, **settings)
     return Situation("arm", JointState.from_mapping(start), scene.snapshot(), "hand", chosen)
 
 

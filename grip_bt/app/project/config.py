@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ByteSize, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ByteSize, ConfigDict, StringConstraints
 
 from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
 from grip_bt.task.catalog.component_parts import ProcessConfig
 from grip_bt.task.catalog.ros_config import RosRobotConfig
 from grip_bt.task.catalog.sensors import SensorConfig
-
-pass
-
 
 FILE_NAME = "grip.yaml"
 
@@ -27,29 +25,17 @@ class _Config(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
 
-class ArmConfig(_Config):
-    """How one arm is asked to move."""
-
+class _ArmParts(_Config):
     group: str = "arm"
     """Group of joints in the robot's description."""
     hand: str | None = None
     """Name of the hand that it carries."""
     arms: tuple[str, ...] = ()
     """Arms that this one joins: one plan moves them all. `group` holds the joints of all of them."""
-    planner: str = "RRTConnect"
-    kinematics: str = "damped_least_squares"
-    speed: float = Field(default=0.5, gt=0, le=1)
-    """Fraction of the joints' speed limits."""
-    acceleration: float | None = Field(default=None, gt=0, le=1)
-    """Fraction of the joints' acceleration limits; as `speed` when it isn't given."""
-    jerk: float | None = Field(default=None, gt=0, le=1)
-    """Fraction of the joints' jerk limits (`max_jerk` in `joint_limits.yaml`); any jerk when it isn't given."""
-    planning_time: float = Field(default=2.0, gt=0)
-    """CPU time for one request, all attempts together [s]; wall time ends it at 20 times as much."""
-    attempts: int = Field(default=3, ge=1)
-    """How often a plan is searched with other random numbers before it is given up."""
-    timing: Literal["direct", "toppra"] = "direct"
-    """Who finds the fastest velocities along a path: TOPP-RA solved directly, or the library `toppra`."""
+
+
+class ArmConfig(MotionSettings, _ArmParts):
+    """One arm: its joints, and how it is asked to move."""
 
 
 class HandConfig(_Config):

@@ -30,8 +30,8 @@ from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
 from ..wiring.progress import Progress, silent
 from .mocks import apply_mocks
-from .resume import GoOn, begin_again, options_text, policy_of
-from .saved_state import BroughtBack, changes, kept_parts
+from .resume import ResumeRequest, options_text, policy_of, start_resumed
+from .saved_state import RestoredState, changes, kept_parts
 
 Target = Literal["bt", "sm"]
 MOST_SEED = 2**32 - 1
@@ -54,7 +54,7 @@ class RunOptions:
         paused: whether it begins paused.
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
         durable: whether no motion begins before the journal on disk says so.
-        go_on: fields of `GoOn`: the run that is gone on with; None for a new one.
+        resume: fields of `ResumeRequest`: the run that is gone on with; None for a new one.
     """
 
     target: Target = "bt"
@@ -69,7 +69,7 @@ class RunOptions:
     paused: bool = False
     mocks: Mapping[str, Any] = field(default_factory=dict)
     durable: bool = False
-    go_on: Mapping[str, Any] | None = None
+    resume: Mapping[str, Any] | None = None
 
 
 @dataclass
@@ -119,9 +119,9 @@ def check_inputs(document: Document, given: Mapping[str, Any]) -> None:
         raise InvalidTaskError(missing, document.source)
 
 
-def _text_of(go_on: GoOn, path: str | Path, journal: Path | None) -> str:
+def _text_of(resume: ResumeRequest, path: str | Path, journal: Path | None) -> str:
     with JournalReader(journal or find_project(path).journal) as reader:
-        return reader.run(go_on.run).task_text
+        return reader.run(resume.run).task_text
 
 
 @contextmanager
@@ -141,8 +141,8 @@ def open_session(
         UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    go_on = GoOn(**options.go_on) if options.go_on is not None else None
-    project, document, report = check_task(path, None if go_on is None else _text_of(go_on, path, options.journal))
+    resume = ResumeRequest(**options.resume) if options.resume is not None else None
+    project, document, report = check_task(path, None if resume is None else _text_of(resume, path, options.journal))
     check_inputs(document, options.data)
     catalog = catalogue_of(project)
     compile_task = to_machine if options.target == "sm" else to_tree
@@ -167,14 +167,14 @@ def open_session(
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = reliving = None
         kept = kept_parts(resources)
-        back = BroughtBack()
-        if go_on is not None:
-            again = begin_again(journal, compiled, go_on, resources.clock, options.seed, kept)
+        back = RestoredState()
+        if resume is not None:
+            again = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
             log, reliving, back = again
             for part, seq in back.restored.items():
                 progress(part, f"as it was at event {seq}")
             for part, why in back.anew.items():
-                progress(part, f"begins as in a new run, since it {why}")
+                progress(part, f"starts from its initial state: it {why}")
         context = resources.context(None if reliving is None else reliving.clock)
         runner = Runner(
             compiled,

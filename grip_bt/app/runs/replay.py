@@ -26,12 +26,12 @@ GLYPHS = {
 ENDS: Mapping[str | None, str] = {"success": "✓", "failure": "✗", None: "■"}
 """What an end means; journals of earlier versions don't say what a task's own outcomes mean."""
 WENT_ON = {
-    "resume": "goes on with what was under way",
+    "resume": "continues what was under way",
     "restart": "is started again",
-    "result": "has ended as somebody said",
+    "result": "has ended as set by --set-outcome",
 }
 NO_END = {
-    "died": "the run died: the process that executed it isn't there any more",
+    "died": "the run died: its process has died",
     "lost": "the run has no end, and its process isn't one of this machine, or of an earlier GRIP",
 }
 _NEAREST = 8

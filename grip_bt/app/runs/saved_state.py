@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from grip_bt.base.errors import GripError, ResumeError
-from grip_bt.base.message_store import LocalMessages
-from grip_bt.base.message_store.store import Entry
-from grip_bt.base.ports import Scene
+from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary, MessageStore
 from grip_bt.runtime import Event, JournalReader
 from grip_bt.runtime.keeping import KEPT, Kept
 from grip_bt.runtime.value_codec import encode
 
-from ..wiring.parts import FakeState, Resources
+from ..wiring.parts import Resources
 
 SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"
 CHANGED_BY = {
@@ -41,113 +41,72 @@ def changes(node: str, implementation: str) -> tuple[str, ...]:
     return CHANGED_BY.get(node.partition("/")[0], ())
 
 
-class KeptScene:
-    """The planning scene. Every state of it is a value, so that a look is enough to see whether it is another one."""
+class KeptState:
+    """Implements `runtime.keeping.Kept` for a part that tells by some value of its own whether it is as it was.
 
-    def __init__(self, scene: Scene):
-        self._scene, self._last = scene, scene.snapshot()
+    Args:
+        version: returns that value; a look at it takes microseconds.
+        save: returns the part's state.
+        restore: brings a state back.
+        same: compares two versions.
+    """
 
-    def changed(self) -> Any:
-        """Return its state, where it is another one."""
-        now = self._scene.snapshot()
-        if now is self._last:
+    def __init__(
+        self,
+        version: Callable[[], object],
+        save: Callable[[], object],
+        restore: Callable[[Any], None],
+        same: Callable[[object, object], bool] = operator.eq,
+    ):
+        self._version, self._save, self._restore, self._same = version, save, restore, same
+        self._last = version()
+
+    def changed(self) -> object:
+        """Return the state, where it is another one."""
+        now = self._version()
+        if self._same(now, self._last):
             return None
         self._last = now
-        return now
+        return self._save()
 
     def restore(self, state: Any) -> None:
-        """Go back to it."""
-        self._scene.restore(state)
-        self._last = self._scene.snapshot()
-
-
-class KeptMessages:
-    """The named values of this process."""
-
-    def __init__(self, messages: LocalMessages):
-        self._library = messages.library
-        self._last = self._revisions()
-
-    def _revisions(self) -> dict[str, int]:
-        return {name: store.revision for name, store in self._library.stores().items()}
-
-    def changed(self) -> Any:
-        """Return all entries and queues, where one was changed."""
-        now = self._revisions()
-        if now == self._last:
-            return None
-        self._last = now
-        return {
-            name: [[e.name, e.value, e.time, e.provenance] for e in (*store.entries(), *store.queue())]
-            for name, store in self._library.stores().items()
-        }
-
-    def restore(self, state: Any) -> None:
-        """Have these entries, and no others."""
-        made = {name: [Entry(*entry) for entry in entries] for name, entries in state.items()}
-        for store in self._library.stores().values():
-            store.clear()
-        for name, entries in made.items():
-            store = self._library.store(name, make=True)
-            for entry in entries:
-                store.restore(entry)
-        self._last = self._revisions()
-
-
-class KeptWorld:
-    """A simulated world: joints, drives, and objects. Its state is another one where simulated time has passed."""
-
-    def __init__(self, simulation: Any):
-        self._simulation = simulation
-        self._seen = simulation.clock.simulated
-
-    def changed(self) -> Any:
-        """Return it, where time has passed."""
-        now = self._simulation.clock.simulated
-        if now == self._seen:
-            return None
-        self._seen = now
-        return self._simulation.kept()
-
-    def restore(self, state: Any) -> None:
-        """Bring everything that moves to where it was."""
-        self._simulation.put_back(state)
-        self._seen = self._simulation.clock.simulated
-
-
-class KeptFakes:
-    """Fake arms, hands and components."""
-
-    def __init__(self, fakes: FakeState):
-        self._fakes, self._last = fakes, encode(fakes.kept())
-
-    def changed(self) -> Any:
-        """Return their state, where it is another one."""
-        state = self._fakes.kept()
-        now = encode(state)
-        if now == self._last:
-            return None
-        self._last = now
-        return state
-
-    def restore(self, state: Any) -> None:
-        """Have them as they were."""
-        self._fakes.put_back(state)
-        self._last = encode(self._fakes.kept())
+        """Have the part as it was."""
+        self._restore(state)
+        self._last = self._version()
 
 
 def kept_parts(resources: Resources) -> dict[str, Kept]:
     """Return those parts of a run that can be kept."""
     parts: dict[str, Kept] = {}
-    if resources.scene is not None:
-        parts[SCENE] = KeptScene(resources.scene)
-    if isinstance(resources.messages, LocalMessages):
-        parts[MESSAGES] = KeptMessages(resources.messages)
-    if resources.world is not None:
-        parts[WORLD] = KeptWorld(resources.world)
-    if resources.fakes is not None:
-        parts[FAKES] = KeptFakes(resources.fakes)
+    if (scene := resources.scene) is not None:  # every state of it is a value
+        parts[SCENE] = KeptState(scene.snapshot, scene.snapshot, scene.restore, operator.is_)
+    if isinstance(messages := resources.messages, LocalMessages):
+        library = messages.library
+        parts[MESSAGES] = KeptState(
+            lambda: {name: store.revision for name, store in library.stores().items()},
+            lambda: {name: _entries(store) for name, store in library.stores().items()},
+            partial(_set_entries, library),
+        )
+    if (world := resources.world) is not None:
+        parts[WORLD] = KeptState(lambda: world.clock.simulated, world.kept, world.put_back)
+    if (fakes := resources.fakes) is not None:
+        parts[FAKES] = KeptState(lambda: encode(fakes.kept()), fakes.kept, fakes.put_back)
     return parts
+
+
+def _entries(store: MessageStore[Any]) -> list[list[Any]]:
+    return [[e.name, e.value, e.time, e.provenance] for e in (*store.entries(), *store.queue())]
+
+
+def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[Any]]]) -> None:
+    """Have these entries, and no others."""
+    made = {name: [Entry(*entry) for entry in entries] for name, entries in state.items()}
+    for store in library.stores().values():
+        store.clear()
+    for name, entries in made.items():
+        store = library.store(name, make=True)
+        for entry in entries:
+            store.restore(entry)
 
 
 def last_kept(events: Iterable[Event]) -> dict[str, Event]:
@@ -180,7 +139,7 @@ def parts_lost(nodes: Mapping[str, tuple[str, str]], events: Sequence[Event], ro
 _LOST_WORDS = {
     SCENE: "what they changed in the planning scene isn't there",
     MESSAGES: "what they changed in message stores isn't there",
-    WORLD: "the robot, and what it moved, is where it was at first",
+    WORLD: "the robot and the objects it moved are back at their initial positions",
 }
 
 
@@ -210,21 +169,21 @@ def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays
 
 
 @dataclass
-class BroughtBack:
+class RestoredState:
     """What became of the parts beside the task.
 
     Attributes:
         restored: part -> the event whose state it has.
-        anew: part that begins as in a new run -> why.
+        anew: part it starts from its initial state -> why.
     """
 
     restored: dict[str, int] = field(default_factory=dict)
     anew: dict[str, str] = field(default_factory=dict)
 
 
-def bring_back(
+def restore_state(
     parts: Mapping[str, Kept], reader: JournalReader, events: Sequence[Event], agreed: bool = False
-) -> BroughtBack:
+) -> RestoredState:
     """Bring parts into the state that they had at the last of `events`.
 
     Args:
@@ -236,7 +195,7 @@ def bring_back(
     Raises:
         ResumeError: one can't be brought there.
     """
-    found = BroughtBack()
+    found = RestoredState()
     for name, event in last_kept(events).items():
         if name in parts:
             try:
@@ -252,8 +211,8 @@ def bring_back(
 
 
 WORDS = {SCENE: "the scene", MESSAGES: "the messages", WORLD: "the simulated world", FAKES: "the fake robot"}
-ANEW = "that begins as in a new run"
+ANEW = "it starts from its initial state"
 
 
 def _not_back(event: Event, error: Exception) -> str:
-    return f"can't be brought back to what it was at event {event.seq} ({event.path}): {error}"
+    return f"cannot be restored to its state at event {event.seq} ({event.path}): {error}"

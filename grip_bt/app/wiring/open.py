@@ -139,7 +139,7 @@ def open_messages(opening: Opening, stack: ExitStack, server: bool = True) -> Me
     """
     project = opening.project
     if project.file.message_server and server:
-        messages: Messages = load_part("message_server", "ROS", "ros").connect(stack)
+        messages: Messages = load_part("ros", "ROS", "ros").connect_messages(stack)
         opening.progress("messages", "of the server under /grip/messages")
         return messages
     folder = project.folder / MESSAGES

@@ -13,13 +13,13 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
-    PlanningSettings,
     PlanStraight,
     PlanThrough,
     PlanTo,
     Request,
 )
 from grip_bt.commanders.planning.service import PlanningService, Searcher
+from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
 from ..project.config import ArmConfig
@@ -47,7 +47,7 @@ class PlannerByName:
         """Ask; see `PlanningService`."""
         situation = request.situation
         if isinstance(request, PlanThrough) and situation.settings.planner in self._others:
-            usual = replace(situation.settings, planner=PlanningSettings().planner)
+            usual = situation.settings.model_copy(update={"planner": PlanningSettings().planner})
             request = replace(request, situation=replace(situation, settings=usual))
         if isinstance(request, PlanTo | PlanStraight | ChooseGrasp):
             return self._others.get(request.situation.settings.planner, self._own).submit(request)
@@ -96,15 +96,6 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str =
     planner = field("planner")
     configured = robot.preferences.get(arm.group, {}).get("planner")
     parameters = {} if configured is None else configured.parameters.get(planner, {})
-    return PlanningSettings(
-        planner=planner,
-        kinematics=field("kinematics"),
-        speed=field("speed"),
-        acceleration=field("acceleration"),
-        time_limit=arm.planning_time,
-        attempts=arm.attempts,
-        seed=seed,
-        parameters=tuple(parameters.items()),
-        timing=arm.timing,
-        jerk=arm.jerk,
-    )
+    asked = {name: getattr(arm, name) for name in MotionSettings.model_fields}
+    preferred = {name: field(name) for name in ("planner", "kinematics", "speed", "acceleration")}
+    return PlanningSettings(**{**asked, **preferred}, seed=seed, parameters=tuple(parameters.items()))

@@ -15,6 +15,7 @@ from grip_bt.ros.domain import own_domain
 from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.build import provide
+from grip_bt.ros.messages.client import RosMessages
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.component_file import Start, load_component
@@ -86,7 +87,7 @@ def simulated_clock(bus: Bus, stack: ExitStack) -> RosClock:
     if not clock.wait_started(TIME_STARTS):
         reason = f"no simulated time within {TIME_STARTS:g} s: {clock.publishers()}"
         advice = "start the simulator, or take `simulated_time` out of grip.yaml"
-        raise ServerLostError(f"/clock: {reason}. To mend it: {advice}", server="/clock")
+        raise ServerLostError(f"/clock: {reason}. Fix: {advice}", server="/clock")
     return clock
 
 
@@ -115,3 +116,8 @@ def provide_frames(progress: Progress) -> None:
         progress("frames", f"tf2_msgs, built in {built[0]}" if built else "tf2_msgs, as installed")
     except GripError as error:
         progress("frames", f"only those that never move: {error}")
+
+
+def connect_messages(stack: ExitStack) -> RosMessages:
+    """Connect to the named messages of a server that runs, in the user's own domain."""
+    return RosMessages(stack.enter_context(Bus("grip_task_messages")))

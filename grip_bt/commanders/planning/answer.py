@@ -176,7 +176,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool], cl
     """
     situation = request.situation
     settings = situation.settings
-    budget = Budget(settings.time_limit, clocks)
+    budget = Budget(settings.planning_time, clocks)
     chain, checker = chain_and_checker(model, situation, margin=0.0)
     start = free_start(chain, checker, situation, request.constraint)
     goals = goals_of(chain, checker, request, start)

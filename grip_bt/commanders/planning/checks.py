@@ -10,11 +10,12 @@ from grip_bt.base.values import PathConstraint, Trajectory
 
 from ..kinematics.collision import CollisionChecker, recent_checker
 from ..kinematics.model import Chain, RobotModel
+from ..settings import PlanningSettings
 from ..trajectory.timing import Allowed, timed
 from .continuous import continuously_free, trajectory_free
 from .goals import out_of_limits, touching
 from .paths import CONSTRAINT_SLACK, kept
-from .requests import PlanningSettings, Situation
+from .requests import Situation
 
 START_SLACK = 0.03
 """A measured start may be outside the limits by this much [rad]; it is drawn in."""

@@ -3,55 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import get_args
 
 from grip_bt.base.ports.motion import Free
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 from ..scene import SceneSnapshot
-from ..trajectory import Timing
-
-
-@dataclass(frozen=True, slots=True)
-class PlanningSettings:
-    """How to plan: the fields of an arm in a project file.
-
-    Attributes:
-        planner: an OMPL planner by its name; see `planning.search.planners`.
-        kinematics: an inverse kinematics solver by its name; see `ik.SOLVERS`.
-        speed: part of the velocity limits to use, in (0, 1].
-        acceleration: part of the acceleration limits, in (0, 1]; None: as `speed`.
-        time_limit: CPU time for one plan, all attempts together [s]; wall time ends it too, see `planning.budget`.
-        attempts: how often to search with other random numbers before giving up.
-        margin: distance to keep from the scene's objects where start and goal leave room for it [m].
-        seed: the same request with the same seed gives the same plan.
-        parameters: of the planner, such as `("range", 0.3)`; see `planning.search.settable`.
-        timing: who finds the fastest velocities along a path; see `trajectory.timing`.
-        jerk: part of the jerk limits to use, in (0, 1]; None: jerk isn't looked at.
-    """
-
-    planner: str = "RRTConnect"
-    kinematics: str = "damped_least_squares"
-    speed: float = 0.6
-    acceleration: float | None = None
-    time_limit: float = 5.0
-    attempts: int = 3
-    margin: float = 0.01
-    seed: int = 0
-    parameters: tuple[tuple[str, float], ...] = ()
-    timing: Timing = "direct"
-    jerk: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.timing not in get_args(Timing):
-            raise ValueError(f"timing is one of {', '.join(get_args(Timing))}, not {self.timing!r}")
-        for name, value in (("speed", self.speed), ("acceleration", self.acceleration), ("jerk", self.jerk)):
-            if value is not None and not 0 < value <= 1:
-                raise ValueError(f"{name} is a part of the limits, in (0, 1], not {value}")
-        if self.attempts < 1:
-            raise ValueError(f"attempts are 1 or more, not {self.attempts}")
-        if not self.time_limit > 0 or not self.margin >= 0:
-            raise ValueError(f"time_limit {self.time_limit} s and margin {self.margin} m can't be negative")
+from ..settings import PlanningSettings
 
 
 @dataclass(frozen=True, slots=True)

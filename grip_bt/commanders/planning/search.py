@@ -18,9 +18,9 @@ from grip_bt.base.failures import CanceledError, ExpectedError, NoPlanError, Pat
 from grip_bt.base.values import PathConstraint
 
 from ..kinematics.collision import CollisionChecker
+from ..settings import PlanningSettings
 from .budget import Budget
 from .paths import shortened
-from .requests import PlanningSettings
 from .tree_planners import bitrrt, cbirrt, costs, highest_cost
 
 T = TypeVar("T")

@@ -23,10 +23,11 @@ from ..kinematics.collision import CollisionChecker
 from ..kinematics.damped_least_squares import solve_from
 from ..kinematics.model import Chain, RobotModel
 from ..kinematics.target import Target
+from ..settings import PlanningSettings
 from ..trajectory.splines import joined
 from .checks import chain_and_checker, drawn_in, refuse_collisions, timed_free
 from .paths import interpolated
-from .requests import PlanningSettings, PlanStraight
+from .requests import PlanStraight
 from .search import RESOLUTION
 
 STEP = 0.015

@@ -52,7 +52,7 @@ def plan_through(
         ConstraintBrokenError: the start, a way point or a straight segment breaks what the motion must keep to.
     """
     settings = request.situation.settings
-    budget = Budget(settings.time_limit, clocks)
+    budget = Budget(settings.planning_time, clocks)
     chain, checker = chain_and_checker(model, request.situation, margin=0.0)
     start = free_start(chain, checker, request.situation, request.constraint)
     searched = any(not point.straight for point in request.way_points)
@@ -161,7 +161,8 @@ def _segments(
         if point.straight and not isinstance(point.goal, JointState):
             segments.append(_line(chain, start, point, where))
         else:
-            ask = replace(request.situation.settings, seed=request.situation.settings.seed + attempt)
+            settings = request.situation.settings
+            ask = settings.model_copy(update={"seed": settings.seed + attempt})
             to = PlanTo(replace(request.situation, settings=ask), point.goal, constraint=request.constraint)
             goals = goals_of(chain, checker, to, start)
             if point.straight:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from grip_bt.base.failures import ExpectedError
+from grip_bt.base.failures import ExpectedError, NoEntryError
 from grip_bt.base.message_store import STANDARD
 from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
+from grip_bt.base.operation import Operation
+from grip_bt.base.ports import Messages
 from grip_bt.base.values import Grasp, JointState, Pose
 
 from ..client.types import load_type, type_name
@@ -157,6 +159,31 @@ def text_of_message(store: str, message: Any) -> str:
 def plain_of_entry(store: str, value: Any) -> Any:
     """Return the fields of a value's message as plain data, None for a big one."""
     return plain_of(message_of(pack(store, value)))
+
+
+class ServerStates(Mapping[str, JointState]):
+    """A server's joint states, asked for when a trajectory names them.
+
+    Args:
+        messages: the client of the server.
+        done: waits for an answer, and returns it.
+    """
+
+    def __init__(self, messages: Messages, done: Callable[[Operation[Any]], Any]):
+        self._messages, self._done = messages, done
+
+    def __getitem__(self, name: str) -> JointState:
+        try:
+            state: JointState = self._done(self._messages.get("joint_states", name)).value
+        except NoEntryError:
+            raise KeyError(name) from None
+        return state
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._done(self._messages.names("joint_states")))
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
 
 
 def value_from_text(

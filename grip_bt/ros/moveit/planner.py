@@ -134,7 +134,7 @@ class MoveGroupPlanner:
             asked.path_constraints = on_the_way(request.constraint, mount, self.robot.base_link)
         plan = self._move_group.plan_by_service if self._by_service else self._move_group.plan
         try:
-            answer = yield plan(asked, situation.settings.time_limit)
+            answer = yield plan(asked, situation.settings.planning_time)
         except (NoPlanError, TimeOutError) as error:
             yield from self._say_what_is_wrong(request, mount, error)
             raise
@@ -197,7 +197,7 @@ class MoveGroupPlanner:
             planner_id=self._planner_id,
             group_name=mount.group,
             num_planning_attempts=settings.attempts,
-            allowed_planning_time=settings.time_limit,
+            allowed_planning_time=settings.planning_time,
             max_velocity_scaling_factor=settings.speed,
             max_acceleration_scaling_factor=settings.acceleration or settings.speed,
         )

@@ -22,7 +22,7 @@ from grip_bt.ros.convert import from_message
 from grip_bt.ros.convert_perception import depth_from_message
 from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
-from grip_bt.ros.messages.wire import entry_rows, text_of_entry, value_from_text
+from grip_bt.ros.messages.wire import ServerStates, entry_rows, text_of_entry, value_from_text
 from grip_bt.task.catalog.sensors import MESSAGES
 from grip_gui.view.values import ROWS, value_view
 from grip_gui.wire.runs import ValueView
@@ -88,7 +88,7 @@ class Looker:
 
     def put(self, store: str, name: str, type: str, text: str) -> dict[str, Any]:
         """Add or replace one."""
-        value = value_from_text(store, name, text, type)
+        value = value_from_text(store, name, text, type, ServerStates(self._messages, self._done))
         self._done(self._messages.put(store, name, value, "by hand in the editor"))
         return {}
 

@@ -36,9 +36,10 @@ from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import plan_to
 from grip_bt.commanders.planning.checks import chain_and_checker
 from grip_bt.commanders.planning.goals import goals_of
-from grip_bt.commanders.planning.requests import PlanningSettings, PlanStraight, PlanTo, Situation
+from grip_bt.commanders.planning.requests import PlanStraight, PlanTo, Situation
 from grip_bt.commanders.planning.straight import plan_straight
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.ros.convert_geometry import pose_from_message, trajectory_to_message
 
 BRAKING = 4.0
@@ -142,7 +143,7 @@ def situation(group, start, request=None, scene=None):
     settings = PlanningSettings(
         speed=request.max_velocity_scaling_factor if request else 0.5,
         acceleration=request.max_acceleration_scaling_factor if request else 0.5,
-        time_limit=request.allowed_planning_time if request else 5.0,
+        planning_time=request.allowed_planning_time if request else 5.0,
         margin=0.0,
     )
     return Situation(group, JointState.from_mapping(known), snapshot() if scene is None else scene, "hand", settings)

@@ -1,0 +1,334 @@
+"""What has to be known and agreed to before a run is resumed, or forked from one of its events: nothing is started."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import takewhile
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import ResumeError, UnknownNameError
+from grip_bt.compilers.resolve import Part, resolve
+from grip_bt.runtime import (
+    Event,
+    JournalReader,
+    Recording,
+    RunRecord,
+)
+from grip_bt.runtime.breakpoints import node_path
+from grip_bt.runtime.journal_events import DAMAGED
+from grip_bt.runtime.keeping import KEPT
+from grip_bt.task import model
+
+from ..project.catalogue import catalogue_of
+from .execute import RunOptions, Target, check_task
+from .mocks import apply_mocks
+from .replay import Until, find_run
+from .resume import ResumeRequest, policy_of
+from .saved_state import ANEW, MESSAGES, WORDS, parts_lost, unreadable
+
+CLOSING = 10.0
+"""How long [s] the process of a run that was cut off may take to close its parts."""
+
+_NODES = ("enter", "exit", "interrupted", "write")
+
+
+@dataclass(frozen=True)
+class Question:
+    """Something that a person has to agree to.
+
+    Attributes:
+        about: a node's path, or what else it is about.
+        why: what isn't known.
+        agreed: what is done if they do.
+    """
+
+    about: str
+    why: str
+    agreed: str
+
+    def __str__(self) -> str:
+        return f"{self.about}: {self.why}; {self.agreed}"
+
+
+def undamaged(reader: JournalReader, run: str) -> list[Event]:
+    """Return the events of a run up to the first one that can't be read."""
+    return list(takewhile(lambda event: event.event != DAMAGED, reader.iterate(run)))
+
+
+def recorded_options(events: Iterable[Event]) -> dict[str, Any]:
+    """Return the options with which a run was started, as far as its journal has them."""
+    started = next((event for event in events if event.event == "run_started"), None)
+    return dict(started.data.get("options", {})) if started is not None else {}
+
+
+def wait_for_exit(reader: JournalReader, run: str) -> None:
+    """Wait until the process of a run that was cut off has closed its parts: two mustn't move one robot.
+
+    Raises:
+        ResumeError: it doesn't end.
+    """
+    deadline = time.monotonic() + CLOSING
+    while reader.lives(run):
+        if time.monotonic() > deadline:
+            raise ResumeError(f"run {run} was interrupted, and its process is still shutting down; stop it first")
+        time.sleep(0.05)
+
+
+def last_task_event(events: Sequence[Event]) -> int:
+    """Return the last event that belongs to the task's own doing, before a stop or an error interrupted everything."""
+    last = len(events)
+    for event in events:
+        stopping = event.event == "state" and event.data.get("state") == "stopping"
+        if stopping or (event.event == "error" and not _died(event)):
+            last = event.seq - 1
+            break
+    while (
+        last > 0
+        and last < len(events)
+        and events[last - 1].event in ("interrupted", "state", "message", "zombie", KEPT)
+    ):
+        last -= 1
+    return last
+
+
+def _died(event: Event) -> bool:
+    return event.event == "error" and event.data.get("type") == "ProcessDied"
+
+
+def resumable(record: RunRecord, events: Sequence[Event]) -> None:
+    """See whether a run can be gone on with.
+
+    Raises:
+        ResumeError: it has ended, or is under way; it says what can be done.
+    """
+    errors = [event for event in events if event.event == "error"]
+    if record.status == "running":
+        raise ResumeError(f"run {record.id} is under way in another process; stop it first")
+    if not any(event.event in _NODES for event in events):
+        raise ResumeError(f"run {record.id} died before it began; start the task again: grip run {record.task_path}")
+    if record.status in ("died", "lost") or (record.status == "error" and errors and _died(errors[-1])):
+        return
+    at = last_task_event(events)
+    why = f"it has ended: {record.status}" + (f", {errors[-1].path} raised" if errors else "")
+    raise ResumeError(
+        f"run {record.id} cannot be resumed: {why}. As a new run, from any event up to {at}: "
+        f"grip run --fork {record.id} --at {at}"
+    )
+
+
+def event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
+    """Return the event up to which a run is to happen again.
+
+    Args:
+        record: the run.
+        events: all of it.
+        text: a number, `NODE`, or `NODE:OUTCOME`.
+
+    Raises:
+        UnknownNameError: the run never comes there.
+        ResumeError: it was stopped, or a node had raised, before that.
+    """
+    until = Until(text)
+    at = next((event.seq for event in events if until.reached(event)), None)
+    if at is None:
+        there = {e.path for e in events if e.event in _NODES} if not text.isdigit() else [f"1 to {len(events)}"]
+        raise UnknownNameError("place in the run", text, there, f"run {record.id}")
+    if at > (last := last_task_event(events)):
+        while last > 0 and events[last - 1].event not in _NODES:
+            last -= 1
+        ended = all(e.event not in _NODES for e in events[last:at])
+        if not ended:
+            raise ResumeError(
+                f"run {record.id} was stopped, or broken by an error, after event {last}: --at {last} or less"
+            )
+    return at
+
+
+def questions(
+    parts: Mapping[str, Part],
+    events: Sequence[Event],
+    resume: ResumeRequest,
+    mocked: Iterable[str],
+    robot: str = "sim",
+    stays: str = "",
+    anew: Mapping[str, str] | None = None,
+) -> list[Question]:
+    """Return what a person has to agree to before a run is gone on with.
+
+    Args:
+        parts: of the task.
+        events: that happen again.
+        resume: how.
+        mocked: nodes in whose place scripts are played.
+        robot: with which it goes on.
+        stays: a part beside the task that outlives the run's process; see `app.keeping`.
+        anew: part beside the task -> why it can't be brought back.
+    """
+    found = []
+    leaves = {path: part for path, part in parts.items() if part.manifest is not None and path not in set(mocked)}
+    for path in Recording(events, leaves).under_way:
+        manifest = leaves[path].manifest
+        assert manifest is not None, "leaves have one"
+        if path not in resume.results and policy_of(manifest) == "ask":
+            why = f"{manifest.id} was under way, and its progress is unknown"
+            found.append(
+                Question(path, why, f"it is started again (or say how it ended: --set-outcome {path}=success)")
+            )
+    nodes = {p: (part.manifest.id, part.manifest.implementation) for p, part in leaves.items() if part.manifest}
+    if resume.at is None:
+        found += [
+            Question("the world", lost, "it goes on all the same") for lost in parts_lost(nodes, events, robot, stays)
+        ]
+    found += [Question(WORDS[part], why, ANEW) for part, why in (anew or {}).items()]
+    foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
+    if foreign:
+        found.append(Question(", ".join(foreign), "py_trees behaviours ran", "they will run again"))
+    return found
+
+
+def read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Return leaf -> (outcome, code) of texts such as `attempt/grasp=failure.no_ik`.
+
+    Raises:
+        UnknownNameError: there is no such leaf or outcome.
+        ResumeError: a text can't be read, or names a container.
+    """
+    found = {}
+    for text in given:
+        node, there, said = text.partition("=")
+        outcome, _, code = said.strip().partition(".")
+        if not there or not outcome:
+            raise ResumeError(f"--set-outcome {text!r} isn't NODE=OUTCOME, such as attempt/grasp=failure.no_ik")
+        path = node_path(node)
+        leaves = [p for p, part in parts.items() if part.manifest is not None]
+        if path not in parts:
+            raise UnknownNameError("leaf", path, leaves, "--set-outcome")
+        if path not in leaves:
+            below = ", ".join(p for p in leaves if path == "/" or p.startswith(f"{path}/"))
+            raise ResumeError(f"--set-outcome {path}: how a container ends follows from its leaves; set one of {below}")
+        if outcome not in parts[path].meaning:
+            raise UnknownNameError("outcome", outcome, parts[path].meaning, f"--set-outcome {path}")
+        found[path] = (outcome, code)
+    return found
+
+
+Ask = Callable[[Question], bool]
+"""Asks a person whether they agree."""
+
+
+def agree(asked: Sequence[Question], ask: Ask | None) -> None:
+    """Have a person agree to everything.
+
+    Args:
+        asked: what to.
+        ask: asks them; None where nobody can be asked.
+
+    Raises:
+        ResumeError: somebody doesn't agree, or can't be asked.
+    """
+    if ask is None and asked:
+        lines = "\n".join(f"  {question}" for question in asked)
+        raise ResumeError(f"resuming needs your confirmation (or pass --yes):\n{lines}")
+    for question in asked:
+        if ask is not None and not ask(question):
+            raise ResumeError(f"not resumed: {question.about}")
+
+
+@dataclass(frozen=True)
+class ResumePlan:
+    """A run that can be resumed or forked.
+
+    Attributes:
+        task: its file.
+        options: with which it goes on.
+        questions: what a person has to agree to first; of a fork, what they are told.
+        notes: what they are told besides.
+    """
+
+    task: Path
+    options: RunOptions
+    questions: Sequence[Question]
+    notes: Sequence[str] = ()
+
+
+def plan_resume(
+    journal: Path,
+    run: str,
+    options: RunOptions,
+    given: Collection[str] = (),
+    *,
+    at: str | None = None,
+    task: Path | None = None,
+    outcomes: Iterable[str] = (),
+    agreed: bool = False,
+) -> ResumePlan:
+    """Look at a run, and say how it can be resumed.
+
+    Args:
+        journal: has the run.
+        run: its id, the beginning of it, or `last`.
+        options: that somebody gave.
+        given: names of those that they really gave; for others, those of the run are taken.
+        at: the place from which a new run goes on; None for the run itself.
+        task: its file, where it is now.
+        outcomes: texts such as `attempt/grasp=failure.no_ik`.
+        agreed: whether everything is agreed to.
+
+    Raises:
+        UnknownNameError: there is no such run, place, node or outcome.
+        ResumeError: it can't be resumed; it says what can be done.
+    """
+    with JournalReader(journal) as reader:
+        record = reader.run(find_run(reader, run))
+        known = len(reader.damage)
+        events = undamaged(reader, record.id)
+        if at is None and len(reader.damage) > known:
+            raise ResumeError(
+                f"run {record.id} cannot be resumed: it is damaged: {'; '.join(reader.damage[known:])}. "
+                f"As a new run, from any event up to {len(events)}: grip run --fork {record.id} --at {len(events)}"
+            )
+        if at is None:
+            resumable(record, events)
+            if record.status == "died":
+                wait_for_exit(reader, record.id)
+    until = None if at is None else event_at(record, events, at)
+    file = task if task is not None else _recorded_file(record.task_path, journal)
+    was, values = recorded_options(events), dict(options.data)
+    options = replace(options, **{k: was[k] for k in was.keys() - set(given) if hasattr(options, k)})
+    target: Target = "sm" if record.target == "sm" else "bt"
+    options = replace(options, data=was.get("data", {}), target=target, journal=journal.absolute())
+    project, document, _ = check_task(file, record.task_text)
+    changed = file.is_file() and file.read_text(encoding="utf-8") != record.task_text
+    catalog, model = catalogue_of(project), document.task
+    if options.mocks:
+        model, catalog, _ = apply_mocks(model, catalog, options.mocks)
+    parts = {part.path: part for part in resolve(model, catalog).root.walk()}
+    happened = events if until is None else events[:until]
+    stays = MESSAGES if project.file.message_server and options.robot != "fake" else ""
+    lost: Mapping[str, str] = {}
+    if agreed or until is None:
+        with JournalReader(journal) as reader:
+            lost = unreadable(reader, happened, options.robot, stays)
+    request = ResumeRequest(record.id, until, read_results(parts, outcomes), values, agreed=agreed or bool(lost))
+    asked = questions(parts, happened, request, options.mocks, options.robot, stays, lost)
+    notes = [f"{file} has changed since; the run goes on with the task as it was"] if changed else []
+    return ResumePlan(file, replace(options, resume=asdict(request)), asked, notes)
+
+
+def _recorded_file(recorded: str, journal: Path) -> Path:
+    """Return the task's file as recorded, from here or from the project's folder.
+
+    Raises:
+        ResumeError: it isn't there any more.
+    """
+    path = Path(recorded)
+    folder = journal.absolute().parent.parent if journal.parent.name == ".grip" else Path.cwd()
+    for candidate in (path, folder / path, folder / "tasks" / path.name, folder / path.name):
+        if candidate.is_file():
+            return candidate
+    if path.absolute().parent.is_dir():
+        return path
+    raise ResumeError(f"the run's task file {recorded!r} isn't here; name it too: grip run FILE --resume ...")
