@@ -11,13 +11,12 @@ from grip_bt.task import Task
 
 from .importer import ImportedFile, advice, import_file, write_import
 from .objects import FromMachine, from_machine
-from .reader.found import ContainerInfo, Problem, Span
+from .reader.found import ContainerInfo, Span
 from .recorded import import_with_execution
 
 __all__ = [
     "FromMachine",
     "ImportedFile",
-    "Problem",
     "Span",
     "advice",
     "from_machine",
@@ -76,11 +75,5 @@ def _files(path: Path) -> list[Path]:
 
 
 def _item(read: ImportedFile, found: ContainerInfo) -> Item:
-    name = found.kind if found.cls == found.kind else f"{found.cls} ({found.kind})"
-    issues = []
-    for each in found.problems:
-        code, place = ("no-equivalent" if each.verdict == "failed" else "incomplete"), each.span
-        file = place.file.name
-        issues.append(Issue(name, code, CODES[code], each.text, line=place.line, column=place.column, source=file))
     source = f"{read.file.name} (Python 2)" if read.converted else read.file.name
-    return Item(name, source, found.span.line, tuple(issues))
+    return Item(found.title, source, found.span.line, tuple(found.issues))

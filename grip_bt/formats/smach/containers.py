@@ -171,8 +171,8 @@ def check(found: ContainerInfo) -> None:
     Raises:
         RefusedError: the container wasn't read well enough, or SMACH would refuse it too.
     """
-    if failed := [p for p in found.problems if p.verdict == "failed"]:
-        raise RefusedError(failed[0].text)
+    if failed := [issue for issue in found.issues if issue.severity == "error"]:
+        raise RefusedError(failed[0].message)
     if not found.outcomes:
         raise RefusedError("its outcomes aren't known")
     if not found.added:

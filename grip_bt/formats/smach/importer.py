@@ -155,7 +155,7 @@ def advice(imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[s
         given: the arguments that it was run with.
     """
     open_ = [c for c in imported.containers if c.verdict != "exact"]
-    unknown = [c for c in open_ if any(_AT_RUN_TIME in p.text for p in c.problems)]
+    unknown = [c for c in open_ if any(_AT_RUN_TIME in issue.message for issue in c.issues)]
     lines = []
     if unknown and not executed:
         lines.append(

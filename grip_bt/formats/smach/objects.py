@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.issue import Issue
 from grip_bt.compilers import CompiledMachine
 from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.formats.compiled_machine import to_task
@@ -20,7 +21,7 @@ from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import ImportedFile, write_import
 from .leaves import Leaves
-from .reader.found import ContainerInfo, Problem, StateInfo
+from .reader.found import ContainerInfo, StateInfo
 from .reader.names import MODULE
 from .recorded import Record, RecordingMerge
 from .recorder import Recording
@@ -40,20 +41,20 @@ class FromMachine:
         catalog: the built-in nodes, and one for each kind of state of the machine.
         leaf_factory: makes the leaves, which run the machine's own states: give it to `to_tree` and `to_machine`. The
             machine and the task aren't executed at the same time.
-        problems: what isn't exactly as in the machine, with what to do.
+        issues: what isn't exactly as in the machine, with what to do.
         imported: for `write`; None where nothing is known that builds the machine again.
     """
 
     task: Task
     catalog: Catalog
     leaf_factory: LeafFactory
-    problems: tuple[Problem, ...] = ()
+    issues: tuple[Issue, ...] = ()
     imported: ImportedFile | None = None
 
     @property
     def exact(self) -> bool:
         """Whether the task does exactly what the machine does."""
-        return not self.problems
+        return not self.issues
 
     def write(self, folder: Path) -> list[Path]:
         """Write the task, and its leaves under `nodes`, into a project folder; return the files.
@@ -99,11 +100,11 @@ def from_machine(
     leaves.objects = dict(_pairs(found, machine))
     task = _ObjectTaskMaker(found, name, leaves).make()
     if task is None:
-        reasons = "".join(f"\n  {problem.text}" for problem in _problems(found))
+        reasons = "".join(f"\n  {issue.message}" for issue in _issues(found))
         raise RefusedLiveMachineError(f"{name}: the machine can't become a task:{reasons}")
     nodes = Catalog.builtin().with_manifests(spec.manifest for spec in leaves.specs.values())
     imported = _importable(machine, name, source) if source is not None else None
-    return FromMachine(task, nodes, leaves.factory(), tuple(_problems(found)), imported)
+    return FromMachine(task, nodes, leaves.factory(), tuple(_issues(found)), imported)
 
 
 def _read(machine: Container, file: Path) -> ContainerInfo:
@@ -136,11 +137,11 @@ def _pairs(found: ContainerInfo, live: Any) -> Iterator[tuple[StateInfo, Any]]:
             yield state, child
 
 
-def _problems(found: ContainerInfo) -> Iterator[Problem]:
-    yield from found.problems
+def _issues(found: ContainerInfo) -> Iterator[Issue]:
+    yield from found.issues
     for added in found.added.values():
         if isinstance(added.state, ContainerInfo):
-            yield from _problems(added.state)
+            yield from _issues(added.state)
 
 
 def _importable(machine: Container, name: str, source: Callable[[], Any]) -> ImportedFile:

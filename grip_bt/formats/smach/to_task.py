@@ -57,7 +57,7 @@ class TaskMaker:
         self.own: set[tuple[ContainerInfo, str]] = set()
 
     def make(self) -> Task | None:
-        """Return the task; None when the container can't be imported, with the reason among its problems."""
+        """Return the task; None when the container can't be imported, with the reason among its issues."""
         specs = dict(self.leaves.specs)
         try:
             node, ends = self._root()
@@ -186,8 +186,8 @@ class TaskMaker:
     def child(self, found: ContainerInfo, added: Child, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
         """Return one child as a node."""
         state = added.state
-        for each in state.problems if not isinstance(state, ContainerInfo) else ():
-            found.problem(each.verdict, each.text, each.span)
+        if not isinstance(state, ContainerInfo):
+            found.issues += [issue for issue in state.issues if issue not in found.issues]
         remapping = {} if raw else added.remapping
         if not isinstance(state, ContainerInfo):
             return self._leaf(found, added, keys, remapping)
@@ -215,7 +215,7 @@ class TaskMaker:
             self.sharing.writes = writes
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
-            state.problems = [p for p in state.problems if p.verdict != "failed"] if runs else state.problems
+            state.issues = [i for i in state.issues if not runs or i.severity != "error"]
             as_leaf = "imported as one leaf that runs the original container" if runs else "left out of the task"
             state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
         finally:
@@ -268,7 +268,7 @@ class TaskMaker:
         known = [o for o in (*added.transitions, *added.connectors)]
         if not known:
             raise RefusedError(f"nothing is known of the outcomes of {added.label!r} ({state.cls})")
-        if not state.problems:
+        if not state.issues:
             state.problem(
                 "partial",
                 f"the outcomes of {state.cls} are taken from its transitions, since its class isn't here",

@@ -29,7 +29,7 @@ def test_without_a_run_all_but_two_of_56_containers_are_imported():
     files = [*DATA.glob("*.py"), *DATA.glob("executed/*.py")]
     failed = [(file.stem, c) for file in files for c in import_file(file).containers if c.verdict == "failed"]
     assert sorted(stem for stem, _ in failed) == ["dynamic_goals", "given_rooms"]
-    assert all("is known only at run time" in str(c.problems[0]) for _, c in failed)
+    assert all("is known only at run time" in str(c.issues[0]) for _, c in failed)
 
 
 def test_98_percent_of_the_containers_are_imported_when_files_that_need_it_are_run():
@@ -66,5 +66,5 @@ def test_a_store_of_userdata_that_is_made_for_a_machine_is_its_own_and_one_for_t
         "    return sm\n", "    other = smach.StateMachine(outcomes=['x'])\n    other.userdata = data\n    return sm\n"
     )
     (tmp_path / "both.py").write_text(both)
-    told = [str(problem) for c in import_file(tmp_path / "both.py").containers for problem in c.problems]
+    told = [str(issue) for c in import_file(tmp_path / "both.py").containers for issue in c.issues]
     assert any("its userdata becomes `data`: SMACH shares that store" in each for each in told)

@@ -29,7 +29,7 @@ def test_95_percent_of_the_containers_are_imported_and_the_rest_says_why():
     failed = [c for c in containers if c.verdict == "failed"]
     assert (len(FILES), len(containers)) == (40, 52)
     assert len(failed) <= 0.05 * len(containers)
-    assert all(c.problems for c in containers if c.verdict != "exact")
+    assert all(c.issues for c in containers if c.verdict != "exact")
     assert [c.span.file.stem for c in failed] == ["dynamic_goals"]
 
 

@@ -17,7 +17,7 @@ def verdicts(imported):
 
 
 def texts(imported):
-    return "\n".join(str(p) for c in imported.containers for p in c.problems)
+    return "\n".join(str(p) for c in imported.containers for p in c.issues)
 
 
 @pytest.mark.parametrize(("name", "given"), [("computed_steps", {}), ("given_rooms", ROOMS)])

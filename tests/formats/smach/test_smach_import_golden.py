@@ -25,7 +25,7 @@ def imported_exactly(case, folder):
     file = folder / "legacy.py"
     file.write_text(source_of(case["spec"]))
     imported, paths = write(file, folder / "out")
-    assert all(c.problems for c in imported.containers if c.verdict != "exact")
+    assert all(c.issues for c in imported.containers if c.verdict != "exact")
     return paths["build"] if {c.verdict for c in imported.containers} == {"exact"} else None
 
 

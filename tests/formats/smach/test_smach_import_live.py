@@ -88,7 +88,7 @@ def test_random_machines_do_as_objects_what_their_tasks_do(target, tmp_path):
         legacy.ENDED.clear()
         made = grip_bt.from_machine(legacy.build())
         if not made.exact:
-            assert all(problem.text for problem in made.problems)
+            assert all(issue.message for issue in made.issues)
             continue
         outcome, _, _ = run(made, target)
         assert (outcome, per_path(json.loads(json.dumps(legacy.TRACE)))) == (wanted[0], per_path(wanted[1])), seed
@@ -151,7 +151,7 @@ def test_what_has_no_equal_is_one_leaf_or_refused_with_words(tmp_path):
     with outer:
         smach.StateMachine.add("BOTH", inner, {"over": "over"})
     made = grip_bt.from_machine(outer)
-    assert "imported as one leaf that runs the original container: its `outcome_cb` decides" in made.problems[0].text
+    assert "imported as one leaf that runs the original container: its `outcome_cb` decides" in made.issues[0].message
     with pytest.raises(GripError, match="can't become a task:\n  its `outcome_cb` decides"):
         grip_bt.from_machine(inner)
     with pytest.raises(GripError, match="a dict is no container of grip_bt.smach_compat"):

@@ -42,7 +42,7 @@ def read(tmp_path, text):
 
 
 def told(imported):
-    return "\n".join(str(problem) for container in imported.containers for problem in container.problems)
+    return "\n".join(str(issue) for container in imported.containers for issue in container.issues)
 
 
 def test_loops_labels_and_edges_go_by_the_defaults_and_say_so(tmp_path):

@@ -7,7 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from grip_bt.base.issue import Issue, Severity
+
 Verdict = Literal["exact", "partial", "failed"]
+_ISSUES: dict[Verdict, tuple[str, Severity]] = {
+    "partial": ("incomplete", "warning"),
+    "failed": ("no-equivalent", "error"),
+}
 CONTAINERS = ("StateMachine", "Sequence", "Concurrence", "Iterator")
 
 # States of smach_ros that nothing has to be said about: their outcomes are fixed.
@@ -34,24 +40,6 @@ class Span:
 
     def __str__(self) -> str:
         return f"{self.file.name}:{self.line}:{self.column}"
-
-
-@dataclass(frozen=True)
-class Problem:
-    """Why a container isn't imported exactly.
-
-    Attributes:
-        verdict: `partial`: the task has a gap that a person can fill; `failed`: the container isn't in the task.
-        text: what it is, and what to do.
-        span: where.
-    """
-
-    verdict: Literal["partial", "failed"]
-    text: str
-    span: Span
-
-    def __str__(self) -> str:
-        return f"{self.span}: {self.text}"
 
 
 @dataclass(frozen=True)
@@ -105,16 +93,29 @@ class StateInfo:
     input_keys: list[str] = field(default_factory=list)
     output_keys: list[str] = field(default_factory=list)
     attributes: dict[str, Any] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
+    issues: list[Issue] = field(default_factory=list)
     initialised: bool = False
     home: Any = None
     parent: ContainerInfo | None = None
 
-    def problem(self, verdict: Literal["partial", "failed"], text: str, span: Span | None = None) -> None:
-        """Note what can't be read."""
-        found = Problem(verdict, text, span or self.span)
-        if found not in self.problems:
-            self.problems.append(found)
+    def problem(self, verdict: Verdict, text: str, span: Span | None = None) -> None:
+        """Note what can't be imported exactly.
+
+        Args:
+            verdict: `partial`: the task has a gap that a person can fill; `failed`: the container is left out of it.
+            text: what it is, and what to do.
+            span: where; where it is made by default.
+        """
+        code, severity = _ISSUES[verdict]
+        place = span or self.span
+        issue = Issue(self.title, code, severity, text, line=place.line, column=place.column, source=place.file.name)
+        if issue not in self.issues:
+            self.issues.append(issue)
+
+    @property
+    def title(self) -> str:
+        """How reports call it."""
+        return self.kind if self.cls == self.kind else f"{self.cls} ({self.kind})" if self.kind else self.cls
 
 
 @dataclass
@@ -165,8 +166,8 @@ class ContainerInfo(StateInfo):
     @property
     def verdict(self) -> Verdict:
         """How well it was read."""
-        verdicts = {p.verdict for p in self.problems}
-        return "failed" if "failed" in verdicts else "partial" if verdicts else "exact"
+        severities = {issue.severity for issue in self.issues}
+        return "failed" if "error" in severities else "partial" if severities else "exact"
 
 
 def root_entry(found: ContainerInfo) -> ContainerInfo | None:

@@ -179,7 +179,7 @@ class Interpreter(Calls):
         store = value.target if isinstance(value, UserDataOf) else None
         if isinstance(store, ContainerInfo) and store.kind == "UserData" and store.parent is None:
             store.parent, owner.userdata = owner, store.userdata  # what is set later is set in both
-            owner.problems += store.problems
+            owner.issues += store.issues
         else:
             text = f"its userdata becomes `{ast.unparse(source)}`: SMACH shares that store, the task doesn't"
             owner.problem("partial", text, span)
