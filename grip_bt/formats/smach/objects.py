@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from grip_bt.base.issue import Issue
 from grip_bt.compilers import CompiledMachine
 from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.formats.compiled_machine import to_task
+from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.nodes.smach_leaf import SmachLeaf, task_name
 from grip_bt.smach_compat import Container
 from grip_bt.task import Leaf, Task
@@ -26,10 +27,6 @@ from .reader.names import MODULE
 from .recorded import Record, RecordingMerge
 from .recorder import Recording
 from .to_task import TaskMaker
-
-
-class RefusedLiveMachineError(GripError):
-    """A machine of SMACH can't become a task; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -83,13 +80,13 @@ def from_machine(
         catalog: the nodes of a compiled machine; the built-in ones by default.
 
     Raises:
-        RefusedLiveMachineError: it is none of these, is inconsistent, or has no equal.
-        RefusedMachineError: a compiled machine was changed into something that no task says.
+        ImportRefusedError: it has no equivalent, or a compiled machine was changed into something that no task says.
+        GripError: it is none of these, or inconsistent.
     """
     if isinstance(machine, CompiledMachine):
         return FromMachine(to_task(machine), catalog or Catalog.builtin(), implementation_of)
     if not isinstance(machine, Container):
-        raise RefusedLiveMachineError(
+        raise GripError(
             f"a {type(machine).__name__} is no container of grip_bt.smach_compat: give a StateMachine, Sequence,"
             " Concurrence or Iterator (of `smach` after smach_compat.install()), or what to_machine returned"
         )
@@ -100,8 +97,8 @@ def from_machine(
     leaves.objects = dict(_pairs(found, machine))
     task = _ObjectTaskMaker(found, name, leaves).make()
     if task is None:
-        reasons = "".join(f"\n  {issue.message}" for issue in _issues(found))
-        raise RefusedLiveMachineError(f"{name}: the machine can't become a task:{reasons}")
+        refused = (replace(i, source="", line=None, column=None) for i in _issues(found) if i.severity == "error")
+        raise ImportRefusedError(f"the machine {name!r}", refused)
     nodes = Catalog.builtin().with_manifests(spec.manifest for spec in leaves.specs.values())
     imported = _importable(machine, name, source) if source is not None else None
     return FromMachine(task, nodes, leaves.factory(), tuple(_issues(found)), imported)
@@ -115,7 +112,7 @@ def _read(machine: Container, file: Path) -> ContainerInfo:
     facts = [recording._container(container, numbers) for container in containers]
     for said in facts:
         if not said["consistent"]:
-            raise RefusedLiveMachineError(f"the machine is inconsistent: {said['reason']}")
+            raise GripError(f"the machine is inconsistent: {said['reason']}")
     return RecordingMerge([], Record(facts), file)._container(0, None)
 
 
@@ -147,7 +144,7 @@ def _issues(found: ContainerInfo) -> Iterator[Issue]:
 def _importable(machine: Container, name: str, source: Callable[[], Any]) -> ImportedFile:
     file = inspect.getsourcefile(source)
     if file is None or source.__qualname__ != source.__name__:
-        raise RefusedLiveMachineError(
+        raise GripError(
             f"{source.__qualname__} isn't a function of a module's own, which leaves could call; give one that is"
         )
     result = ImportedFile(Path(file).resolve())
