@@ -10,8 +10,7 @@ from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.base.issue import Issue
 from grip_bt.nodes.answers import Answers
-from grip_bt.nodes.control import Cases, Condition, Items, Passes, Rest, Rule
-from grip_bt.task import model
+from grip_bt.nodes.control import Condition
 from grip_bt.task.model import AnyNode, Kind
 from grip_bt.task.walking import expressions_of
 
@@ -49,30 +48,17 @@ def bind_condition(path: str, key: str, text: str, scope: Scope, scopes: Scopes)
     return Condition(expression.text, condition_of(expression, readers), watch)
 
 
-def bind_rule(part: Part, scopes: Scopes) -> Rule | None:
-    """Return the rule of a container that chooses its children; None for every other."""
-    path, scope, names = part.path, part.scope, [child.name for child in part.children]
-    match part.node:
-        case model.Switch(on_value=text, default=default):
-            return Cases(bind_value(path, "on_value", text, scope, scopes), list(part.node.literals()), default)
-        case model.Loop(while_=text, times=times):
-            holds = bind_condition(path, "while", text, scope, scopes) if text else None
-            return Passes(names[0], holds, times)
-        case model.ForEach(items=items, item=item):
-            held, one = scope.find(items), scope.find(item)
-            assert held is not None, "resolved variables are declared"
-            assert one is not None, "a for_each declares its item"
-            return Items(names[0], scopes.reader(path, "items", held), scopes.writer(path, "item", one))
-        case model.Cooldown(seconds=seconds):
-            return Rest(names[0], seconds)
-    return None
-
-
 def answers_of(part: Part, scopes: Scopes) -> Answers:
-    """Return the answers of a run to the kind of a container, bound to the cells of the variables that it asks for."""
-    kind, path, scope = part.node, part.path, part.scope
-    assert isinstance(kind, Kind), "leaves ask nothing"
-    answers = Answers(path, [child.name for child in part.children], part.exits, part.edges)
+    """Return the answers of a run to the kind of a container."""
+    assert isinstance(part.node, Kind), "leaves ask nothing"
+    answers = Answers(part.path, [child.name for child in part.children], part.exits, part.edges)
+    bind_answers(answers, part, part.node, scopes)
+    return answers
+
+
+def bind_answers(answers: Answers, part: Part, kind: Kind, scopes: Scopes) -> None:
+    """Bind answers to the cells of the variables that a kind asks for."""
+    path, scope = part.path, part.scope
     for key, text in kind.expressions():
         field = next(name for name in (*kind.conditions, *kind.values) if name.rstrip("_") == key)
         if field in kind.conditions:
@@ -83,7 +69,6 @@ def answers_of(part: Part, scopes: Scopes) -> Answers:
         answers.readers[key] = scopes.reader(path, key, _cell(scope, getattr(kind, key)))
     for key in kind.puts:
         answers.writers[key] = scopes.writer(path, key, _cell(scope, getattr(kind, key)))
-    return answers
 
 
 def bind_value(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Callable[[], Any]:

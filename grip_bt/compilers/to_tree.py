@@ -9,13 +9,14 @@ from typing import Any, cast
 from py_trees.behaviour import Behaviour
 
 from grip_bt.nodes import control
+from grip_bt.nodes.container import KindNode, RunAnswers, container
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.nodes.observer import Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .conditions import bind_condition, bind_rule
+from .conditions import bind_answers, bind_condition
 from .drive import Pacer, TaskEnd, drive
 from .enclosing import enclose
 from .foreign import BehaviourFactory, adopter
@@ -24,12 +25,7 @@ from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
 
-_CHOOSERS: Mapping[type, type[control.Chooser]] = {
-    model.Switch: control.Switch,
-    model.Loop: control.Loop,
-    model.ForEach: control.ForEach,
-    model.Cooldown: control.Cooldown,
-}
+_BY_KIND = (model.Switch, model.Loop, model.ForEach, model.Cooldown)
 
 
 class TreeBuilder:
@@ -60,11 +56,8 @@ class TreeBuilder:
         return node
 
     def _container(self, part: Part, face: control.Face, children: list[Behaviour]) -> Node:
-        rule = bind_rule(part, self.scopes)
-        if rule is not None:
-            reactive = isinstance(part.node, model.Switch) and not part.node.memory
-            made = control.ReactiveSwitch if reactive else _CHOOSERS[type(part.node)]
-            return made(face, children, rule)
+        if isinstance(part.node, _BY_KIND):
+            return self._by_kind(part, part.node, children)
         if isinstance(part.node, model.Foreign):
             return control.Foreign(face, self.adopt(part.path, part.name, part.node))
         if isinstance(part.node, model.Subtask):
@@ -74,6 +67,13 @@ class TreeBuilder:
             holds = bind_condition(part.path, "if", part.node.if_, part.scope, self.scopes)
             return control.Guard(face, children[0], holds)
         return _container(part, face, children)
+
+    def _by_kind(self, part: Part, kind: model.Kind, children: list[Behaviour]) -> KindNode:
+        answers = RunAnswers(part.path, [child.name for child in part.children], part.exits, part.edges)
+        bind_answers(answers, part, kind, self.scopes)
+        node = container(part.name, part.meaning, kind, answers, children)
+        node.enter = part.scope.reset if part.declares else None
+        return node
 
 
 def ruling_of(part: Part) -> control.Ruling:

@@ -6,12 +6,10 @@ not those of looks at the clock.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
 from grip_bt.base.ports import Clock, Pausable
-from grip_bt.nodes.control import Rest
 
 from .recording import Recording
 
@@ -79,18 +77,11 @@ class TimeoutClock:
         return self._recording.events[activation.began].t
 
 
-class CooldownClock:
-    """The clock of one cooldown: it is over when the recording has its child begin."""
+def recorded_judge(clock: RelivedClock, recording: Recording, path: str, child: str) -> Callable[[float], bool]:
+    """Return what tells whether the time has come at which a container runs its child again: it has where it did."""
 
-    def __init__(self, clock: RelivedClock, recording: Recording, path: str, child: str, rule: Rest):
-        self._clock, self._recording, self._path, self._child, self._rule = clock, recording, path, child, rule
+    def judge(at: float) -> bool:
+        refuses = None if clock.going else recording.refuses(path, child)
+        return clock.now() >= at if refuses is None else not refuses
 
-    def now(self) -> float:
-        """Return the time [s], on the side of the deadline on which it was."""
-        time, ready_at = self._clock.now(), self._rule.ready_at
-        if self._clock.going or ready_at is None or self._rule.running:
-            return time
-        refuses = self._recording.refuses(self._path, self._child)
-        if refuses is None:
-            return time
-        return min(time, math.nextafter(ready_at, -math.inf)) if refuses else max(time, ready_at)
+    return judge

@@ -25,13 +25,14 @@ from grip_bt.compilers.probe import parts_of
 from grip_bt.compilers.task_machine import TaskMachine
 from grip_bt.nodes import Leaf, control
 from grip_bt.nodes.answers import Answers
+from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.observer import Observer
 from grip_bt.task import model, walking
 
 from .journal_events import Event
 from .pacing import Pacing
 from .recording import Recording
-from .relived_clock import CooldownClock, RelivedClock, TimeoutClock
+from .relived_clock import RelivedClock, TimeoutClock, recorded_judge
 from .relived_leaf import RelivedLeaf
 
 How = Literal["resume", "restart"]
@@ -137,20 +138,13 @@ class Reliving:
             node.context = _Timed(node.context, TimeoutClock(self.clock, self.recording, node.path))
         if isinstance(node, TaskMachine) and node.decide is not None:
             self._take_answers(node.decide.answers)
-        rule = getattr(node, "rule", None)
-        if isinstance(rule, control.Rest) and not isinstance(rule.context, _Timed):
-            child = walking.join(node.path, rule.child)
-            rule.context = _Timed(rule.context, CooldownClock(self.clock, self.recording, node.path, child, rule))
+        if isinstance(node, KindNode):
+            self._take_answers(node.answers)
 
     def _take_answers(self, answers: Answers) -> None:
-        """Have the recording say whether a time has come: then the child ran."""
+        """Have the recording say whether a time has come."""
         child = walking.join(answers.path, answers.names[0])
-
-        def judge(at: float) -> bool:
-            refuses = None if self.clock.going else self.recording.refuses(answers.path, child)
-            return self.clock.now() >= at if refuses is None else not refuses
-
-        answers.judge = judge
+        answers.judge = recorded_judge(self.clock, self.recording, answers.path, child)
 
     def restored(self, event: Event) -> Any:
         """Return what an event wrote."""

@@ -12,7 +12,7 @@ from runtime_world import CATALOG, Waiting
 from grip_bt.compilers import to_tree
 from grip_bt.runtime import Event, ManualClock, Reliving, RunContext, Runner, WallClock
 from grip_bt.runtime.recording import Recording
-from grip_bt.runtime.relived_clock import CooldownClock, RelivedClock
+from grip_bt.runtime.relived_clock import RelivedClock, recorded_judge
 from grip_bt.runtime.reliving import Result
 from grip_bt.task.model import Task
 
@@ -121,13 +121,10 @@ def test_only_a_timeout_that_ended_its_child_was_over(end: tuple[Any, ...], over
     assert recording.times_out("slow") == (pytest.approx(0.4) if over else None)
 
 
-def test_a_cooldown_whose_child_runs_has_the_time_of_the_run() -> None:
+def test_a_cooldown_refuses_its_child_where_it_did_and_its_time_is_that_of_the_run() -> None:
     recording = Recording(events(("rest", "enter"), ("rest", "exit", "failure", "cooldown")), ["rest/a"])
     clock = RelivedClock(ManualClock(), recording)
     recording.begin()
     recording.happened("rest", "enter")
-    rule: Any = SimpleNamespace(ready_at=0.05, running=True)
-    cooldown = CooldownClock(clock, recording, "rest", "rest/a", rule)
-    assert cooldown.now() == clock.now() == pytest.approx(0.1)
-    rule.running = False
-    assert cooldown.now() < 0.05, "it refuses its child, as was recorded"
+    assert clock.now() == pytest.approx(0.1)
+    assert not recorded_judge(clock, recording, "rest", "rest/a")(0.05), "it refuses its child, as was recorded"

@@ -11,6 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy
 
 from grip_bt.nodes import control
+from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 from grip_bt.task import model
@@ -173,7 +174,8 @@ def from_document(behaviour: Node | None, document: model.AnyNode) -> dict[str, 
         behaviour: the node of the tree; None where something else was made of the document.
         document: what it was made of.
     """
-    keys = document.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child"})
+    said_by = behaviour.kind if isinstance(behaviour, KindNode) else document
+    keys = said_by.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child"})
     for attribute, key in _SETTINGS.items():
         said = getattr(document, key, None)
         there = getattr(behaviour, attribute, said)
@@ -203,6 +205,8 @@ def from_face(behaviour: Node) -> dict[str, Any]:
     """
     if isinstance(behaviour, control.Conditional):
         raise NoEqual(f"it has the precondition `{behaviour.precondition.text}`, {_GIVE}")
+    if isinstance(behaviour, KindNode):
+        return _of_kind(behaviour)
     keys = _keys(behaviour)
     if isinstance(behaviour, control.Container):
         if behaviour.enter is not None:
@@ -211,6 +215,13 @@ def from_face(behaviour: Node) -> dict[str, Any]:
         keys |= {"outcomes": more} if more else {}
         keys |= {"exits": _exits(behaviour.exits)} if behaviour.exits else {}
     return keys
+
+
+def _of_kind(behaviour: KindNode) -> dict[str, Any]:
+    kind = behaviour.kind
+    if behaviour.enter is not None or any(kind.expressions()) or kind.reads:
+        raise NoEqual(f"it is a {kind.kind} over variables, {_GIVE}")
+    return kind.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child", "on", "x"})
 
 
 _GIVE = "and which variables those are only the compiled task knows; give that to `to_task`, not its root"
@@ -247,10 +258,6 @@ def _keys(node: Node) -> dict[str, Any]:
         return {"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})}
     if base is control.Timeout:
         return {"kind": "timeout", "seconds": float(node.duration), "child_first": node.child_first}
-    if base is control.Cooldown:
-        return {"kind": "cooldown", "seconds": float(node.rule.seconds)}
-    if base is control.Loop and node.rule.condition is None:
-        return {"kind": "loop", **({"times": node.rule.times} if node.rule.times is not None else {})}
     if base is control.Invert:
         return {"kind": "invert"}
     if base is control.Force:

@@ -91,9 +91,15 @@ class Questions(Protocol):
         kept: what a kind keeps from one activation to the next; None at first.
     """
 
-    names: Sequence[str]
-    ends: Sequence[Ended | None]
     kept: Any
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The children's names."""
+
+    @property
+    def ends(self) -> Sequence[Ended | None]:
+        """How the children have ended."""
 
     def at(self, name: str) -> int:
         """Return the position of a child."""

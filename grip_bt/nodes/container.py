@@ -1,0 +1,242 @@
+"""The behaviour of every container whose kind is an automaton: it ticks children as the kind says.
+
+Statuses, halts and reports are py_trees' and ours, and stand here; what follows what is the kind's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from py_trees import composites, decorators
+from py_trees.behaviour import Behaviour
+from py_trees.common import ParallelPolicy, Status
+
+from grip_bt.base.ports import Context
+from grip_bt.base.values import Failure
+from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Reason, Run, Stay, Step
+
+from .answers import Answers
+from .node import STATUS, Node
+
+S, F, R, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
+
+
+class KindNode(Node):
+    """Mixed in before the composite or decorator of py_trees that drawings and tools shall see.
+
+    Attributes:
+        kind: says who is ticked; another one of the same class may take its place between ticks.
+        answers: what the kind is answered.
+        state: the kind's.
+        running: positions of the children that run.
+        resting: whether nobody runs until the next tick.
+        last: the child that has ended last.
+        enter: called when it is entered anew; it resets the container's variables.
+        leave: called when it has ended by itself, before anybody learns of it.
+    """
+
+    children: list[Any]
+    context: Context
+    current_child: Any
+    kind: Kind
+    answers: RunAnswers
+    enter: Callable[[], None] | None = None
+    leave: Callable[[], None] | None = None
+    asked = False
+
+    def take(self, meaning: Mapping[str, str], kind: Kind, answers: RunAnswers) -> None:
+        """Become the container that the answers are for; called at the end of construction."""
+        self.path, self.meaning, self.kind, self.answers = answers.path, dict(meaning), kind, answers
+        answers.node = self
+        self.state: Any = None
+        self.running: tuple[int, ...] = ()
+        self.resting = False
+        self.last: Any = None
+        self.why: Any = CHILD
+
+    def setup(self, **kwargs: Any) -> None:
+        """Take the run's context, for its clock and for waking."""
+        super().setup(**kwargs)
+        self.context = self.answers.context = kwargs["context"]
+
+    def tick(self) -> Iterator[Behaviour]:
+        """Take steps until one ends the tick."""
+        yield from self._follow(self._opening())
+        yield self
+
+    def _opening(self) -> Step:
+        """Return the first step of this tick."""
+        kind, answers = self.kind, self.answers
+        if self.status is not R:
+            self.last, self.state, self.asked, self.running, self.resting = None, None, False, (), False
+            self.begin()
+            if self.enter is not None:
+                self.enter()
+            for child in self.children if kind.resets else ():
+                if child.status is not INVALID:
+                    child.stop(INVALID)
+            answers.ends = [None] * len(self.children)
+            return kind.begin(None, answers)
+        if self.resting:
+            return kind.begin(self.state, answers)
+        if kind.reactive:
+            return kind.again(self.state, self.running, answers)
+        return Run(self.running, self.state)
+
+    def _follow(self, step: Step) -> Iterator[Behaviour]:
+        kind, answers = self.kind, self.answers
+        while type(step) is Run:
+            following: Step | None = None
+            run, self.state, first = step
+            if first:
+                self._halt_others(run)
+            for i in run:
+                child = self.children[i]
+                if kind.concurrent:
+                    answers.ends[i] = None
+                yield from child.tick()
+                if child.status is not R:
+                    following = self._after(i, child)
+                    if following is not None:
+                        break
+            if following is None:
+                self.running = tuple(i for i in run if self.children[i].status is R)
+                self._halt_others(run)
+                following = kind.settle(self.state, answers) if kind.settles else Stay(self.state)
+            step = following
+        self._land(step)
+
+    def _after(self, i: int, child: Any) -> Step | None:
+        """Return the step that follows the end of a child; None when its siblings are ticked first."""
+        self.last = child
+        end = Ended(child.name, child.outcome, child.meaning[child.outcome], child.code, child.failure)
+        if not self.kind.late_exits:
+            target = self.answers.exit(end)
+            if target is not None:
+                return End(target)
+        if self.kind.concurrent:
+            self.answers.ends[i] = end
+        step = self.kind.ended(self.state, i, end, self.answers)
+        if type(step) is Stay:
+            self.state = step.state
+            return None
+        return step
+
+    def _land(self, step: Step) -> None:
+        """End the tick."""
+        if type(step) is End:
+            self.why, self.outcome = step.reason, step.outcome
+            self.halt_children()
+            if self.leave is not None:
+                self.leave()
+            if not isinstance(self, decorators.Decorator):
+                self.current_child = self.children[-1] if self.kind.concurrent and self.children else self.last
+            self.stop(STATUS[self.meaning[step.outcome]])
+            return
+        assert type(step) is Next or type(step) is Stay, "a run is followed"
+        self.resting = type(step) is Next
+        self.state, self.status = step.state, R
+        if self.resting:
+            self.running = ()
+            self.context.wake()
+        if not isinstance(self, decorators.Decorator):
+            if self.kind.concurrent:
+                self.current_child = self.children[-1] if self.children else None
+            else:
+                self.current_child = self.children[self.running[0]] if self.running else None
+
+    def update(self) -> Status:
+        """Return the status, which ticks settle."""
+        return self.status
+
+    def halt_children(self) -> None:
+        """Halt those that still run."""
+        self._halt_others(())
+
+    def _halt_others(self, run: Sequence[int]) -> None:
+        for i, child in enumerate(self.children):
+            if child.status is R and i not in run:
+                child.stop(INVALID)
+
+    def conclude(self, status: Status) -> None:
+        """Name the outcome and, when the container has failed, say why."""
+        super().conclude(status)
+        why = self.why
+        if status is not F:
+            self.failure = None
+        elif why is CHILD:
+            self.failure = self.last.failure if self.last is not None else None
+        else:
+            self.failure = Failure(why.code, why.text) if isinstance(why, Reason) else why
+
+    def terminate(self, new_status: Status) -> None:
+        """Tell the kind that an activation is over."""
+        self.kind.over(self.state, self.answers)
+        self.state = None
+
+
+class RunAnswers(Answers):
+    """Answers of a container in a tree, whose children may be edited while it runs."""
+
+    node: KindNode
+    ends: list[Ended | None]
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The names of the children as they are now."""
+        return [child.name for child in self.node.children]
+
+    @names.setter
+    def names(self, names: Sequence[str]) -> None:
+        """Leave it to the children."""
+
+    def ask(self, text: str) -> None:
+        """Request the children that still run to stop; their leaves see it as a preempt request."""
+        node = self.node
+        if not node.asked:
+            node.asked = True
+            # Said, since nothing else tells that it was decided in this tick already, and by these children.
+            node.observer.message(node.path, text)
+            node.context.wake()
+
+
+_SHOWN: Mapping[str, type[Behaviour]] = {
+    "": composites.Composite,
+    "sequence": composites.Sequence,
+    "selector": composites.Selector,
+    "parallel": composites.Parallel,
+    "decorator": decorators.Decorator,
+}
+
+
+@cache
+def shown_as(kind: type[Kind]) -> Any:
+    """Return the class of a kind's behaviours: where py_trees has the composite, people and tools see that one."""
+    base = _SHOWN[kind.shown]
+    return type(kind.__name__, (KindNode, base), {"__doc__": kind.__doc__, "__module__": __name__})
+
+
+def container(
+    name: str,
+    meaning: Mapping[str, str],
+    kind: Kind,
+    answers: RunAnswers,
+    children: Sequence[Behaviour],
+) -> KindNode:
+    """Return the behaviour of a container."""
+    cls = shown_as(type(kind))
+    node: KindNode = cls.__new__(cls)
+    arguments: dict[str, Any] = {"children": list(children)}
+    match kind.shown:
+        case "decorator":
+            arguments = {"child": children[0]}
+        case "sequence" | "selector":
+            arguments["memory"] = kind.memory  # type: ignore[attr-defined]
+        case "parallel":
+            all_of = kind.policy == "all"  # type: ignore[attr-defined]
+            arguments["policy"] = ParallelPolicy.SuccessOnAll() if all_of else ParallelPolicy.SuccessOnOne()
+    _SHOWN[kind.shown].__init__(node, name=name, **arguments)
+    node.take(meaning, kind, answers)
+    return node
