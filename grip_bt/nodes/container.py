@@ -63,10 +63,10 @@ class KindNode(Node):
 
     def tick(self) -> Iterator[Behaviour]:
         """Take steps until one ends the tick."""
-        yield from self._follow(self._opening())
+        yield from self._follow(self.opening())
         yield self
 
-    def _opening(self) -> Step:
+    def opening(self) -> Step:
         """Return the first step of this tick."""
         kind, answers = self.kind, self.answers
         if self.status is not R:
@@ -86,29 +86,36 @@ class KindNode(Node):
         return Run(self.running, self.state)
 
     def _follow(self, step: Step) -> Iterator[Behaviour]:
-        kind, answers = self.kind, self.answers
         while type(step) is Run:
             following: Step | None = None
-            run, self.state, first = step
-            if first:
-                self._halt_others(run)
+            run = self.run(step)
             for i in run:
                 child = self.children[i]
-                if kind.concurrent:
-                    answers.ends[i] = None
                 yield from child.tick()
                 if child.status is not R:
-                    following = self._after(i, child)
+                    following = self.after(i, child)
                     if following is not None:
                         break
-            if following is None:
-                self.running = tuple(i for i in run if self.children[i].status is R)
-                self._halt_others(run)
-                following = kind.settle(self.state, answers) if kind.settles else Stay(self.state)
-            step = following
-        self._land(step)
+            step = following if following is not None else self.ticked(run)
+        self.land(step)
 
-    def _after(self, i: int, child: Any) -> Step | None:
+    def run(self, step: Run) -> tuple[int, ...]:
+        """Return the positions of the children that are to be ticked now."""
+        run, self.state, first = step
+        if first:
+            self._halt_others(run)
+        if self.kind.concurrent:
+            for i in run:
+                self.answers.ends[i] = None
+        return run
+
+    def ticked(self, run: tuple[int, ...]) -> Step:
+        """Return the step that follows when all of them were ticked."""
+        self.running = tuple(i for i in run if self.children[i].status is R)
+        self._halt_others(run)
+        return self.kind.settle(self.state, self.answers) if self.kind.settles else Stay(self.state)
+
+    def after(self, i: int, child: Any) -> Step | None:
         """Return the step that follows the end of a child; None when its siblings are ticked first."""
         self.last = child
         end = Ended(child.name, child.outcome, child.meaning[child.outcome], child.code, child.failure)
@@ -124,11 +131,11 @@ class KindNode(Node):
             return None
         return step
 
-    def _land(self, step: Step) -> None:
+    def land(self, step: Step) -> None:
         """End the tick."""
         if type(step) is End:
             self.why, self.outcome = step.reason, step.outcome
-            self.halt_children()
+            self._halt_others(())
             if self.leave is not None:
                 self.leave()
             if not isinstance(self, decorators.Decorator):
@@ -150,10 +157,6 @@ class KindNode(Node):
     def update(self) -> Status:
         """Return the status, which ticks settle."""
         return self.status
-
-    def halt_children(self) -> None:
-        """Halt those that still run."""
-        self._halt_others(())
 
     def _halt_others(self, run: Sequence[int]) -> None:
         for i, child in enumerate(self.children):

@@ -1,7 +1,4 @@
-"""A switch that looks at its value on every tick, and a parallel that is decided after each child.
-
-Their ticks are their own, so that a plan runs them by these generators; everything else is their base classes'.
-"""
+"""A parallel that is decided after each child; its tick is its own, everything else is its base class's."""
 
 from __future__ import annotations
 
@@ -10,29 +7,8 @@ from collections.abc import Iterator
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.base.errors import NodeError
-
 from ..node import LABEL
-from .chooser import Chooser
 from .parallel import Parallel, _Rounds
-
-
-class ReactiveSwitch(Chooser):
-    """The child whose case equals the value, on every tick."""
-
-    def tick(self) -> Iterator[Behaviour]:
-        """Halt the running child when the value leads elsewhere, then tick as every container that chooses."""
-        running = self.current_child
-        if self.status == Status.RUNNING and running is not None and self._elsewhere(running):
-            running.stop(Status.INVALID)
-            self.current_child = None
-        yield from super().tick()
-
-    def _elsewhere(self, running: Behaviour) -> bool:
-        try:
-            return bool(self.rule.choose().child != running.name)
-        except Exception as error:
-            raise NodeError(self.path, error) from error
 
 
 class _PromptRounds(_Rounds):

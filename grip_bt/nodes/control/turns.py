@@ -1,7 +1,4 @@
-"""Who is run next, in containers that choose: by a value, by a condition, by a list, by the clock.
-
-A rule knows nothing of trees: the behaviours of a tree (`Chooser`) and the states of a machine ask the same rules.
-"""
+"""Who is run next in a state of SMACH that chooses: by a value, or by a condition."""
 
 from __future__ import annotations
 
@@ -94,57 +91,3 @@ class Passes(Rule):
             return Turn(None, "failure", Failure("loop_limit", f"it was still looping after {self.times} passes"))
         self.done += 1
         return Turn(self.child)
-
-
-class Items(Rule):
-    """A for_each: the child once for each item.
-
-    Args:
-        child: its name.
-        items: returns the list.
-        put: writes the item's variable.
-    """
-
-    again = True
-
-    def __init__(self, child: str, items: Callable[[], Any], put: Callable[[Any], None]):
-        self.child, self.items, self.put = child, items, put
-        self.left: list[Any] | None = None
-
-    def begin(self) -> None:
-        """Forget the list of the last time."""
-        self.left = None
-
-    def choose(self) -> Turn:
-        """Take the list as it is on entry, then one item after the other."""
-        if self.left is None:
-            items = self.items()
-            if not isinstance(items, list | tuple):
-                raise TypeError(f"`items` is {items!r}, a {type(items).__name__}, not a list")
-            self.left = list(reversed(items))
-        if not self.left:
-            return Turn()
-        self.put(self.left.pop())
-        return Turn(self.child)
-
-
-class Rest(Rule):
-    """A cooldown: the child, unless it ended or was halted less than `seconds` [s] ago."""
-
-    def __init__(self, child: str, seconds: float):
-        self.child, self.seconds = child, seconds
-        self.ready_at: float | None = None
-        self.running = False
-
-    def choose(self) -> Turn:
-        """Look at the clock."""
-        now = self.context.clock.now()
-        if self.ready_at is not None and now < self.ready_at:
-            return Turn(None, "failure", Failure("cooldown", f"{self.child} rests for {self.ready_at - now:g} s more"))
-        self.running = True
-        return Turn(self.child)
-
-    def over(self) -> None:
-        """Begin to rest, when the child has run."""
-        if self.running:
-            self.running, self.ready_at = False, self.context.clock.now() + self.seconds

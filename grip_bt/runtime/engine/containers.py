@@ -9,6 +9,7 @@ from py_trees.common import Status
 
 from grip_bt.base.errors import LivelockError, NodeError
 from grip_bt.nodes.control.dispatch import MAX_TRANSITIONS
+from grip_bt.task.kinds.base import Run
 
 from .composites import Added, Look, decorator
 from .halting import Compiled, Reset, Stop, Tick
@@ -164,27 +165,29 @@ def transitions(node: Any, look: Look, parts: Sequence[Compiled], added: Added) 
     return tick
 
 
-def turns(node: Any, look: Look, parts: Sequence[Compiled], added: Added) -> Tick:
-    """The tick of our switch, loop, for_each and cooldown: the chosen child, one choice a tick."""
+def automaton(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
+    """The tick of a container whose kind is an automaton."""
     changed, changed_below, outdated = look
-    begin, ended = added
-    ticks = {id(part.node): part.tick for part in parts}
+    ticks = [part.tick for part in parts]
+    kids = [part.node for part in parts]
 
     def tick(known: int) -> Status:
         if not known:
             known = node.status is not R
             if (changed_below if known else changed)():
                 return outdated(known)
-        if node.status is not R:
-            begin()
-            node.current_child = None
-            node.rule.begin()
-        if node.current_child is not None or node.chosen():
-            kid = node.current_child
-            assert kid is not None, "somebody was chosen"
-            ticks[id(kid)](known)
-            if not ended(kid):
-                node.follow(kid)
+        step = node.opening()
+        while type(step) is Run:
+            run = node.run(step)
+            following = None
+            for i in run:
+                ticks[i](known)
+                if kids[i].status is not R:
+                    following = node.after(i, kids[i])
+                    if following is not None:
+                        break
+            step = following if following is not None else node.ticked(run)
+        node.land(step)
         return node.status
 
     return tick

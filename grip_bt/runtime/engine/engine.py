@@ -158,6 +158,8 @@ class _Compiler:
         return Compiled(node, by_generator(node, verdict), lambda: node.stop(INVALID), [node])
 
     def _tick(self, node: Any, rules: Rules, look: Look, kids: list[Compiled], stop: Stop, reset: Reset) -> Tick:
+        if rules is Rules.KIND:
+            return containers.automaton(node, look, kids)
         added = containers.added_by(node) if ours(node) else None
         match rules:
             case Rules.SEQUENCE:
@@ -174,6 +176,4 @@ class _Compiler:
                 return containers.gate(node, look, kids[0], stop, added)
             case Rules.ROUNDS:
                 return containers.rounds(node, look, kids, stop, reset, added)
-            case Rules.TURNS:
-                return containers.turns(node, look, kids, added)
         return containers.transitions(node, look, kids, added)

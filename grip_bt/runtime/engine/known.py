@@ -13,7 +13,7 @@ from py_trees import behaviours, composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.nodes.control.chooser import _Turns
+from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.control.condition import Conditional
 from grip_bt.nodes.control.container import Container
 from grip_bt.nodes.control.dispatch import _Steps
@@ -38,8 +38,8 @@ class Rules(Enum):
     """Our parallel."""
     STEPS = auto()
     """Our state machine."""
-    TURNS = auto()
-    """Our switch, loop, for_each and cooldown."""
+    KIND = auto()
+    """Containers whose kind is an automaton."""
     GATE = auto()
     """Our guard and our timeout."""
     OWN = auto()
@@ -54,11 +54,11 @@ _KNOWN = {
     decorators.Decorator.tick: (Rules.DECORATOR, decorators.Decorator.stop),
     _Rounds.tick: (Rules.ROUNDS, composites.Parallel.stop),
     _Steps.tick: (Rules.STEPS, composites.Composite.stop),
-    _Turns.tick: (Rules.TURNS, composites.Composite.stop),
     _Gate.tick: (Rules.GATE, decorators.Decorator.stop),
 }
 _OURS_TICK = {Container: Container.tick, Leaf: Leaf.tick}
 _OURS_STOP = Node.stop
+_KINDS = [(KindNode.tick, Node.stop, stop) for stop in (composites.Composite.stop, decorators.Decorator.stop)]
 _CONDITIONAL = Conditional.tick
 _VALIDATION = composites.Parallel.validate_policy_configuration
 _PLAIN = {
@@ -75,6 +75,10 @@ def rules_of(node: Behaviour) -> Rules:
     if replaced_on(node, "tick") or replaced_on(node, "stop"):
         return Rules.OWN
     tick, stop = cls.tick, cls.stop
+    if issubclass(cls, KindNode):
+        if tick is _CONDITIONAL:
+            tick = _after(cls, Conditional, "tick")
+        return Rules.KIND if (tick, stop, _after(cls, Node, "stop")) in _KINDS else Rules.OWN
     if issubclass(cls, Node):
         mixin = Leaf if issubclass(cls, Leaf) else Container
         if tick is _CONDITIONAL:
