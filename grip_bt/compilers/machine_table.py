@@ -123,10 +123,12 @@ def lead(part: Part, index: int, outcome: str, code: str | None) -> Lead:
 
 
 def first_step(part: Part) -> Run | None:
-    """Return who is run first, and in which state of the kind; None where it asks."""
+    """Return who is run first, and in which state of the kind; None where it asks, or has to keep what it counts."""
     kind = kind_of(part)
     step = _only_step(kind, labels_of(part), lambda q: kind.begin(None, q))
-    return step if type(step) is Run and step.state is not UNKNOWN else None
+    if type(step) is not Run:
+        return None
+    return step if step.state is not UNKNOWN or not asks(part) else None  # who never asks keeps nothing
 
 
 def labels_of(part: Part) -> Labels:
