@@ -1,4 +1,16 @@
-"""Running compiled tasks: clock, context, runner, journal, control."""
+"""Running compiled tasks: clock, context, runner, tick engine, journal, control.
+
+* Ticking: `runner` (a run from beginning to end), `pacing` and `waker` (when to tick), `engine/` (py_trees trees as
+  closures), `lockstep` (turns of a run and its simulated world), `watchdog` (ticks that don't end), `workers`.
+* Stopping: `stopping`, `motions` and `rest` (what was told to stop is measured to rest), `pulse` (what the parent
+  sees).
+* Journal: `run_log` (the ticking thread) -> `journal_writer` (with `blocks`, `value_codec`) -> SQLite ->
+  `journal_reader`.
+* Control: `control` (over streams), `debugger`, `breakpoints`.
+* Executing a recorded run again: `recording`, `reliving`, `relived_leaf`, `relived_clock`; `keeping`: state beside
+  the task.
+* Trees inside of SMACH machines: `tree_state`, `tree_choice`, `tree_containers`.
+"""
 
 from .clock import ManualClock, WallClock
 from .context import RunContext, RunParts

@@ -1,4 +1,10 @@
-"""What a task is: frozen models, the text that they are read from and written to, and edits of both."""
+"""What a task is: frozen models, the text that they are read from and written to, and edits of both.
+
+`model` and `parts` with `kinds/` (a kind of container a file: its fields, and what it does), `document` (text ->
+task, with places), `shape` (what a document may hold), `canonical` and `comments` (task -> text), `walking`, `edges`.
+`exploration` and `kind_analysis` find out what a kind can do. `edit/`, `catalog/`, `validation/`: each imports only
+what stands before it.
+"""
 
 from grip_bt.base.frozen import FrozenDict
 
