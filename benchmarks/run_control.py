@@ -17,7 +17,7 @@ from grip_bt.compilers import to_tree
 from grip_bt.compilers.probe import parts_of
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import RunContext, Runner
-from grip_bt.runtime.pulse import LARGEST, Pulse
+from grip_bt.runtime.heartbeat import LARGEST, Heartbeat
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 
@@ -106,7 +106,7 @@ def node_cost(how: str) -> float:
     with tempfile.TemporaryFile() as memory:
         memory.truncate(LARGEST)
         if how == "watched":
-            runner.observe(Pulse(memory.fileno(), list(parts_of(runner.compiled))))
+            runner.observe(Heartbeat(memory.fileno(), list(parts_of(runner.compiled))))
         if how != "nothing" and how != "watched":
             runner.debugger.set("s/n0", condition="1 > 2")
         if how == "cleared":

@@ -18,7 +18,7 @@ from grip_bt.app.runs.replay import find_run
 from grip_bt.app.runs.tables import coverage, timings
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime import JournalReader
-from grip_bt.runtime.journal import JournalError
+from grip_bt.runtime.journal_rows import JournalError
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -174,14 +174,14 @@ class Leaf(Node):
         """
         self.initialise()
 
-    def reliving(self) -> None:
+    def replay_begun(self) -> None:
         """Take note that an activation of that process begins; requests to end are those that there were then.
 
         Activations of all leaves are told in the order in which they began and ended. One that hadn't ended is told
         before any leaf works, and then goes on or begins again.
         """
 
-    def relived(self, outcome: str | None) -> None:
+    def replay_ended(self, outcome: str | None) -> None:
         """Take note of an activation of that process, which isn't repeated; requests to end are those of its end.
 
         Args:

@@ -73,7 +73,7 @@ class MockLeaf(Leaf):
         if self._step.seconds:
             self.context.wake_at(self._until)
 
-    def relived(self, outcome: str | None) -> None:
+    def replay_ended(self, outcome: str | None) -> None:
         """Count the activation."""
         self.activations += 1
 

@@ -138,7 +138,7 @@ class SmachLeaf(KeysLeaf):
 
     # --- activations of a process that died ---
 
-    def reliving(self) -> None:
+    def replay_begun(self) -> None:
         """Be among what runs, with the flag that it began with."""
         with self.asking.lock:
             self._bury()
@@ -146,14 +146,14 @@ class SmachLeaf(KeysLeaf):
             self.asking.begin(self.enclosing, self, self.requests())
             self._ask_here()
 
-    def relived(self, outcome: str | None) -> None:
+    def replay_ended(self, outcome: str | None) -> None:
         """Bring the flags to where the activation left them.
 
         Whether the state answered a request isn't recorded: it did where it ended with `preempted`, as SMACH's own do.
         """
         with self.asking.lock:
             if not self._relives:
-                self.reliving()
+                self.replay_begun()
             self.asking.arrive(self.requests())
             self._ask_here()
             self._relives = False
@@ -244,7 +244,7 @@ class NextItem(AmongStates):
             return self.end("exhausted", position=position)
         return self.end("item", item=items[position], position=position + 1)
 
-    def relived(self, outcome: str | None) -> None:
+    def replay_ended(self, outcome: str | None) -> None:
         """Bring the flags to where the activation left them."""
         if self.enclosing:
             self.asking.begin(self.enclosing, None, self.requests())
@@ -280,7 +280,7 @@ class Obeyed(AmongStates):
             )
         return self.end("preempted")
 
-    def relived(self, outcome: str | None) -> None:
+    def replay_ended(self, outcome: str | None) -> None:
         """Bring the flags to where the activation left them."""
         if outcome is None or not self.enclosing:
             return

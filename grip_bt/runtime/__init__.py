@@ -1,34 +1,35 @@
 """Running compiled tasks: clock, context, runner, tick engine, journal, control.
 
-* Ticking: `runner` (a run from beginning to end), `pacing` and `waker` (when to tick), `engine/` (py_trees trees as
+* Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine/` (py_trees trees as
   closures), `lockstep` (turns of a run and its simulated world), `watchdog` (ticks that don't end), `workers`.
-* Stopping: `stopping`, `motions` and `rest` (what was told to stop is measured to rest), `pulse` (what the parent
+* Stopping: `stopping`, `motion_end` (what was told to stop is measured to rest), `heartbeat` (what the parent
   sees).
-* Journal: `run_log` (the ticking thread) -> `journal_writer` (with `blocks`, `value_codec`) -> SQLite ->
+* Journal: `run_log` (the ticking thread) -> `journal_writer` (with `value_codec`) -> SQLite ->
   `journal_reader`.
-* Control: `control` (over streams), `debugger`, `breakpoints`.
-* Executing a recorded run again: `recording`, `reliving`, `relived_leaf`, `relived_clock`; `keeping`: state beside
+* Control: `control` (over streams), `debugger` (with breakpoints).
+* Executing a recorded run again: `recording`, `re_execution`, `recorded_leaf`, `recorded_time`; `keeping`: state beside
   the task.
-* Trees inside of SMACH machines: `tree_state`, `tree_choice`, `tree_containers`.
+* Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """
+
+from grip_bt.runtime.clock import Waker
+from grip_bt.runtime.smach_choice import Choose, Each, Joining
 
 from .clock import ManualClock, WallClock
 from .context import RunContext, RunParts
 from .control import serve_control
 from .engine import TickEngine
-from .journal import Journal, JournalError
+from .journal import Journal
 from .journal_events import Event
 from .journal_reader import JournalReader, RunRecord
-from .moment import Moment, NodeState
+from .journal_rows import JournalError
 from .pacing import Pacing
+from .re_execution import ReExecution, Result
 from .recording import Recording
-from .reliving import Reliving, Result
 from .run_log import RunLog
+from .run_state import Moment, NodeState
 from .runner import Runner, RunResult
-from .tree_choice import Choose
-from .tree_containers import Each, Joining
-from .tree_state import BehaviourTree, TreeRun
-from .waker import Waker
+from .smach_states import BehaviourTree, TreeRun
 
 __all__ = [
     "BehaviourTree",
@@ -45,7 +46,7 @@ __all__ = [
     "Pacing",
     "TickEngine",
     "Recording",
-    "Reliving",
+    "ReExecution",
     "Result",
     "RunContext",
     "RunParts",

@@ -24,12 +24,11 @@ from grip_bt.base.ports import (
     Scene,
     Sensor,
 )
+from grip_bt.runtime.clock import Waker
+from grip_bt.runtime.motion_end import Measure, Motions, Moved, Rest, measured_rest
 
 from .clock import WallClock
 from .lockstep import InTurn, Lockstep
-from .motions import Motions, Moved
-from .rest import Measure, Rest, measured_rest
-from .waker import Waker
 from .workers import Workers
 
 T = TypeVar("T")

@@ -7,7 +7,8 @@ from typing import Any
 
 from grip_bt.base.values import Failure
 
-from .journal import Journal, JournalError
+from .journal import Journal
+from .journal_rows import JournalError
 
 
 class Durable:

@@ -18,12 +18,11 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from grip_bt.base.errors import GripError
+from grip_bt.runtime.journal_rows import JournalError, prepare_to_write
 
-from .journal_schema import prepare_to_write
 from .journal_writer import RunWriter
+from .process_identity import process_facts
 from .run_log import RunLog
-from .whereabouts import process_facts
 
 _log = logging.getLogger(__name__)
 
@@ -34,10 +33,6 @@ IDLE = 0.04
 LARGEST = 16 * 2**20
 """Values of more bytes aren't kept unless the journal is told to."""
 _Job = tuple[str, tuple[Any, ...]]
-
-
-class JournalError(GripError):
-    """The journal can't be written or read."""
 
 
 class Journal:

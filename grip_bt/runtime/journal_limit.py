@@ -10,8 +10,9 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from .journal import JournalError
-from .journal_schema import has_table, refuse_newer
+from grip_bt.runtime.journal_rows import has_table, refuse_newer
+
+from .journal_rows import JournalError
 
 ROOM = 0.9
 """Part of the limit that is left in use: a journal that has reached it isn't looked through after each run."""

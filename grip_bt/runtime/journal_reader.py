@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import UnknownNameError
+from grip_bt.runtime.journal_events import expanded
 
-from .blocks import expanded
-from .journal import JournalError
 from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, sound, unpacked
-from .journal_rows import DamagedError, Rows
+from .journal_rows import DamagedError, JournalError, Rows
+from .process_identity import is_there
 from .value_codec import OpaqueValueError, decode
-from .whereabouts import is_there
 
 PAGE = 10_000
 """Events that `iterate` holds at a time."""

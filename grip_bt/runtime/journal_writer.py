@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .blocks import pack_numbers, pack_times
+from grip_bt.runtime.journal_events import pack_numbers, pack_times
+
 from .journal_events import MOST, checksum
 from .run_log import ENTER, INTERRUPTED, Noted, RunLog
 from .value_codec import encode

@@ -26,8 +26,7 @@ from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import WAITS, Operation
 from grip_bt.base.ports import Stepped
 from grip_bt.nodes.observer import Silent
-
-from .waker import Waker
+from grip_bt.runtime.clock import Waker
 
 T = TypeVar("T")
 GRACE = 10.0

@@ -10,8 +10,7 @@ from typing import Literal
 
 from grip_bt.compilers import Halted
 from grip_bt.compilers.drive import alone
-
-from .waker import Waker
+from grip_bt.runtime.clock import Waker
 
 State = Literal["running", "paused", "stopping"]
 

@@ -20,6 +20,8 @@ from grip_bt.compilers.probe import parts_of
 from grip_bt.nodes.control import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.observer import SILENT, Observer, Observers
+from grip_bt.runtime.motion_end import Rest, ended
+from grip_bt.runtime.run_log import Recorder
 
 from .context import RunContext
 from .debugger import Debugger
@@ -28,9 +30,7 @@ from .journal import Journal
 from .keeping import Keeper, Kept
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
-from .recorder import Recorder
-from .reliving import News, Reliving, RelivingPacer
-from .rest import Rest, ended
+from .re_execution import NewEvents, ReExecution, ReExecutionPacer
 from .run_log import RunLog
 from .stopping import (
     Gone,
@@ -107,7 +107,7 @@ class Runner:
         rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
         watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
         log: goes on with this run of the journal; None for a new one.
-        reliving: what happened before, which happens again first; its clock is the context's.
+        re_execution: what happened before, which happens again first; its clock is the context's.
         facts: about how it is run, as JSON, for the journal.
     """
 
@@ -125,7 +125,7 @@ class Runner:
         rate: float | None = None,
         watchdog: float | None = None,
         log: RunLog | None = None,
-        reliving: Reliving | None = None,
+        re_execution: ReExecution | None = None,
         facts: Mapping[str, Any] | None = None,
     ):
         if clock is not None and clock is not context.clock:
@@ -135,7 +135,7 @@ class Runner:
         self.debugger = Debugger(compiled, self.pacing, self._observe_debugger)
         self.run_id: str | None = None
         self._recorder: Recorder | None = None
-        self._reliving, self._facts = reliving, {**(facts or {}), **_own_labels(compiled)}
+        self._re_execution, self._facts = re_execution, {**(facts or {}), **_own_labels(compiled)}
         if journal is not None:
             if log is None:
                 log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
@@ -152,7 +152,7 @@ class Runner:
         self._result: RunResult | None = None
         if self._recorder is not None:
             self.pacing.on_state(self._recorder.state)
-        self._lockstep = context.lockstep if reliving is None else None
+        self._lockstep = context.lockstep if re_execution is None else None
         self.pacing.on_state(self._hold_parts)
 
     def observe(self, observer: Observer) -> None:
@@ -243,13 +243,13 @@ class Runner:
             self._observers.append(WakeOnWrite(self.context))
         self._install()
         if self._recorder is not None:
-            if self._reliving is None:
+            if self._re_execution is None:
                 self._recorder.started(self._facts)
             else:
-                self._recorder.resumed(self._reliving.recording.end_time, self._facts)
-                self._reliving.tell = self._recorder.went_on
-        if self._reliving is not None:
-            self._reliving.ask = self._ask
+                self._recorder.resumed(self._re_execution.recording.end_time, self._facts)
+                self._re_execution.tell = self._recorder.went_on
+        if self._re_execution is not None:
+            self._re_execution.ask = self._ask
         self._start = self.context.clock.now()
         threading.Thread(target=self._work, name="grip_run", daemon=True).start()
         while not self._ended.is_set():
@@ -267,7 +267,7 @@ class Runner:
 
     def dismiss(self) -> None:
         """Have the journal say of a new run that wasn't begun, and won't be, that it was stopped."""
-        if self._begun.acquire(blocking=False) and self._recorder is not None and self._reliving is None:
+        if self._begun.acquire(blocking=False) and self._recorder is not None and self._re_execution is None:
             self._recorder.finished(None, "stopped")
 
     def _work(self) -> None:
@@ -282,8 +282,8 @@ class Runner:
     def _attempt(self) -> RunResult:
         try:
             self.compiled.prepare(self.context)
-            if self._reliving is not None:
-                self._reliving.install(self.context.wake)
+            if self._re_execution is not None:
+                self._re_execution.install(self.context.wake)
             if self._lockstep is not None:
                 self._take_turns(self._lockstep)
             end = self._execute()
@@ -315,18 +315,18 @@ class Runner:
                 self._lockstep.rest_until(lambda: self.pacing.stopped or not self.context.unfinished(), STOPPING)
 
     def _execute(self) -> TaskEnd:
-        pacer: Pacer = self.pacing if self._reliving is None else RelivingPacer(self.pacing, self._reliving)
+        pacer: Pacer = self.pacing if self._re_execution is None else ReExecutionPacer(self.pacing, self._re_execution)
         if isinstance(self.compiled, CompiledTree):
-            return self.compiled.execute(pacer, self._tick if self._reliving is None else self._tick_again)
-        make = make_ticker if self._reliving is None else self._reliving.make_ticker(make_ticker)
+            return self.compiled.execute(pacer, self._tick if self._re_execution is None else self._tick_again)
+        make = make_ticker if self._re_execution is None else self._re_execution.make_ticker(make_ticker)
         return self.compiled.execute(pacer, make)
 
     def _tick_again(self) -> None:
         """Tick a task that happens again by py_trees' own means; by the engine when its leaves work by themselves."""
-        if self._reliving is None:
+        if self._re_execution is None:
             self._tick()
-        elif self._reliving.settled:
-            self._reliving, self._stale = None, True
+        elif self._re_execution.settled:
+            self._re_execution, self._stale = None, True
             self._tick()
         else:
             if self._stale:
@@ -346,7 +346,9 @@ class Runner:
     def _install(self) -> None:
         observers = [*self._observers, *([self.debugger] if self._debugged else [])]
         observer = Observers(*observers) if len(observers) > 1 else observers[0] if observers else SILENT
-        self.compiled.observe(observer if self._reliving is None else News(self._reliving.recording, observer))
+        self.compiled.observe(
+            observer if self._re_execution is None else NewEvents(self._re_execution.recording, observer)
+        )
 
     def _observe_debugger(self, needed: bool) -> None:
         """Have the debugger told of the nodes, or not; a tree is asked between ticks, where its engine is made anew."""

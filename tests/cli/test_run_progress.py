@@ -11,7 +11,7 @@ from grip_bt.cli.__main__ import main
 from grip_bt.cli.run import _tell
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import result_facts
-from grip_bt.runtime.rest import Rest
+from grip_bt.runtime.motion_end import Rest
 
 GRIP = """\
 grip: 1

@@ -11,7 +11,7 @@ from played import BASE, EVENTS, SOCKET, PlayedLauncher, TestClient, record
 from starlette.websockets import WebSocketDisconnect
 
 from grip_bt.runtime import JournalError
-from grip_bt.runtime.rest import Rest
+from grip_bt.runtime.motion_end import Rest
 from grip_gui.runs import pages as lease_module
 from grip_gui.runs import session as session_module
 from grip_gui.runs import stream as stream_module

@@ -17,10 +17,10 @@ from py_trees.common import Status
 from grip_bt.base.errors import DivergedError, NodeError
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, to_machine, to_tree
 from grip_bt.nodes.asked import AskedBefore
-from grip_bt.runtime import Event, Reliving
+from grip_bt.runtime import Event, ReExecution
 from grip_bt.runtime.pacing import Pacing
+from grip_bt.runtime.re_execution import NewEvents, ReExecutionPacer
 from grip_bt.runtime.recording import PREEMPT
-from grip_bt.runtime.reliving import News, RelivingPacer
 from grip_bt.task.model import Task
 
 
@@ -241,17 +241,17 @@ def resume(case: dict[str, Any], target: str, world: Outside) -> Life | None:
     events = list(world.seen)
     told = {"part": "planner", "text": "planner: its process was ended"}  # what nobody repeats
     events.insert(len(events) // 2, Event(0, events[len(events) // 2].t, 0.0, "/", "message", None, None, told))
-    reliving = Reliving(compiled, events, lambda event: event.data["value"], world.clock, how=how)
-    compiled.observe(News(reliving.recording, world))
-    context = _Context(reliving.clock)
+    re_execution = ReExecution(compiled, events, lambda event: event.data["value"], world.clock, how=how)
+    compiled.observe(NewEvents(re_execution.recording, world))
+    context = _Context(re_execution.clock)
     compiled.prepare(context)
-    reliving.ask = _asking(compiled, context)
+    re_execution.ask = _asking(compiled, context)
     world.preempt_at = None if any(event.event == PREEMPT for event in events) else world.preempt_at
-    world.request_preempt = lambda: (world.note("/", PREEMPT), reliving.ask())
-    reliving.install(lambda: None)
-    pacer = RelivingPacer(_Pacing(world), reliving)
+    world.request_preempt = lambda: (world.note("/", PREEMPT), re_execution.ask())
+    re_execution.install(lambda: None)
+    pacer = ReExecutionPacer(_Pacing(world), re_execution)
     life = _life(world, compiled, lambda: compiled.execute(pacer))
-    undone = {event.seq for event in reliving.recording.undone}
+    undone = {event.seq for event in re_execution.recording.undone}
     if life is not None:
         life.events = [event for event in life.events if event.seq not in undone]
     return life

@@ -13,8 +13,8 @@ from stepped_world import KINDS, SteppedWorld, Trace, runner_of
 from grip_bt.base.operation import Operation
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.runtime import RunContext, Runner, RunParts, lockstep
+from grip_bt.runtime.clock import Waker
 from grip_bt.runtime.lockstep import Lockstep
-from grip_bt.runtime.waker import Waker
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Task
 

@@ -11,7 +11,7 @@ from runtime_world import TARGETS, Started, leaf
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.nodes import OperationLeaf
-from grip_bt.runtime import Event, Journal, JournalReader, Reliving, RunContext, Runner, WallClock
+from grip_bt.runtime import Event, Journal, JournalReader, ReExecution, RunContext, Runner, WallClock
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 
@@ -43,9 +43,9 @@ def ends_of(target: Any, file: Path, said: tuple[tuple[str, ...], ...]) -> list[
     compiled = target(task, CATALOG, leaf_factory=lambda path, node, face: Moving(path, path, face, {}, {}))
     more = ((*event, None, None)[:4] for event in said)
     events = [Event(n + 1, 0.1 * n, 0.0, *event, {}) for n, event in enumerate(more)]
-    reliving = Reliving(compiled, events, lambda event: None, WallClock())
+    re_execution = ReExecution(compiled, events, lambda event: None, WallClock())
     with Journal(file) as journal:
-        runner = Runner(compiled, RunContext(reliving.clock), journal=journal, reliving=reliving, poll=0.01)
+        runner = Runner(compiled, RunContext(re_execution.clock), journal=journal, re_execution=re_execution, poll=0.01)
         result = runner.run()
         assert result.status == "success", result
     with JournalReader(file) as reader:

@@ -17,7 +17,7 @@ from runtime_world import TARGETS, Started, leaf
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime import Journal, JournalError, JournalReader
-from grip_bt.runtime.recorder import preview
+from grip_bt.runtime.journal_writer import preview
 
 
 @pytest.fixture

@@ -18,8 +18,9 @@ from old_journal import OLD
 
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock, WallClock
 from grip_bt.runtime import run_log as run_logs
-from grip_bt.runtime.blocks import pack_numbers, pack_times, unpack_numbers, unpack_times
-from grip_bt.runtime.recorder import Recorder
+from grip_bt.runtime.journal_events import unpack_numbers, unpack_times
+from grip_bt.runtime.journal_writer import pack_numbers, pack_times
+from grip_bt.runtime.run_log import Recorder
 
 
 @pytest.fixture
@@ -106,7 +107,7 @@ def test_threads_that_append_at_once_lose_nothing_and_keep_their_own_order(file:
 
 
 def test_who_appends_faster_than_is_written_waits(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grip_bt.runtime.recorder.LIMIT", 1000)
+    monkeypatch.setattr("grip_bt.runtime.run_log.LIMIT", 1000)
     monkeypatch.setattr(run_logs, "LIMIT", 1000)
     longest = 0
     with Journal(file) as journal:
@@ -170,7 +171,7 @@ def test_a_journal_of_a_later_version_is_refused(file: Path) -> None:
 WRITER = """
 import sys
 from grip_bt.runtime import Journal, WallClock
-from grip_bt.runtime.recorder import Recorder
+from grip_bt.runtime.run_log import Recorder
 journal = Journal(sys.argv[1])
 recorder = Recorder(journal.begin("doomed"), WallClock())
 journal.on_commit(lambda run, seq: print(run, seq, flush=True))

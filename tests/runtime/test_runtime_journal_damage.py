@@ -15,7 +15,7 @@ from old_journal import OLD
 
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, ManualClock
 from grip_bt.runtime.journal_events import DAMAGED
-from grip_bt.runtime.recorder import Recorder
+from grip_bt.runtime.run_log import Recorder
 
 BLOCKS, PAGE = 18, 4096
 WRONG = (

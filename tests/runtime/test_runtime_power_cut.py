@@ -16,7 +16,7 @@ import pytest
 
 from grip_bt.runtime import Journal
 from grip_bt.runtime import journal as journals
-from grip_bt.runtime.journal_schema import prepare_to_write
+from grip_bt.runtime.journal_rows import prepare_to_write
 
 WRITER = """
 import os, sys

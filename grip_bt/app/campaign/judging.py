@@ -15,7 +15,7 @@ from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import JournalReader
-from grip_bt.runtime.rest import Rest
+from grip_bt.runtime.motion_end import Rest
 
 from ..runs.verdict import STATES
 from .file import Campaign

@@ -16,7 +16,7 @@ from grip_bt.compilers import to_machine, to_tree
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
-from grip_bt.runtime.breakpoints import make_breakpoint
+from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.durable import Durable
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
 from grip_bt.runtime.keeping import Kept
@@ -165,17 +165,17 @@ def open_session(
     opening = Opening(project, options.seed, options.pace, told, hold)
     parts = open_resources(opening, needs, options.robot, own)
     with parts as resources, Journal(options.journal or project.journal) as journal:
-        log = reliving = None
+        log = re_execution = None
         kept = kept_parts(resources)
         back = RestoredState()
         if resume is not None:
             again = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
-            log, reliving, back = again
+            log, re_execution, back = again
             for part, seq in back.restored.items():
                 progress(part, f"as it was at event {seq}")
             for part, why in back.anew.items():
                 progress(part, f"starts from its initial state: it {why}")
-        context = resources.context(None if reliving is None else reliving.clock)
+        context = resources.context(None if re_execution is None else re_execution.clock)
         runner = Runner(
             compiled,
             context,
@@ -186,7 +186,7 @@ def open_session(
             rate=options.rate,
             watchdog=options.watchdog,
             log=log,
-            reliving=reliving,
+            re_execution=re_execution,
             facts={
                 "options": options_text(vars(options)),
                 "keeps": sorted(kept),

@@ -72,7 +72,7 @@ def _interrupted(*_: Any) -> None:
 
 def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
     from grip_bt.compilers.probe import parts_of
-    from grip_bt.runtime.pulse import Pulse
+    from grip_bt.runtime.heartbeat import Heartbeat
 
     from .execute import RunOptions, open_session
     from .motion_record import recorded_motion
@@ -88,7 +88,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
         try:
             verdict = Verdict(session)
             paths = list(parts_of(session.runner.compiled))
-            pulse = Pulse(channels["pulse"], paths)
+            pulse = Heartbeat(channels["pulse"], paths)
             session.runner.observe(pulse)
             control.send("nodes", paths=paths)
             control.attach(session.runner)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
 from grip_bt.runtime import Event, JournalReader, Moment, RunRecord
-from grip_bt.runtime.breakpoints import node_path
+from grip_bt.runtime.debugger import node_path
 
 from ..project.folder import find_project
 

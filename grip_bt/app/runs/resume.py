@@ -16,7 +16,7 @@ from grip_bt.runtime import (
     Event,
     Journal,
     JournalReader,
-    Reliving,
+    ReExecution,
     Result,
     RunLog,
     WallClock,
@@ -74,7 +74,7 @@ def start_resumed(
     clock: Clock | None,
     seed: int,
     kept: Mapping[str, Kept],
-) -> tuple[RunLog, Reliving, RestoredState]:
+) -> tuple[RunLog, ReExecution, RestoredState]:
     """Return the log that is written on, the run that happens again first, and what became of parts beside the task.
 
     Args:
@@ -114,7 +114,7 @@ def start_resumed(
     def value(event: Event) -> Any:
         return values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
 
-    return log, Reliving(compiled, events, value, clock or WallClock(), how=how, results=results), back
+    return log, ReExecution(compiled, events, value, clock or WallClock(), how=how, results=results), back
 
 
 def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:

@@ -17,7 +17,7 @@ from grip_bt.runtime import (
     Recording,
     RunRecord,
 )
-from grip_bt.runtime.breakpoints import node_path
+from grip_bt.runtime.debugger import node_path
 from grip_bt.runtime.journal_events import DAMAGED
 from grip_bt.runtime.keeping import KEPT
 from grip_bt.task import model

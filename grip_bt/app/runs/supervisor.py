@@ -26,8 +26,8 @@ from typing import Any
 from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.runtime import Journal, RunLog
-from grip_bt.runtime.pulse import LARGEST, PulseReader
-from grip_bt.runtime.rest import Rest
+from grip_bt.runtime.heartbeat import LARGEST, HeartbeatReader
+from grip_bt.runtime.motion_end import Rest
 
 ACKNOWLEDGE = 0.05
 """How long [s] the run's process may take to acknowledge a stop."""
@@ -94,7 +94,7 @@ class Supervisor:
         self._report_end, report = os.pipe()
         self._memory, self._trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
         self._memory.truncate(LARGEST)
-        self._pulse = PulseReader(self._memory.fileno())
+        self._pulse = HeartbeatReader(self._memory.fileno())
         channels = {
             "commands": commands,
             "events": events,

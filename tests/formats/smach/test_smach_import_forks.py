@@ -10,7 +10,7 @@ from smach_runs import write
 from smach_sources import source_of
 
 from grip_bt.nodes import smach_leaf
-from grip_bt.runtime import Journal, JournalReader, Reliving, RunContext, Runner, WallClock
+from grip_bt.runtime import Journal, JournalReader, ReExecution, RunContext, Runner, WallClock
 
 MACHINES = int(os.environ.get("GRIP_FUZZ_TASKS", "60")) // 10
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
@@ -37,13 +37,13 @@ class Plain(Draw):
 def run(file, path, form, preempt_at, journal, record=None, upto=0):
     """Return (outcome, trace) of a task, from its beginning or from after so many events of a run that is recorded."""
     compiled, leaves = compiled_as(path, form, 0)
-    reliving = None
+    re_execution = None
     if record is not None:
         reader, events = record
-        reliving = Reliving(compiled, events[:upto], reader.value, WallClock())
-    context = RunContext(reliving.clock) if reliving is not None else RunContext()
+        re_execution = ReExecution(compiled, events[:upto], reader.value, WallClock())
+    context = RunContext(re_execution.clock) if re_execution is not None else RunContext()
     log = Journal(journal)
-    runner = Runner(compiled, context, journal=log, reliving=reliving)
+    runner = Runner(compiled, context, journal=log, re_execution=re_execution)
 
     def request(state):
         runner.request_preempt()

@@ -16,23 +16,23 @@ from .journal_events import Event
 from .recording import Activation, Recording
 
 if TYPE_CHECKING:
-    from .reliving import Reliving
+    from .re_execution import ReExecution
 
 Mode = Literal["", "recorded", "open", "new"]
 
 
-class RelivedLeaf:
+class RecordedLeaf:
     """Stands in the way of a leaf's life cycle, in the leaf itself: its class, ports and place stay as they are.
 
     Args:
         leaf: which.
-        reliving: the run.
+        re_execution: the run.
         ports: variable -> the output port that is bound to it.
     """
 
-    def __init__(self, leaf: Leaf, reliving: Reliving, ports: Mapping[str, str]):
-        self._leaf, self._reliving, self._ports = leaf, reliving, ports
-        self._recording = reliving.recording
+    def __init__(self, leaf: Leaf, re_execution: ReExecution, ports: Mapping[str, str]):
+        self._leaf, self._re_execution, self._ports = leaf, re_execution, ports
+        self._recording = re_execution.recording
         self._mode: Mode = ""
         self._released = False
         self._told: Activation | None = None
@@ -42,7 +42,7 @@ class RelivedLeaf:
     @property
     def free(self) -> bool:
         """Whether it needs nobody to stand in its way any more."""
-        return self._released or (self._mode == "" and self._leaf.path not in self._reliving.results)
+        return self._released or (self._mode == "" and self._leaf.path not in self._re_execution.results)
 
     def release(self) -> None:
         """Get out of the way."""
@@ -70,9 +70,9 @@ class RelivedLeaf:
                 return self._end_again(activation)
             if activation.end is None:
                 self._mode = "open"
-        elif self._reliving.live:
+        elif self._re_execution.live:
             return self._go_on()
-        self._reliving.wake()
+        self._re_execution.wake()
         return self._leaf.running()
 
     def terminate(self, new_status: Status) -> None:
@@ -82,9 +82,9 @@ class RelivedLeaf:
             return
         activation = self._recording.activation(self._leaf.path)
         end = activation.end if activation is not None else None
-        self._reliving.tell_begun(end.seq if end is not None else None)
+        self._re_execution.tell_begun(end.seq if end is not None else None)
         with _asked_until(self._leaf, end.seq if end is not None else None, self._recording):
-            self._leaf.relived(self._leaf.outcome)
+            self._leaf.replay_ended(self._leaf.outcome)
 
     def untold(self) -> Activation | None:
         """Return the recorded activation under way, if the leaf hasn't been told of it."""
@@ -95,14 +95,14 @@ class RelivedLeaf:
         """Tell the leaf that a recorded activation begins."""
         self._told = activation
         with _asked_until(self._leaf, self._recording.events[activation.began].seq, self._recording):
-            self._leaf.reliving()
+            self._leaf.replay_begun()
 
     def _end_again(self, activation: Activation) -> Status:
         end = activation.result
         assert end is not None, "a leaf that may end has an end"
         for number in activation.writes:
             event = self._recording.events[number]
-            self._leaf.writers[self._ports[str(event.data["variable"])]](self._reliving.restored(event))
+            self._leaf.writers[self._ports[str(event.data["variable"])]](self._re_execution.restored(event))
         return self._ended(str(end.outcome), failure_of(end))
 
     def _ended(self, outcome: str, failure: Failure | None) -> Status:
@@ -113,22 +113,22 @@ class RelivedLeaf:
 
     def _go_on(self) -> Status:
         path, leaf = self._leaf.path, self._leaf
-        result = self._reliving.results.pop(path, None)
+        result = self._re_execution.results.pop(path, None)
         if result is not None:
             self._mode = "recorded"
-            self._reliving.tell(path, "result")
+            self._re_execution.tell(path, "result")
             leaf._write(dict(result.outputs or {}))
             reason = result.code or result.message
             failure = Failure(result.code or "failed", result.message or "set by hand", {}) if reason else None
             return self._ended(result.outcome, failure)
-        self._reliving.tell_begun(None)
-        mode, how = self._mode, self._reliving.how.get(path, "restart")
+        self._re_execution.tell_begun(None)
+        mode, how = self._mode, self._re_execution.how.get(path, "restart")
         self.release()
         if mode != "open":
             leaf.initialise()
             return leaf.update()
         began = self._recording.under_way[path]
-        self._reliving.tell(path, how)
+        self._re_execution.tell(path, how)
         with _asked_until(leaf, began.seq, self._recording):
             if how == "resume":
                 leaf.resume(began.t)

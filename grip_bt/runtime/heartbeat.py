@@ -20,7 +20,7 @@ LARGEST = 1 << 20
 """Size of the shared memory [bytes]; nodes beyond that aren't told apart."""
 
 
-class Pulse(Silent):
+class Heartbeat(Silent):
     """The run's end: an observer of its nodes.
 
     Args:
@@ -63,7 +63,7 @@ class Pulse(Silent):
         self._flags[self._numbers[path]] = 0
 
 
-class PulseReader:
+class HeartbeatReader:
     """The parent's end, which outlives the run.
 
     Args:

@@ -31,9 +31,9 @@ from grip_bt.task import model, walking
 
 from .journal_events import Event
 from .pacing import Pacing
+from .recorded_leaf import RecordedLeaf
+from .recorded_time import RecordedClock, TimeoutClock, recorded_judge
 from .recording import Recording
-from .relived_clock import RelivedClock, TimeoutClock, recorded_judge
-from .relived_leaf import RelivedLeaf
 
 How = Literal["resume", "restart"]
 IDLE_TICKS = 20
@@ -61,7 +61,7 @@ class Result:
     outputs: Mapping[str, Any] | None = None
 
 
-class Reliving:
+class ReExecution:
     """A recorded run in a task that was compiled anew.
 
     Args:
@@ -91,16 +91,16 @@ class Reliving:
         self._compiled, self._value = compiled, value
         self.how, self.results, self.tell = dict(how or {}), dict(results or {}), tell
         self.recording = Recording(events, compiled.leaves.keys(), self._put)
-        self.clock = RelivedClock(clock, self.recording)
+        self.clock = RecordedClock(clock, self.recording)
         self.recording.on_complete = self._complete
         self.wake: Callable[[], None] = lambda: None
         self.ask: Callable[[], None] = lambda: None
-        self._leaves: dict[str, RelivedLeaf] = {}
+        self._leaves: dict[str, RecordedLeaf] = {}
         self._begun = False
         self._idle = 0
         self._seen, self._looked = 0, time.monotonic()
         self._settling = threading.Lock()
-        self._listening: list[RelivedLeaf] = []
+        self._listening: list[RecordedLeaf] = []
         self._telling = threading.Lock()
 
     @property
@@ -124,8 +124,8 @@ class Reliving:
         for path, leaf in self._compiled.leaves.items():
             node = parts[path].node
             assert isinstance(node, model.Leaf), "leaves are leaves of the document"
-            self._leaves[path] = RelivedLeaf(leaf, self, {v: port for port, v in node.out.items()})
-            if type(leaf).reliving is not Leaf.reliving:
+            self._leaves[path] = RecordedLeaf(leaf, self, {v: port for port, v in node.out.items()})
+            if type(leaf).replay_begun is not Leaf.replay_begun:
                 self._listening.append(self._leaves[path])
         states = [*self._compiled.by_path.values()]
         # A state of a machine may stand for a whole tree, by the path of its root.
@@ -220,16 +220,16 @@ class Reliving:
         return made
 
 
-class RelivingPacer:
-    """The pacer of a run that is relived first: it doesn't wait until then.
+class ReExecutionPacer:
+    """The pacer of a run that is executed again first: until then it doesn't wait.
 
     Args:
         pacing: the run's own.
-        reliving: what happens again.
+        re_execution: what happens again.
     """
 
-    def __init__(self, pacing: Pacing, reliving: Reliving):
-        self._pacing, self._reliving = pacing, reliving
+    def __init__(self, pacing: Pacing, re_execution: ReExecution):
+        self._pacing, self._re_execution = pacing, re_execution
 
     def turn(self) -> int:
         """Return when it is time to tick.
@@ -237,8 +237,8 @@ class RelivingPacer:
         Raises:
             Halted: the run was stopped.
         """
-        self._reliving.turn()
-        if self._reliving.live:
+        self._re_execution.turn()
+        if self._re_execution.live:
             return self._pacing.turn()
         if self._pacing.stopped:
             raise Halted
@@ -246,17 +246,17 @@ class RelivingPacer:
 
     def rest(self, seen: int) -> None:
         """Return when there may be something to look at."""
-        if self._reliving.live:
+        if self._re_execution.live:
             self._pacing.rest(seen)
         else:
-            self._reliving.rest()
+            self._re_execution.rest()
 
     def wake(self) -> None:
         """Have every `rest` return."""
         self._pacing.wake()
 
 
-class News:
+class NewEvents:
     """An observer that passes on only what the recording doesn't have."""
 
     def __init__(self, recording: Recording, inner: Observer):

@@ -10,10 +10,10 @@ from py_trees.common import Status
 from runtime_world import CATALOG, Waiting
 
 from grip_bt.compilers import to_tree
-from grip_bt.runtime import Event, ManualClock, Reliving, RunContext, Runner, WallClock
+from grip_bt.runtime import Event, ManualClock, ReExecution, RunContext, Runner, WallClock
+from grip_bt.runtime.re_execution import Result
+from grip_bt.runtime.recorded_time import RecordedClock, recorded_judge
 from grip_bt.runtime.recording import Recording
-from grip_bt.runtime.relived_clock import RelivedClock, recorded_judge
-from grip_bt.runtime.reliving import Result
 from grip_bt.task.model import Task
 
 TASK = {
@@ -31,44 +31,46 @@ def events(*said: tuple[Any, ...]) -> list[Event]:
     return [Event(n + 1, 0.1 * (n + 1), 0.0, *row) for n, row in enumerate(rows)]
 
 
-def begun_again(*said: tuple[Any, ...], **options: Any) -> tuple[Reliving, Any]:
+def begun_again(*said: tuple[Any, ...], **options: Any) -> tuple[ReExecution, Any]:
     """Return a task that is to do a recorded run again, before its first tick."""
     task = Task.model_validate(TASK)
     compiled = to_tree(task, CATALOG, leaf_factory=lambda path, node, face: Waiting(path, path, face, {}, {}))
-    reliving = Reliving(compiled, events(*said), lambda event: 7, ManualClock(), **options)
+    re_execution = ReExecution(compiled, events(*said), lambda event: 7, ManualClock(), **options)
     compiled.prepare(SimpleNamespace(wake=lambda: None, preempt_requested=False))
-    reliving.install(lambda: None)
-    return reliving, compiled
+    re_execution.install(lambda: None)
+    return re_execution, compiled
 
 
 def test_a_run_of_which_nothing_was_recorded_is_live_at_its_first_tick() -> None:
-    reliving, _ = begun_again()
-    assert not reliving.live
-    reliving.turn()
-    assert reliving.live
+    re_execution, _ = begun_again()
+    assert not re_execution.live
+    re_execution.turn()
+    assert re_execution.live
 
 
 def test_what_was_set_by_hand_is_set_again_and_told_to_who_watches() -> None:
     written: dict[str, Any] = {"set": True, "scope": "", "variable": "n"}
-    reliving, compiled = begun_again(("/", "write", None, None, written), *BEGUN)
+    re_execution, compiled = begun_again(("/", "write", None, None, written), *BEGUN)
     cell, heard = compiled.data[""].cells["n"], []
     cell.watchers.append(lambda: heard.append(cell.value))
-    reliving.turn()
+    re_execution.turn()
     assert (cell.value, heard) == (7, [7])
 
 
 def test_a_leaf_ends_as_somebody_decided_who_gave_no_outputs() -> None:
-    reliving, compiled = begun_again(*BEGUN, results={"a": Result("success")})
-    assert Runner(compiled, RunContext(reliving.clock), reliving=reliving, poll=0.01).run().status == "success"
+    re_execution, compiled = begun_again(*BEGUN, results={"a": Result("success")})
+    assert (
+        Runner(compiled, RunContext(re_execution.clock), re_execution=re_execution, poll=0.01).run().status == "success"
+    )
 
 
 def test_a_leaf_that_is_halted_before_the_recording_says_how_it_ended_is_told_what_it_was() -> None:
     told: list[str] = []
-    reliving, compiled = begun_again(*BEGUN, ("later", "enter"))
-    compiled.leaves["a"].relived = told.append
-    reliving.turn()
+    re_execution, compiled = begun_again(*BEGUN, ("later", "enter"))
+    compiled.leaves["a"].replay_ended = told.append
+    re_execution.turn()
     for path in ("/", "a"):
-        reliving.recording.happened(path, "enter")
+        re_execution.recording.happened(path, "enter")
     compiled.root.tick_once()
     compiled.root.stop(Status.INVALID)
     assert (compiled.leaves["a"].status, len(told)) == (Status.INVALID, 1)
@@ -76,7 +78,7 @@ def test_a_leaf_that_is_halted_before_the_recording_says_how_it_ended_is_told_wh
 
 def test_time_stands_still_and_goes_on_with_the_clock_of_the_run() -> None:
     clock = WallClock()
-    relived = RelivedClock(clock, Recording((), ()))
+    relived = RecordedClock(clock, Recording((), ()))
     relived.go()
     relived.pause()
     stood = relived.now()
@@ -123,7 +125,7 @@ def test_only_a_timeout_that_ended_its_child_was_over(end: tuple[Any, ...], over
 
 def test_a_cooldown_refuses_its_child_where_it_did_and_its_time_is_that_of_the_run() -> None:
     recording = Recording(events(("rest", "enter"), ("rest", "exit", "failure", "cooldown")), ["rest/a"])
-    clock = RelivedClock(ManualClock(), recording)
+    clock = RecordedClock(ManualClock(), recording)
     recording.begin()
     recording.happened("rest", "enter")
     assert clock.now() == pytest.approx(0.1)

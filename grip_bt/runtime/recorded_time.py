@@ -14,7 +14,7 @@ from grip_bt.base.ports import Clock, Pausable
 from .recording import Recording
 
 
-class RelivedClock:
+class RecordedClock:
     """Shows the time of the last recorded event until `go`, and from then on that time and what has passed since.
 
     Args:
@@ -61,7 +61,7 @@ class RelivedClock:
 class TimeoutClock:
     """The clock of one timeout: its time is over when the recording says so."""
 
-    def __init__(self, clock: RelivedClock, recording: Recording, path: str):
+    def __init__(self, clock: RecordedClock, recording: Recording, path: str):
         self._clock, self._recording, self._path = clock, recording, path
 
     def now(self) -> float:
@@ -77,7 +77,7 @@ class TimeoutClock:
         return self._recording.events[activation.began].t
 
 
-def recorded_judge(clock: RelivedClock, recording: Recording, path: str, child: str) -> Callable[[float], bool]:
+def recorded_judge(clock: RecordedClock, recording: Recording, path: str, child: str) -> Callable[[float], bool]:
     """Return what tells whether the time has come at which a container runs its child again: it has where it did."""
 
     def judge(at: float) -> bool:
