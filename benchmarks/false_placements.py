@@ -32,7 +32,7 @@ from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening
 from grip_bt.base.values import Failure, Grasp, JointState, Pose
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.runtime import Runner
 from grip_bt.task import read_text
 from grip_bt.task.model import Task

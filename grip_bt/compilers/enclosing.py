@@ -11,7 +11,7 @@ from typing import Any
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.control import Container
 from grip_bt.nodes.node import LABEL, Node
-from grip_bt.nodes.smach_among import AmongStates
+from grip_bt.nodes.smach_activation import AmongStates
 from grip_bt.nodes.smach_asking import MARK, Enclosing
 
 from .resolve import Part

@@ -11,8 +11,7 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.node import Node
-from grip_bt.nodes.observer import Observer
+from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 

@@ -11,8 +11,7 @@ from py_trees.behaviour import Behaviour
 from grip_bt.nodes import control
 from grip_bt.nodes.container import KindNode, RunAnswers, container
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.node import Node
-from grip_bt.nodes.observer import Observer
+from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 

@@ -1,15 +1,17 @@
-"""Leaves that move an arm to a state or a pose."""
+"""Leaves that move an arm to a state or a pose, and that steer it: jogging, following, holding."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm
-from grip_bt.base.values import JointState, PathConstraint
-
-from .keeping import read_keep, verify_keep
-from .leaf import OperationLeaf, Status
-from .motion import go
+from grip_bt.base.values import JointState, PathConstraint, Pose
+from grip_bt.commanders.steering import twist_towards
+from grip_bt.nodes.leaf import OperationLeaf, Status
+from grip_bt.nodes.motion import Resting, go
+from grip_bt.nodes.path_constraints import read_keep, verify_keep
 
 
 class ArmLeaf(OperationLeaf):
@@ -68,3 +70,133 @@ class MoveToPose(KeepingLeaf):
     def finish(self, result: JointState) -> Status:
         """Hand out what was measured."""
         return self.end(reached=result)
+
+
+LOOK = 0.1
+"""A steered arm is told where to again after so long [s]."""
+_IDLE = 0.2
+
+
+class SteeringLeaf(ArmLeaf):
+    """A leaf that tells an arm where to, again and again, while it moves."""
+
+    _asked_before = False
+
+    def initialise(self) -> None:
+        """Note what was asked before this activation."""
+        self._asked_before = self.context.preempt_requested
+
+    def steer(self) -> Operation[JointState]:
+        """Tell the arm where to now."""
+        raise NotImplementedError(f"{type(self).__name__}.steer")
+
+    def start(self) -> Operation[JointState]:
+        """Begin a motion."""
+        return self.steer()
+
+    def update(self) -> Status:
+        """Begin, or go on; an arm that has come to rest is asked again."""
+        if self.operation is not None and not self.operation.done() and not self.operation.cancel_asked:
+            self.steer()
+        self.context.wake_at(self.context.clock.now() + LOOK)
+        return super().update()
+
+    def finish(self, result: JointState) -> Status:
+        """Go on: it was only at rest for a moment."""
+        self.operation = None
+        self.context.wake()
+        return self.running("moving")
+
+
+class Jog(SteeringLeaf):
+    """Move the hand with a twist, for a while or until interrupted."""
+
+    def update(self) -> Status:
+        """A motion whose length is known is made in one; else go on."""
+        if self.params["seconds"] is None:
+            return super().update()
+        return super(SteeringLeaf, self).update()
+
+    def start(self) -> Operation[JointState]:
+        """Go."""
+        if self.params["seconds"] is None:
+            return self.steer()
+        return self.arm.jog(self.params["linear"], self.params["angular"], self.params["seconds"])
+
+    def steer(self) -> Operation[JointState]:
+        """Go on."""
+        return self.arm.steer(self.params["linear"], self.params["angular"])
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return super().finish(result) if self.params["seconds"] is None else self.end(reached=result)
+
+
+class Follow(SteeringLeaf):
+    """Follow a pose that may move."""
+
+    def update(self) -> Status:
+        """At the target end, or wait for it to move; else go on towards it."""
+        if (self.operation is None or not self.operation.cancel_asked) and self._at_target():
+            if not self.params["keep_on"]:
+                return self.end(reached=self.arm.grasp_pose())
+            if self.operation is None:
+                return self._wait_at_target()
+        return super().update()
+
+    def steer(self) -> Operation[JointState]:
+        """Go towards where the target is now, no quicker than allowed."""
+        return self.arm.steer_to(self.read("pose"), self.params["speed"])
+
+    def _wait_at_target(self) -> Status:
+        if self.context.preempt_requested and not self._asked_before:
+            return self.fail("preempted", "the task was asked to end while the arm followed a target")
+        self.context.wake_at(self.context.clock.now() + _IDLE)
+        return self.running("at the target")
+
+    def _at_target(self) -> bool:
+        target: Pose = self.read("pose")
+        linear, angular = twist_towards(self.arm.grasp_pose(), target, 1.0)
+        return bool(
+            np.linalg.norm(linear) <= self.params["tolerance"] and np.linalg.norm(angular) <= self.params["angle"]
+        )
+
+
+class Hold(ArmLeaf):
+    """End a motion of the arm and hold it where it is, until it rests and for some time, or until interrupted."""
+
+    _until: float | None = None
+
+    def initialise(self) -> None:
+        """Stop."""
+        self.arm.stop()
+        self._rest = Resting(self.context, self.arm.state)
+        seconds: float | None = self.params["seconds"]
+        self._until = None if seconds is None else self.context.clock.now() + seconds
+        if self._until is not None:
+            self.context.wake_at(self._until)
+
+    def update(self) -> Status:
+        """Look at the clock and at the joints."""
+        if self._until is None:
+            return self.running("holding")
+        left, at_rest = self._until - self.context.clock.now(), self._rest.reached()
+        if left > 0:
+            return self.running(f"holding, {left:.1f} s left")
+        return self.end() if at_rest else self.running("until the joints are measured at rest")
+
+
+class ReadState(ArmLeaf):
+    """Hand out the arm's measured joints."""
+
+    def update(self) -> Status:
+        """Measure."""
+        return self.end(state=self.arm.state())
+
+
+class ReadPose(ArmLeaf):
+    """Hand out the measured pose of the hand's grasp frame."""
+
+    def update(self) -> Status:
+        """Measure."""
+        return self.end(pose=self.arm.grasp_pose())

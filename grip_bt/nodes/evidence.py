@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 from grip_bt.base.errors import listing
 from grip_bt.base.ports import Hand, Scene
 from grip_bt.base.values import DepthImage, JointState, Pose
-
-from .difference import Change
-from .sight import MARGIN, Hulls, Mask, outline, robot_pixels, share
+from grip_bt.nodes.camera_views import MARGIN, Change, Hulls, Mask, outline, robot_pixels, share
 
 EMPTY = "empty"
 """A hand's named or taught posture that it closes to when nothing is in it."""

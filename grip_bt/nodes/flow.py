@@ -1,13 +1,44 @@
-"""Leaves that only steer a task."""
+"""Leaves that only steer a task: they compute, wait, count, select, log."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import deepcopy
+from typing import Any
 
 from py_trees.common import Status
 
-from .expressions import ExpressionLeaf
-from .leaf import Leaf
+from grip_bt.base.errors import DataError
+from grip_bt.base.evaluation import Thunk, value_of
+from grip_bt.base.expression import parse_expression
+from grip_bt.nodes.leaf import Leaf
+
+
+class ExpressionLeaf(Leaf):
+    """A leaf with a parameter `expression`, which names the inputs `a` to `h`."""
+
+    def prepare(self) -> None:
+        """Read the expression.
+
+        Raises:
+            ExpressionError: it isn't one.
+            DataError: it names something that no variable is bound to.
+        """
+        expression = parse_expression(self.params["expression"])
+        for name in expression.names:
+            if name not in self.readers:
+                allowed = ", ".join(self.manifest.inputs)
+                raise DataError(self.path, name, f"the expression names it, and no variable is bound ({allowed})")
+        self._value = value_of(expression, self._inputs())
+
+    def compute(self) -> Any:
+        """Return what the expression comes to now."""
+        return self._value()
+
+    def _inputs(self) -> dict[str, Thunk]:
+        first: dict[str, Thunk] = {"a": lambda: self.read("a"), "b": lambda: self.read("b")}
+        first |= {"c": lambda: self.read("c"), "d": lambda: self.read("d"), "e": lambda: self.read("e")}
+        return first | {"f": lambda: self.read("f"), "g": lambda: self.read("g"), "h": lambda: self.read("h")}
 
 
 class Wait(Leaf):
@@ -73,3 +104,52 @@ class Compute(ExpressionLeaf):
     def update(self) -> Status:
         """Compute."""
         return self.end(value=self.compute())
+
+
+class WaitUntil(ExpressionLeaf):
+    """Wait until an expression over the inputs is true; each write of a variable has it looked at again."""
+
+    _until: float | None = None
+
+    def initialise(self) -> None:
+        """Note when to give up."""
+        timeout: float | None = self.params["timeout"]
+        self._until = None if timeout is None else self.context.clock.now() + timeout
+        if self._until is not None:
+            self.context.wake_at(self._until)
+
+    def update(self) -> Status:
+        """Look."""
+        holds = self.compute()
+        if not isinstance(holds, bool):
+            raise TypeError(f"`{self.params['expression']}` comes to {holds!r}, which is neither true nor false")
+        if holds:
+            return self.end()
+        if self._until is not None and self.context.clock.now() >= self._until:
+            return self.fail("timed_out", f"`{self.params['expression']}` didn't become true")
+        return self.running(f"until {self.params['expression']}")
+
+
+class Count(Leaf):
+    """Count up, and say when the limit is reached."""
+
+    def update(self) -> Status:
+        """Add the step to the bound variable."""
+        count: int = (self.read("count") or 0) + self.params["step"]
+        limit: int | None = self.params["limit"]
+        outcome = "reached" if limit is not None and count >= limit else "success"
+        outputs = {"count": count}
+        return self.end(outcome, **outputs)
+
+
+class Select(Leaf):
+    """Take one item of a list."""
+
+    def update(self) -> Status:
+        """Take it; negative numbers count from the end."""
+        items: Sequence[Any] = self.read("items")
+        bound: int | None = self.read("index")
+        index: int = self.params["index"] if bound is None else bound
+        if not -len(items) <= index < len(items):
+            return self.fail("no_item", f"there is no item {index} among {len(items)}", count=len(items))
+        return self.end(item=items[index])

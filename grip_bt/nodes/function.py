@@ -24,12 +24,11 @@ from typing import Any, ClassVar
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
+from grip_bt.nodes.async_leaf import End, finish, run_coroutine
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 
-from .coroutines import run_coroutine
 from .leaf import Leaf, OperationLeaf, Status
 from .ports_of_class import with_ports
-from .results import End, finish
 
 __all__ = ["End", "FunctionLeaf", "leaf", "type_name"]
 

@@ -1,8 +1,9 @@
-"""Leaves around one grasp: choose it, go there, lift, and get away from there."""
+"""Leaves around one grasp: make candidates, choose one, go there, lift, and get away from there."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,79 @@ from grip_bt.base.failures import ExpectedError, NoGraspError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
 from grip_bt.base.values import Grasp, JointState, Pose
+from grip_bt.nodes.arm import ArmLeaf
+from grip_bt.nodes.leaf import Leaf, Status
+from grip_bt.nodes.motion import first_of, go, go_straight, tolerant
+from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, free_name, object_at, objects_near, rename
 
-from .arm import ArmLeaf
-from .leaf import Leaf, Status
-from .motion import first_of, go, go_straight, tolerant
-from .objects import HELD, SEEN, TABLE_GAP, free_name, object_at, objects_near, rename
+
+class MakePose(Leaf):
+    """Make a pose of numbers."""
+
+    def prepare(self) -> None:
+        """Make it now, so that wrong numbers are found before the run."""
+        self._pose = Pose(self.params["position"], self.params["quaternion"], self.params["frame"])
+
+    def update(self) -> Status:
+        """Hand it out."""
+        return self.end(pose=self._pose)
+
+
+class Offset(Leaf):
+    """Move and turn a pose."""
+
+    def prepare(self) -> None:
+        """Make the way now, so that wrong numbers are found before the run."""
+        self._way = Pose(self.params["position"], self.params["quaternion"])
+
+    def update(self) -> Status:
+        """Apply it."""
+        pose: Pose = self.read("pose")
+        turned = pose @ Pose(quaternion=self._way.quaternion)
+        way = pose.rotation() @ self._way.position if self.params["own_axes"] else self._way.position
+        return self.end(moved=turned.moved(way))
+
+
+class MakeGrasp(Leaf):
+    """Make a grasp of one pose: approach along the palm's normal, lift straight up."""
+
+    def update(self) -> Status:
+        """Make it."""
+        pose: Pose = self.read("pose")
+        p, posture = self.params, self.read("posture")
+        before: JointState | None = self.read("pre_posture")
+        grasp = Grasp(
+            pose,
+            pose.moved(-p["approach"] * pose.rotation()[:, 2]),
+            pose.moved((0.0, 0.0, p["lift"])),
+            pre_posture=before,
+            posture=posture,
+            torque_limit=p["torque_limit"],
+            width=p["width"],
+            quality=p["quality"],
+            provenance=self.path,
+        )
+        return self.end(grasp=grasp)
+
+
+class Rank(ArmLeaf):
+    """Put grasps in order by a weighted sum of what speaks for them."""
+
+    def update(self) -> Status:
+        """Score each, and give them out with the scores as their qualities."""
+        grasps: Sequence[Grasp] = self.read("grasps")
+        scores = self._scores(grasps)
+        order = sorted(range(len(grasps)), key=lambda k: -scores[k])
+        return self.end(grasps=[replace(grasps[k], quality=float(scores[k])) for k in order])
+
+    def _scores(self, grasps: Sequence[Grasp]) -> NDArray[np.float64]:
+        here, p = self.arm.grasp_pose(), self.params
+        quality = np.array([g.quality for g in grasps])
+        distance = np.array([np.linalg.norm(g.pose.position - here.position) for g in grasps])
+        downward = np.array([-g.pose.rotation()[2, 2] for g in grasps])
+        scores: NDArray[np.float64] = p["quality"] * quality - p["distance"] * distance + p["downward"] * downward
+        return scores
+
 
 SAME_PLACE = 0.02
 """Two grasps nearer than this [m] and `SAME_DIRECTION` are one."""

@@ -1,12 +1,14 @@
-"""Leaves that move the fingers of a hand."""
+"""Leaves that move the fingers of a hand, to postures or by synergies, and that watch what it touches."""
 
 from __future__ import annotations
 
+from grip_bt.base.errors import listing
+from grip_bt.base.failures import NotTaughtError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
 from grip_bt.base.values import Grasp, JointState
-
-from .leaf import OperationLeaf, Status
+from grip_bt.nodes.leaf import OperationLeaf, Status
+from grip_bt.nodes.motion import Resting
 
 
 class HandLeaf(OperationLeaf):
@@ -65,3 +67,133 @@ class ReadState(HandLeaf):
     def update(self) -> Status:
         """Measure."""
         return self.end(state=self.hand.state())
+
+
+class MovingHandLeaf(HandLeaf):
+    """A leaf that moves the fingers without asking whether they touch."""
+
+    def finish(self, result: JointState) -> Status:
+        """Hand out what was measured."""
+        return self.end(reached=result)
+
+    def move(self, posture: JointState | str) -> Operation[JointState]:
+        """Go, with the task's torque limit and time."""
+        return self.hand.move(posture, self.params["torque_limit"], self.params["seconds"])
+
+
+class Posture(MovingHandLeaf):
+    """Go to a posture, named or bound."""
+
+    def prepare(self) -> None:
+        """Verify that there is one posture."""
+        super().prepare()
+        if bool(self.params["posture"]) == ("state" in self.readers):
+            raise ValueError(f"{self.path}: give either `with: {{posture: ...}}` or `in: {{state: ...}}`")
+
+    def start(self) -> Operation[JointState]:
+        """Go; the name is looked up now, since it may have been taught meanwhile.
+
+        Raises:
+            NotTaughtError: the hand has no posture of this name.
+        """
+        bound: JointState | None = self.read("state")
+        known, name = self.hand.named_states(), self.params["posture"]
+        if bound is None and name not in known:
+            raise NotTaughtError(
+                f"the hand has no posture {name!r} (there are: {listing(sorted(known))})", taught=sorted(known)
+            )
+        return self.move(name if bound is None else bound)
+
+
+class Fingers(MovingHandLeaf):
+    """Close some fingers in part."""
+
+    def prepare(self) -> None:
+        """Verify fingers and shares."""
+        super().prepare()
+        self._posture = self.hand.finger_posture(self.params["closing"])
+
+    def start(self) -> Operation[JointState]:
+        """Go."""
+        return self.move(self._posture)
+
+
+class Fingertips(MovingHandLeaf):
+    """Bring fingertips to positions."""
+
+    def prepare(self) -> None:
+        """Verify that the positions are given once."""
+        super().prepare()
+        if bool(self.params["tips"]) == ("targets" in self.readers):
+            raise ValueError(f"{self.path}: give either `with: {{tips: ...}}` or `in: {{targets: ...}}`")
+
+    def start(self) -> Operation[JointState]:
+        """Find the posture in a worker, and go."""
+        targets = self.read("targets") or self.params["tips"]
+        found = self.context.run_in_worker(lambda: self.hand.fingertip_posture(targets, self.params["frame"]))
+        return found.then(self.move)
+
+
+class Synergy(MovingHandLeaf):
+    """Go to the posture of synergies."""
+
+    def prepare(self) -> None:
+        """Verify the weights."""
+        super().prepare()
+        self._posture = self.hand.synergy(self.params["weights"])
+
+    def start(self) -> Operation[JointState]:
+        """Go."""
+        return self.move(self._posture)
+
+
+class HoldHand(HandLeaf):
+    """End a motion of the fingers and hold them where they are; it ends when they were measured at rest."""
+
+    def initialise(self) -> None:
+        """Stop."""
+        self.hand.stop()
+        self._rest = Resting(self.context, self.hand.state)
+
+    def update(self) -> Status:
+        """Look at the fingers."""
+        return self.end() if self._rest.reached() else self.running("until the fingers are measured at rest")
+
+
+class HasContact(HandLeaf):
+    """Succeed when enough links of the hand touch something now."""
+
+    def update(self) -> Status:
+        """Look."""
+        force = self.params["force"]
+        links = sorted(link for link, pressed in self.hand.contacts().items() if pressed >= force)
+        if len(links) >= self.params["links"]:
+            return self.end(links=links)
+        return self.fail("no_contact", f"{len(links)} links touch something: {listing(links)}", links=links)
+
+
+class KeepContact(HandLeaf):
+    """Watch over a grasp: run while enough links touch something, and fail when they have ceased to.
+
+    A contact that is away for a moment, as in a jerk, counts as kept.
+    """
+
+    _lost_since: float | None = None
+
+    def initialise(self) -> None:
+        """Begin with nothing lost."""
+        self._lost_since = None
+
+    def update(self) -> Status:
+        """Look; the task is woken again in time."""
+        now, force = self.context.clock.now(), self.params["force"]
+        links = sorted(link for link, pressed in self.hand.contacts().items() if pressed >= force)
+        self.context.wake_at(now + self.params["patience"] / 2)
+        if len(links) >= self.params["links"]:
+            self._lost_since = None
+            return self.running(f"{len(links)} links touch")
+        if self._lost_since is None:
+            self._lost_since = now
+        if now - self._lost_since < self.params["patience"]:
+            return self.running("contact is lost")
+        return self.fail("lost_contact", f"{len(links)} links touch something: {listing(links)}", links=links)

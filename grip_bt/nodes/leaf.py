@@ -25,9 +25,9 @@ from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
 from grip_bt.task.catalog.manifest import Manifest
 
-from .asked import AskedContext, Asker
 from .beginning import begin
 from .node import STATUS, Node
+from .preemption import AskedContext, Asker
 
 T = TypeVar("T")
 STOPPING = 60.0

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from grip_bt.base.failures import ExpectedError, NoGraspError, NoRoomError, NoTargetError, NothingHeldError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Grasp, JointState, Pose
+from grip_bt.nodes.objects import Disc, free_spots, opening_room, turned
 
 from .evidence import Limits, hand_voices
 from .grasping import ArmHandLeaf
 from .motion import first_of, go, go_straight, tolerant, widened
 from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
-from .spots import Disc, free_spots, opening_room, turned
 
 YAWS = np.radians(np.arange(0, 360, 15))
 TRIES = 4

@@ -16,10 +16,10 @@ from typing import Any, ClassVar
 
 from py_trees.common import Status
 
+from grip_bt.nodes.smach_activation import RUNS_LOCK, AmongStates, KeysLeaf
 from grip_bt.smach_compat._settings import settings
 
 from .smach_activation import Activation, Values
-from .smach_among import RUNS_LOCK, AmongStates, KeysLeaf
 from .smach_asking import Iteration, Together
 
 _log = logging.getLogger(__name__)

@@ -12,12 +12,12 @@ from grip_bt.base.failures import ViewBlockedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera
 from grip_bt.base.values import JointState
+from grip_bt.nodes.camera_views import outline, share, within
 
 from .arm import ArmLeaf
 from .leaf import Status
 from .motion import first_of, go
 from .perception import check_region
-from .sight import outline, share, within
 
 STEP = np.radians(15)
 """By so much the arm's first joint is turned from one candidate to the next."""

@@ -11,7 +11,7 @@ from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree
 from grip_bt.compilers.probe import parts_of, probe
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.runtime.pacing import Pacing
 
 When = Literal["before", "after"]

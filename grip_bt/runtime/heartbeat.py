@@ -11,7 +11,7 @@ import threading
 from collections.abc import Mapping, Sequence
 
 from grip_bt.base.values import Failure
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 
 BEAT = 0.1
 """How often the count goes on [s]."""

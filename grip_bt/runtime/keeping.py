@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from grip_bt.base.values import Failure
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 
 KEPT = "kept"
 """The event; its data has `part` and, as a write has, the state."""

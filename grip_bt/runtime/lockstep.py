@@ -25,7 +25,7 @@ from typing import Any, TypeVar
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import WAITS, Operation
 from grip_bt.base.ports import Stepped
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.runtime.clock import Waker
 
 T = TypeVar("T")

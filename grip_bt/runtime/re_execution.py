@@ -26,7 +26,7 @@ from grip_bt.compilers.task_machine import TaskMachine
 from grip_bt.nodes import Leaf, control
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.container import KindNode
-from grip_bt.nodes.observer import Observer
+from grip_bt.nodes.node import Observer
 from grip_bt.task import model, walking
 
 from .journal_events import Event

@@ -19,7 +19,7 @@ from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, Task
 from grip_bt.compilers.probe import parts_of
 from grip_bt.nodes.control import Foreign
 from grip_bt.nodes.leaf import STOPPING
-from grip_bt.nodes.observer import SILENT, Observer, Observers
+from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended
 from grip_bt.runtime.run_log import Recorder
 

@@ -15,7 +15,7 @@ from py_trees.common import Status
 from grip_bt.base.errors import GripError
 from grip_bt.compilers import Halted
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 
 _log = logging.getLogger(__name__)
 

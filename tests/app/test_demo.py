@@ -11,7 +11,7 @@ from grip_bt.app.project.examples import examples_folder, find_demo
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.app.runs.verdict import AttemptRecorder
 from grip_bt.base.values import Pose
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]
 

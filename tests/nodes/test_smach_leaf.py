@@ -5,7 +5,7 @@ import pytest
 from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.nodes.smach_leaf import NextItem, SmachLeaf, task_name
 from grip_bt.smach_compat import State
 from grip_bt.task.catalog.manifest import Manifest

@@ -3,8 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grip_bt.base.values import Pose
-from grip_bt.nodes.objects import Region, region_of
-from grip_bt.nodes.spots import Disc, free_spots, opening_room
+from grip_bt.nodes.objects import Disc, Region, free_spots, opening_room, region_of
 
 CRATE = Region(np.array([0.35, -0.55]), np.array([0.61, -0.25]), 0.0, 0.06)
 discs = st.builds(Disc, st.floats(0.38, 0.58), st.floats(-0.52, -0.28), st.floats(0.02, 0.04))

@@ -11,7 +11,7 @@ from typing import Any
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.nodes import OperationLeaf
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts
 from grip_bt.runtime.lockstep import Lockstep
 from grip_bt.task.catalog import Catalog, Manifest

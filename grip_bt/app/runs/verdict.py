@@ -20,7 +20,7 @@ from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError,
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.values import Failure, Grasp
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.runtime import RunResult
 from grip_sim.referee import Status
 

@@ -16,8 +16,7 @@ from py_trees.common import Status
 
 from grip_bt.base.errors import DataError, EvaluationError, NodeError
 from grip_bt.nodes import Leaf
-from grip_bt.nodes.node import halt
-from grip_bt.nodes.observer import Observer
+from grip_bt.nodes.node import Observer, halt
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Foreign as ForeignNode
 from grip_bt.task.model import Leaf as LeafNode

@@ -13,8 +13,7 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.nodes.node import STATUS
-from grip_bt.nodes.observer import SILENT
+from grip_bt.nodes.node import SILENT, STATUS
 
 from .guard import Changed
 from .known import INVALID, F, R, Rules, S, ours, overrides, plain_activation

@@ -10,7 +10,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
-from grip_bt.nodes.observer import SILENT
+from grip_bt.nodes.node import SILENT
 
 from .halting import Stop, Tick
 from .known import INVALID, VALID, F, R, S, overrides, plain_activation

@@ -153,7 +153,7 @@ def _of_topics(name: str, sensor: SensorConfig) -> Manifest:
     return Manifest(
         id=f"sensor/{name}",
         doc=f"Take what the sensor `{name}` gives{several}, within {sensor.timeout} s.",
-        implementation="grip_bt.nodes.sensing:Sense",
+        implementation="grip_bt.nodes.perception:Sense",
         outputs=FrozenDict(outputs),
         codes=("no_data", "timed_out", "no_frame", "canceled"),
         settings=FrozenDict({"sensor": name}),

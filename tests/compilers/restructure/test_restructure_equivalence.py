@@ -10,7 +10,7 @@ from restructure_tasks import CATALOG, leaf, machine, task
 
 from grip_bt.compilers.restructure import Restructured, compare, moved, play, to_state_machines, to_trees
 from grip_bt.compilers.restructure.equivalence import End, _Run
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.task import Task, walk
 
 STATES = {

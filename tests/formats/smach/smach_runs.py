@@ -4,7 +4,7 @@ from grip_bt import smach_compat
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.formats.smach import import_file, write_import
-from grip_bt.nodes.observer import Silent
+from grip_bt.nodes.node import Silent
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.nodes.smach_source import load_legacy
 from grip_bt.runtime import RunContext, Runner
