@@ -11,6 +11,7 @@ from typing import Any
 
 from grip_bt.base.errors import GripError, InvalidTaskError, SubtaskError
 from grip_bt.base.issue import Issue
+from grip_bt.compilers.checks import check_expressions
 from grip_bt.task.catalog import Catalog, Manifest, check_value, manifest_of_task, parse_type
 from grip_bt.task.edges import Edges
 from grip_bt.task.model import (
@@ -30,7 +31,6 @@ from grip_bt.task.validation.parts import not_listed
 from grip_bt.task.walking import children_of, join, outcomes_of, with_refusal
 
 from .checks import check_edges, check_leaf, check_ports, check_root, check_rules, problem
-from .conditions import check_expressions
 from .scopes import Cell, Scope, Scopes
 
 _NO_EDGES = Edges()

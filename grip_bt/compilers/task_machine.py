@@ -9,6 +9,7 @@ from typing import Any
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.values import Failure
+from grip_bt.compilers.behaviour_state import Halted
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.control import Condition
 from grip_bt.nodes.node import SILENT, Observer
@@ -16,7 +17,6 @@ from grip_bt.smach_compat import Concurrence, State, StateMachine
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Reason, Run, Step
 
 from .behaviour_state import MachineRun, Refined, TaskState, label, labels
-from .drive import Halted
 
 
 class TaskContainer(TaskState):

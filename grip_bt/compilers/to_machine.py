@@ -10,17 +10,16 @@ from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import NotExpressibleError
+from grip_bt.compilers.behaviour_state import Halted, Pacer, TaskEnd
+from grip_bt.compilers.checks import answers_of, bind_condition
+from grip_bt.compilers.leaves import BehaviourFactory, adopter, hand_in, hand_out
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
 from .behaviour_state import BehaviourState, MachineRun, MakeTicker, Refined, TaskState, labels
-from .conditions import answers_of, bind_condition
-from .drive import Halted, Pacer, TaskEnd
 from .enclosing import enclose
-from .foreign import BehaviourFactory, adopter
-from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, release
 from .machine_table import AGAIN, asks, first_step, interrupts, kind_of, state_labels, table_of
 from .resolve import Part, Resolved, resolve

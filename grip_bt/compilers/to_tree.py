@@ -8,6 +8,9 @@ from typing import Any, cast
 
 from py_trees.behaviour import Behaviour
 
+from grip_bt.compilers.behaviour_state import Pacer, TaskEnd, drive
+from grip_bt.compilers.checks import bind_answers, bind_condition
+from grip_bt.compilers.leaves import BehaviourFactory, adopter, hand_in, hand_out
 from grip_bt.nodes import control
 from grip_bt.nodes.container import KindNode, RunAnswers, container
 from grip_bt.nodes.leaf import Leaf
@@ -15,11 +18,7 @@ from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .conditions import bind_answers, bind_condition
-from .drive import Pacer, TaskEnd, drive
 from .enclosing import enclose
-from .foreign import BehaviourFactory, adopter
-from .handing import hand_in, hand_out
 from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager
 from typing import Literal
 
 from grip_bt.compilers import Halted
-from grip_bt.compilers.drive import alone
+from grip_bt.compilers.behaviour_state import alone
 from grip_bt.runtime.clock import Waker
 
 State = Literal["running", "paused", "stopping"]

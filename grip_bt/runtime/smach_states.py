@@ -13,8 +13,8 @@ from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
-from grip_bt.compilers import CompiledTree, Halted, Pacer, drive, to_tree
-from grip_bt.compilers.behaviour_state import MachineRun, Refined, StateContext, label, labels
+from grip_bt.compilers import CompiledTree, Halted, Pacer, to_tree
+from grip_bt.compilers.behaviour_state import MachineRun, Refined, StateContext, drive, label, labels
 from grip_bt.compilers.leaves import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.smach_compat import State

@@ -9,7 +9,8 @@ import traceback
 from collections.abc import Callable, Mapping
 
 from grip_bt.base.errors import HungError, NodeError
-from grip_bt.compilers import BehaviourState, drive
+from grip_bt.compilers import BehaviourState
+from grip_bt.compilers.behaviour_state import drive
 from grip_bt.nodes.leaf import Leaf
 
 from .pacing import Pacing

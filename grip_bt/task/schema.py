@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .model import Task
-from .shape import FREE
+from grip_bt.task.model import Task
+from grip_bt.task.shape import FREE
 
 _TITLE = "GRIP task, format 1"
 

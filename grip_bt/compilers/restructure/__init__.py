@@ -5,6 +5,8 @@ outcome, reason and data. What has no equal in the other form stays, with a note
 explains which parts these are.
 """
 
+from grip_bt.compilers.restructure.result import to_text
+
 from .as_edit import expanded
 from .equivalence import Comparison, Difference, compare, moved, play
 from .extraction import Extracted, extracted
@@ -12,7 +14,6 @@ from .inlining import inlined
 from .result import Note, Restructured
 from .to_composites import to_trees
 from .to_states import to_state_machines
-from .wording import to_text
 
 __all__ = [
     "Comparison",

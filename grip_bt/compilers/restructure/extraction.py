@@ -10,6 +10,7 @@ from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.yaml.scalars import write_scalar
 from grip_bt.base.yaml.tree import YamlMapping, parse
+from grip_bt.compilers.restructure.inlining import expect_nobody_can_tell
 from grip_bt.task import read_text
 from grip_bt.task.canonical import dumps, lines_of
 from grip_bt.task.catalog import Catalog
@@ -22,8 +23,6 @@ from grip_bt.task.model import Task
 from grip_bt.task.validation import survey_of
 from grip_bt.task.validation.dataflow import DataFlow
 from grip_bt.task.validation.survey import Spot, Survey
-
-from .handovers import expect_nobody_can_tell
 
 _AROUND = ("on", "precondition")
 """Keys that speak about what is around a node, and so stay where it was."""

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import textwrap
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.yaml.writer import WIDTH
+from grip_bt.compilers.machine_table import lead
+from grip_bt.compilers.resolve import Part
+from grip_bt.task import dumps
 from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task
 from grip_bt.task.walking import join
-
-from ..machine_table import lead
-from ..resolve import Part
 
 Place = tuple[str, ...]
 """A node's names, from some node above it downwards."""
@@ -136,3 +138,37 @@ def successors(part: Part) -> list[str]:
                 if target is not None:
                     found[target] = None
     return list(found)
+
+
+def to_text(result: Restructured, form: str, source: str) -> str:
+    """Return the file of a restructured task.
+
+    Args:
+        result: the task.
+        form: what it was made into, such as `a behaviour tree`.
+        source: name of the file that it was made from.
+    """
+    return "".join(f"{line}\n" for line in _header(result, form, source)) + dumps(result.task)
+
+
+def _header(result: Restructured, form: str, source: str) -> Iterator[str]:
+    if not result.notes:
+        yield from _comment(f"{source} as {form}; nothing had to stay as it was.")
+        return
+    yield from _comment(f"{source} as {form}. What kept its kind, and why:")
+    reasons: dict[str, list[str]] = {}
+    for note in result.notes:
+        reasons.setdefault(note.reason, []).append(f"{result.paths[note.path]} ({note.kind})")
+    for reason, places in reasons.items():
+        yield from _comment(f"{', '.join(places)}: {reason}.", "- ")
+
+
+def _comment(text: str, mark: str = "") -> list[str]:
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=f"# {mark}",
+        subsequent_indent="# " + " " * len(mark),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -9,6 +9,7 @@ import networkx as nx
 
 from grip_bt.base.errors import listing
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.compilers.restructure.regions import offending_edges
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Leaf, StateMachine, Subtask, Task
 from grip_bt.task.walking import outcomes_of
@@ -16,7 +17,6 @@ from grip_bt.task.walking import outcomes_of
 from ..machine_table import interrupts, lead
 from ..resolve import Part, resolve
 from .composites import PLAIN, Composer
-from .irreducible import offending_edges
 from .regions import Arc, Chain, Loop, Region, State, Tangle, depth, flow_graph, structured
 from .result import Built, Note, Restructured, is_within, kept, paths_of, successors
 from .to_states import ticked_by

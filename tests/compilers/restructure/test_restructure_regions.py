@@ -7,8 +7,18 @@ from random import Random
 
 import networkx as nx
 
-from grip_bt.compilers.restructure.irreducible import offending_edges, unruly_edges
-from grip_bt.compilers.restructure.regions import Arc, Chain, Loop, Region, State, Tangle, flow_graph, structured
+from grip_bt.compilers.restructure.regions import (
+    Arc,
+    Chain,
+    Loop,
+    Region,
+    State,
+    Tangle,
+    flow_graph,
+    offending_edges,
+    structured,
+    unruly_edges,
+)
 
 
 def random_arcs(seed: int) -> dict[str, list[Arc]]:
