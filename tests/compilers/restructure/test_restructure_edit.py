@@ -114,5 +114,5 @@ def test_a_reason_is_given_where_a_part_has_no_equal_or_the_task_is_wrong() -> N
 
 
 def test_without_a_catalogue_a_conversion_is_refused() -> None:
-    with pytest.raises(EditError, match="takes a catalogue"):
+    with pytest.raises(EditError, match="needs a catalogue"):
         apply(loads(TEXT), Convert(path="put", to="sm"))
