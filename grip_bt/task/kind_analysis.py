@@ -150,6 +150,8 @@ def _starts(kind: Kind) -> dict[str, list[str]]:
 def _order(kind: Kind) -> Drawn:
     """Return who follows whom, and who is chosen; a child that is run again isn't drawn."""
     names, found = list(kind.below), Drawn()
+    if not names:  # of a subtask: its child stands in another file
+        return found
     starts = _starts(kind)
     if len(starts) > 1 or any(answer not in _PLAIN for said in starts.values() for answer in said):
         found = {("", target, False): said for target, said in starts.items()}

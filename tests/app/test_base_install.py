@@ -12,16 +12,23 @@ EXTRAS = (
     *("websockets", "rclpy", "rosidl_adapter", "rosidl_parser", "geometry_msgs", "sensor_msgs", "example_robot_data"),
     *("airo_models", "gym_xarm", "robopianist"),
 )
-HOOK = """from importlib.machinery import PathFinder
+HOOK = """import importlib.metadata
+from importlib.machinery import PathFinder
 
-find = PathFinder.find_spec
+find, distribution = PathFinder.find_spec, importlib.metadata.distribution
 
 
 def present(name, path=None, target=None):
     return None if name.partition(".")[0] in {names!r} else find(name, path, target)
 
 
-PathFinder.find_spec = present
+def installed(name):
+    if name.replace("-", "_") in {names!r}:
+        raise importlib.metadata.PackageNotFoundError(name)
+    return distribution(name)
+
+
+PathFinder.find_spec, importlib.metadata.distribution = present, installed
 """
 CAMPAIGN = "campaign: 1\ntask: tasks/first.yaml\nrobot: fake\nseeds: [0]\n"
 

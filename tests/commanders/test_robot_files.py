@@ -230,7 +230,7 @@ def test_a_robot_that_is_no_file_and_not_ready_made_lists_those_that_are():
 
 def test_a_robot_that_is_a_part_of_itself_is_refused(tmp_path):
     (tmp_path / "r.yaml").write_text("robots: {a: {robot: r.yaml}}\n")
-    with pytest.raises(InvalidRobotError, match="a part of itself"):
+    with pytest.raises(InvalidRobotError, match="contains itself"):
         load_robot("r.yaml", tmp_path)
 
 

@@ -170,7 +170,7 @@ def test_a_mount_on_a_link_that_is_not_there_lists_those_that_are(tmp_path):
     [
         ({}, "exactly one of urdf, xacro, mjcf, moveit, ready, arm, robots; this one has nothing"),
         ({"urdf": "a", "mjcf": "b"}, "this one has urdf and mjcf"),
-        ({"arm": "ur5"}, "all of arm, hand and mount"),
+        ({"arm": "ur5"}, "needs arm, hand and mount"),
         ({"urdf": "a", "drives": {"arm": {"stiffness": -1, "damping": 1, "limit": 1}}}, "greater than 0"),
         ({"urdf": "a", "states": {"arm": {"home": [float("nan")]}}}, "finite number"),
         ({"urdf": "a", "srfd": "b"}, "srfd"),

@@ -151,7 +151,7 @@ def test_an_end_that_breaks_the_constraint_is_named(model, checker, end):
     assert not kept(level(), checker.chain, tilted[None, :])
     start, goal = (tilted, level_one) if end == "start" else (level_one, tilted)
     request = PlanTo(situation(model, checker, start), JointState(checker.chain.joints, goal), constraint=level())
-    with pytest.raises(ConstraintBrokenError, match=f"the {end} breaks"):
+    with pytest.raises(ConstraintBrokenError, match=f"the {end} violates"):
         answer(model, request, lambda: False)
 
 

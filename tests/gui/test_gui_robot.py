@@ -26,6 +26,7 @@ from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.motion import last_state, motion_of
 from grip_gui.live.routes import make_live_router
 from grip_gui.live.window import RosWindow
+from grip_gui.processes import Prober
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.geometry import geometry
 
@@ -154,8 +155,8 @@ def test_a_robot_is_measured_by_the_run_only_while_one_is_under_way(page: TestCl
 def test_where_a_run_under_way_has_brought_an_arm_is_kept_as_joints_and_as_a_pose(project: Path) -> None:
     (project / "grip.yaml").write_text(GRIP)
     run, wanted = recorded(project)
-    app = FastAPI()
-    app.include_router(make_live_router(ProjectFolder(project), RosWindow(project), lambda: run))
+    app, folder = FastAPI(), ProjectFolder(project)
+    app.include_router(make_live_router(folder, Prober(folder), RosWindow(project), lambda: run))
     client = TestClient(app)
     for what, part in (
         ("joints", "right"),

@@ -42,7 +42,7 @@ def goals_of(chain: Chain, checker: CollisionChecker, request: PlanTo, start: Ar
         return goals
     keeping = [q for q in goals if kept(request.constraint, chain, q[None, :])]
     if not keeping:
-        raise ConstraintBrokenError("the goal breaks what the path must keep to; widen its tolerances or its box")
+        raise ConstraintBrokenError("the goal violates the path constraint; widen its tolerances or its box")
     return keeping
 
 
