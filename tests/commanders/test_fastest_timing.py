@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from grip_bt.commanders.kinematics.model import Limits
+from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.timing import Allowed, _curve, timed
 from grip_bt.commanders.trajectory.topp_ra import squared_velocities, squared_velocities_of_library
 

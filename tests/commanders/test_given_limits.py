@@ -8,8 +8,7 @@ from scipy.interpolate import BPoly
 
 from grip_bt.base.failures import OutOfLimitsError
 from grip_bt.base.values import Trajectory
-from grip_bt.commanders.kinematics.model import Limits
-from grip_bt.commanders.trajectory.limits import ROUNDED, refuse_beyond_limits
+from grip_bt.commanders.trajectory.limits import ROUNDED, Limits, refuse_beyond_limits
 
 FAR = 1e9
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from grip_bt.base.failures import ExecutionAbortedError, SensorError
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.fake import FakeExecutor, FakeHand, OnClock
-from grip_bt.commanders.kinematics.model import Limits
 from grip_bt.commanders.pausing import ASIDE, PausableExecutor, PausableHand, rest_of
+from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.timing import Allowed, timed
 from grip_bt.runtime.clock import ManualClock
 

@@ -9,8 +9,8 @@ from table_top import robot_model
 
 from grip_bt.base.failures import OutOfLimitsError, PathInvalidError
 from grip_bt.base.values import JointState, WayPoint
-from grip_bt.commanders.kinematics.model import Limits
 from grip_bt.commanders.planning.requests import PlanStraight, PlanThrough, PlanTo
+from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.splines import eased, peaks, slowed
 from grip_bt.commanders.trajectory.timing import STILL, Allowed, timed
 

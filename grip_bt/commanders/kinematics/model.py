@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from math import isfinite
@@ -20,6 +19,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState, Pose
 
 from ..description.robot import RobotDescription
+from ..trajectory.limits import Limits
 from .outline import Outline, corners, outlined, radii, shape_reaches
 from .shapes import simplified
 
@@ -27,25 +27,6 @@ GRASP_FRAME = "grasp"
 _SAMPLES = 300
 _ALWAYS = 0.9
 """Shapes that collide in more than this part of random configurations overlap by design of the model."""
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Limits of a group's joints, each of shape (n,).
-
-    Attributes:
-        lower: [rad].
-        upper: [rad].
-        velocity: [rad/s].
-        acceleration: [rad/s^2].
-        jerk: [rad/s^3], infinite where none is known; None: of no joint.
-    """
-
-    lower: Array
-    upper: Array
-    velocity: Array
-    acceleration: Array
-    jerk: Array | None = None
 
 
 class Chain:

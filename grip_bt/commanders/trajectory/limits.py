@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,12 +11,29 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import OutOfLimitsError
 from grip_bt.base.values import JointState, Trajectory
 
-from ..kinematics.model import Limits
-
 ROUNDED = 1e-3
 """Limits may be exceeded by this part, those of positions by so much [rad or m]: numbers in files are rounded."""
 _PERIOD, _MOST = 1e-3, 100_000
 """Trajectories are looked at every so often [s], at no more times than that, and on both sides of each point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Limits of a group's joints, each of shape (n,).
+
+    Attributes:
+        lower: [rad].
+        upper: [rad].
+        velocity: [rad/s].
+        acceleration: [rad/s^2].
+        jerk: [rad/s^3], infinite where none is known; None: of no joint.
+    """
+
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array | None = None
 
 
 def refuse_beyond_limits(trajectory: Trajectory, limits: Limits) -> None:

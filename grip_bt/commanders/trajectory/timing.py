@@ -12,8 +12,8 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Trajectory
 
-from ..kinematics.model import Limits
 from . import Timing
+from .limits import Limits
 from .splines import averaged, slowed, smoothed
 from .topp_ra import squared_velocities, squared_velocities_of_library
 
