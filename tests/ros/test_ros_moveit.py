@@ -307,7 +307,7 @@ def test_names_that_are_not_there_are_told_before_anything_is_asked(planning, ro
         (-11, ConstraintBrokenError, "the start breaks"),
         (-12, GoalInCollisionError, "at the goal"),
         (-15, GoalRejectedError, r"groups: \{GROUP: ITS_NAME\}"),
-        (-26, OutOfLimitsError, "out of its limits"),
+        (-26, OutOfLimitsError, "outside its limits"),
         (-29, PlannerLostError, "its planner crashed"),
         (99999, NoPlanError, "without a reason"),
         (-4711, NoPlanError, "code -4711, which this version doesn't know"),
