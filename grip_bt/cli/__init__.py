@@ -1,1 +1,1 @@
-"""The `grip` command: one verb a file; each offers `add_parser(subparsers)` and `run(args) -> exit status`."""
+"""The `grip` command: one verb a file; each offers `add_options(parser)` and `run(args) -> exit status`."""

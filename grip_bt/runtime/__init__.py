@@ -12,10 +12,7 @@
 * Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """
 
-from grip_bt.runtime.clock import Waker
-from grip_bt.runtime.smach_choice import Choose, Each, Joining
-
-from .clock import ManualClock, WallClock
+from .clock import ManualClock, Waker, WallClock
 from .context import RunContext, RunParts
 from .control import serve_control
 from .engine import TickEngine
@@ -29,6 +26,7 @@ from .recording import Recording
 from .run_log import RunLog
 from .run_state import Moment, NodeState
 from .runner import Runner, RunResult
+from .smach_choice import Choose, Each, Joining
 from .smach_states import BehaviourTree, TreeRun
 
 __all__ = [

@@ -12,7 +12,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from grip_bt.runtime import JournalError
 from grip_bt.runtime.motion_end import Rest
-from grip_gui.runs import pages as lease_module
+from grip_gui.runs import pages as pages_module
 from grip_gui.runs import session as session_module
 from grip_gui.runs import stream as stream_module
 from grip_gui.runs.journal import JournalRuns
@@ -395,7 +395,7 @@ def test_one_page_controls_and_another_may_look_stop_and_take_over(page: TestCli
 def test_control_is_free_again_when_its_page_has_gone_and_not_before(
     page: TestClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lease_module, "GRACE", 0.5)
+    monkeypatch.setattr(pages_module, "GRACE", 0.5)
     with page.websocket_connect(SOCKET + "?page=watcher") as watcher:
         with page.websocket_connect(SOCKET + "?page=one"):
             page.post("/api/lease", json={"page": "one"})
@@ -411,7 +411,7 @@ def test_a_page_that_was_away_for_long_holds_control_again_unless_another_has_ha
     def nobody(frame: dict[str, Any]) -> bool:
         return frame["type"] == "desk" and frame["desk"]["holder"] is None
 
-    monkeypatch.setattr(lease_module, "GRACE", 0.0)
+    monkeypatch.setattr(pages_module, "GRACE", 0.0)
     with page.websocket_connect(SOCKET + "?page=watcher") as watcher:
         with page.websocket_connect(SOCKET + "?page=one"):
             page.post("/api/lease", json={"page": "one"})
