@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from grip_bt.base.values import Trajectory
@@ -111,6 +111,7 @@ JOINT = st.tuples(st.floats(-3, 3), st.floats(-1, 1), st.floats(0.5, 20), st.flo
 
 
 @given(st.lists(JOINT, min_size=1, max_size=7))
+@example([(-1.0, 0.99999, 1.0, 11.0)])
 def test_each_joint_by_itself_rests_in_the_time_that_is_said_and_within_its_limits(joints):
     velocity, part, limits, jerks = (np.array(values) for values in zip(*joints, strict=True))
     now = part * limits

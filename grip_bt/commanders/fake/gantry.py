@@ -270,5 +270,5 @@ def _broken(constraint: PathConstraint | None, rows: Mapping[str, Array]) -> Con
     """Return the error for the first of some named rows of joints that breaks a constraint, or None."""
     for what, joints in rows.items():
         if constraint is not None and not constraint.kept_by(_pose_of(joints)):
-            return ConstraintBrokenError(f"the {what} breaks what the path must keep to")
+            return ConstraintBrokenError(f"the {what} violates the path constraint; widen its tolerances or its box")
     return None

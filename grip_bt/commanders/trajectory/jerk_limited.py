@@ -63,7 +63,7 @@ def each_by_itself(
     names: Sequence[str], position: Array, velocity: Array, now: Array, acceleration: Array, jerk: Array
 ) -> Trajectory:
     """Return how joints come to rest, each as soon as its own limits allow; arrays as for `braking_times`."""
-    most = np.maximum(acceleration, np.abs(now))
+    most = np.maximum(acceleration * 0.999, np.abs(now))  # between points an acceleration may rise a little
     phases, first = _phases(velocity, now, most, jerk * 0.99)
     ends = np.cumsum(phases, axis=0)
     times = np.unique(np.concatenate([np.arange(0.0, ends[-1].max(), 0.01), ends.ravel()]))

@@ -182,9 +182,9 @@ _FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
     "PREEMPTED": (CanceledError, "it was told to stop"),
     "START_STATE_IN_COLLISION": (StartInCollisionError, "the robot touches something where the motion begins"),
     "START_STATE_INVALID": (OutOfLimitsError, "a joint is outside its limits at the start"),
-    "START_STATE_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the start breaks what the path must keep to"),
+    "START_STATE_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the start violates the path constraint"),
     "GOAL_IN_COLLISION": (GoalInCollisionError, "the robot would touch something at the goal"),
-    "GOAL_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the goal breaks what the path must keep to"),
+    "GOAL_VIOLATES_PATH_CONSTRAINTS": (ConstraintBrokenError, "the goal violates the path constraint"),
     "NO_IK_SOLUTION": (NoIkError, "no joint positions reach the pose"),
     "INVALID_GROUP_NAME": (
         GoalRejectedError,
