@@ -78,19 +78,16 @@ def capsule(tmp_path_factory):
 
 
 def inflated(text):
-    return zlib.decompress(base64.b64decode(text), -zlib.MAX_WBITS)
+    return json.loads(zlib.decompress(base64.b64decode(text), -zlib.MAX_WBITS))
 
 
 def events_in(columns):
     """Read events back as the page does."""
-    count = columns["count"]
-    numbers, steps = inflated(columns["numbers"]), inflated(columns["steps"])
-    said = json.loads(inflated(columns["texts"]))
-    t, found = 0, []
-    for i in range(count):
-        kind = columns["kinds"][int.from_bytes(bytes(numbers[p * count + i] for p in range(4)), "little")]
-        t += int.from_bytes(bytes(steps[p * count + i] for p in range(8)), "little", signed=True)
-        found.append((round(t / 1e6, 6), *kind, said.get(str(i), {})))
+    numbers, steps = inflated(columns["columns"])
+    said, t, found = inflated(columns["texts"]), 0, []
+    for i, (number, step) in enumerate(zip(numbers, steps, strict=True)):
+        t += step
+        found.append((round(t / 1e6, 6), *columns["kinds"][number], said.get(str(i), {})))
     return found
 
 

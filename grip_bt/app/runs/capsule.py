@@ -1,7 +1,7 @@
 """A run as one HTML file that needs no server and nothing from the network: to send, to keep, to look at in ten years.
 
 The page has the task's text, both drawings, parameters, variables and all events, with a time line to go through them.
-It is put together from `capsule_page/`; events are columns, deflated, which a browser inflates by itself.
+It is put together from `capsule_page/`; events are deflated JSON, which a browser inflates by itself.
 """
 
 from __future__ import annotations
@@ -13,12 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from grip_bt import __version__
 from grip_bt.base.errors import DocumentError
@@ -139,39 +136,22 @@ def _node(node: Any, catalog: Catalog) -> dict[str, Any]:
 
 
 def columns_of(events: list[Event]) -> tuple[dict[str, Any], str]:
-    """Return events as columns for the page, and in words what was left out.
+    """Return events for the page, and in words what was left out.
 
     Kinds of events stand in a table once; a column has their numbers, another the microseconds since the event before.
     """
-    kinds: dict[tuple[Any, ...], int] = {}
-    numbers = np.fromiter(
-        (kinds.setdefault((e.path, e.event, e.outcome, e.code, e.meaning), len(kinds)) for e in events),
-        np.uint32,
-        len(events),
-    )
-    since = np.round(np.array([e.t for e in events], float) * _MICRO).astype(np.int64)
-    steps = np.diff(since, prepend=0)
-    text, left_out = _texts(events)
-    columns = {
-        "count": len(events),
-        "kinds": [list(kind) for kind in kinds],
-        "numbers": _packed(_planes(numbers)),
-        "steps": _packed(_planes(steps.astype(np.int64))),
-        "texts": text,
-    }
-    return columns, left_out
+    kinds: dict[tuple[str | None, ...], int] = {}
+    numbers = [kinds.setdefault((e.path, e.event, e.outcome, e.code, e.meaning), len(kinds)) for e in events]
+    at = [0, *(round(e.t * _MICRO) for e in events)]
+    texts, left_out = _texts(events)
+    steps = [now - before for before, now in pairwise(at)]
+    return {"kinds": list(kinds), "columns": _packed([numbers, steps]), "texts": texts}, left_out
 
 
-def _planes(numbers: NDArray[Any]) -> bytes:
-    """Return little-endian whole numbers, all lowest bytes first, ... all highest last, which deflates well."""
-    width = numbers.dtype.itemsize
-    little = numbers.astype(numbers.dtype.newbyteorder("<"))
-    return little.view(np.uint8).reshape(-1, width).T.tobytes()
-
-
-def _packed(content: bytes) -> str:
-    deflater = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS)
-    return base64.b64encode(deflater.compress(content) + deflater.flush()).decode()
+def _packed(content: object) -> str:
+    """Return JSON, deflated."""
+    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), default=str)
+    return base64.b64encode(zlib.compress(text.encode(), 9, -zlib.MAX_WBITS)).decode()
 
 
 def _texts(events: list[Event]) -> tuple[str, str]:
@@ -183,8 +163,7 @@ def _texts(events: list[Event]) -> tuple[str, str]:
         (False, 0, "messages and values of events, of which there are too many"),
     ):
         said = {str(i): _said(e, longest) for i, e in enumerate(events) if e.data and (keep or e.event != "message")}
-        said = {i: data for i, data in said.items() if data}
-        packed = _packed(json.dumps(said, ensure_ascii=False, separators=(",", ":"), default=str).encode())
+        packed = _packed({i: data for i, data in said.items() if data})
         left_out = without
         if len(packed) <= MOST_TEXT:
             break

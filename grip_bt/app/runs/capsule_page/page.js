@@ -9,22 +9,13 @@
 
   async function inflated(text) {
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-    return new Uint8Array(await new Response(stream).arrayBuffer());
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"))).json();
   }
-  const { count, kinds } = facts.events;
-  const [numbers, steps, texts] = await Promise.all([facts.events.numbers, facts.events.steps, facts.events.texts].map(inflated));
-  const said = JSON.parse(new TextDecoder().decode(texts));
-  const kindOf = new Uint32Array(count);
-  const times = new Float64Array(count);
-  for (let i = 0, t = 0; i < count; i++) {
-    kindOf[i] = numbers[i] + 256 * (numbers[count + i] + 256 * (numbers[2 * count + i] + 256 * numbers[3 * count + i]));
-    let step = 0; // 64 bits, of which a double holds 53
-    for (let plane = 7; plane >= 0; plane--) step = step * 256 + steps[plane * count + i];
-    if (steps[7 * count + i] > 127) step -= 2 ** 64;
-    t += step;
-    times[i] = t / 1e6;
-  }
+  const { kinds } = facts.events;
+  const [[kindOf, steps], said] = await Promise.all([facts.events.columns, facts.events.texts].map(inflated));
+  const count = kindOf.length;
+  let micros = 0;
+  const times = steps.map((step) => (micros += step) / 1e6);
   const eventAt = (i) => {
     const [path, event, outcome, code, meaning] = kinds[kindOf[i]];
     return { path, event, outcome, code, meaning, data: said[i] ?? {}, t: times[i] };
