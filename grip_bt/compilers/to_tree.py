@@ -50,6 +50,7 @@ class TreeBuilder:
         if part.node.precondition:
             condition = bind_condition(part.path, "precondition", part.node.precondition, part.around, self.scopes)
             control.conditional(node, condition, part.meaning)
+        node.document = part.node
         self.by_path[part.path] = node
         return node
 

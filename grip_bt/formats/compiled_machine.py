@@ -17,7 +17,7 @@ from grip_bt.compilers.task_machine import TaskConcurrence, TaskMachine
 from grip_bt.compilers.to_machine import CompiledMachine
 from grip_bt.formats.pytrees.classes import from_document
 from grip_bt.formats.pytrees.tree import Reader
-from grip_bt.task import model, walking
+from grip_bt.task import model
 
 Row = Mapping[str, str | None]
 
@@ -40,9 +40,7 @@ def to_task(machine: CompiledMachine) -> model.Task:
 class _Reader:
     def __init__(self, machine: CompiledMachine):
         self.states: Mapping[str, Any] = machine.by_path
-        documents = dict(walking.walk(machine.task.root))
-        made = {path: state.node if isinstance(state, BehaviourState) else state for path, state in self.states.items()}
-        self.behaviours = Reader({id(made[path]): document for path, document in documents.items()})
+        self.behaviours = Reader(whole=True)
         self.issues = self.behaviours.issues
 
     def state(self, state: TaskState, part: Part, document: model.AnyNode) -> dict[str, Any]:

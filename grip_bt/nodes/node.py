@@ -9,6 +9,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.values import Failure
+from grip_bt.task.model import AnyNode
 
 
 class Observer(Protocol):
@@ -97,6 +98,7 @@ class Node(Behaviour):
         outcome: the label of the last end, None while running or after an interruption.
         failure: the reason of the last end, where there is one.
         active: whether an activation is under way.
+        document: what it was made of; None where it wasn't compiled.
     """
 
     status: Status
@@ -106,6 +108,7 @@ class Node(Behaviour):
     outcome: str | None = None
     failure: Failure | None = None
     active: bool = False
+    document: AnyNode | None = None
     observer: Observer = SILENT
 
     @property

@@ -12,12 +12,13 @@ from py_trees.behaviour import Behaviour
 from grip_bt.compilers.to_tree import CompiledTree
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import distinct, node_name
-from grip_bt.nodes import control
+from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.node import Node
 from grip_bt.task import model, walking
 
-from .classes import ENDS, Equal, NoEqual, edges_of, equal_of, from_document, from_face, is_known
+from .classes import ENDS, Equal, NoEqual, equal_of, from_document, is_known, refuse_variables
 
+_PLAIN = {"success": "success", "failure": "failure"}
 _COMPOSITES = {name for name, kind in model.KINDS.items() if "children" in kind.model_fields}
 
 
@@ -35,35 +36,30 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
     Raises:
         ImportRefusedError: behaviours have no equivalent; the error names each with its path and the reason.
     """
-    reader = Reader(_documents(tree) if isinstance(tree, CompiledTree) else {})
+    reader = Reader(whole=isinstance(tree, CompiledTree))
     root = tree.root if isinstance(tree, CompiledTree) else tree
     keys = reader.node(root, "/")
     reader.issues.raise_if_refused("the tree")
     if isinstance(tree, CompiledTree):
         task = tree.task.model_dump(by_alias=True, exclude_unset=True, exclude={"root"})
     else:
-        meaning = dict(getattr(root, "meaning", control.PLAIN))
+        meaning = dict(getattr(root, "meaning", _PLAIN))
         task = {"grip": model.FORMAT_VERSION, "name": node_name(root.name)}
-        task |= {"outcomes": meaning} if meaning != control.PLAIN else {}
+        task |= {"outcomes": meaning} if meaning != _PLAIN else {}
     task |= {"root": keys, **({"name": name} if name else {})}
     made = model.Task.model_validate(task)
     return Imported({made.name: made}, tuple(reader.issues))
-
-
-def _documents(compiled: CompiledTree) -> dict[int, model.AnyNode]:
-    """Return what the document says of each behaviour, by its `id`."""
-    return {id(compiled.by_path[path]): node for path, node in walking.walk(compiled.task.root)}
 
 
 class Reader:
     """Reads behaviours, one by one.
 
     Args:
-        documents: what the document says of behaviours that were made of one, by `id`.
+        whole: whether they are those of a task, which declares all variables.
     """
 
-    def __init__(self, documents: Mapping[int, model.AnyNode]):
-        self.documents = documents
+    def __init__(self, whole: bool):
+        self.whole = whole
         self.issues = Issues()
 
     def node(self, behaviour: Behaviour, path: str) -> dict[str, Any]:
@@ -84,18 +80,20 @@ class Reader:
             }
         if equal.selected:
             keys["rules"] = _rules(behaviour, children, equal.selected)
-        if "node" in keys or keys["kind"] == "foreign":
+        if "node" in keys:
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
 
     def equal(self, behaviour: Behaviour, path: str) -> Equal:
         """Return what one behaviour is; what has no equal is noted, so that all of them are found."""
         try:
-            document = self.documents.get(id(behaviour))
-            if isinstance(behaviour, Node) and document is not None:
-                return Equal(from_document(behaviour, document))
             if isinstance(behaviour, Node):
-                return Equal(from_face(behaviour))
+                document = behaviour.kind if isinstance(behaviour, KindNode) else behaviour.document
+                if document is None:
+                    raise NoEqual(f"a {type(behaviour).__name__} that no task was compiled to")
+                if not self.whole:
+                    refuse_variables(document)
+                return Equal(from_document(behaviour, document))
             if not is_known(behaviour):
                 name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
                 return Equal(
@@ -110,17 +108,12 @@ class Reader:
     def children(self, behaviour: Behaviour, path: str) -> dict[str, dict[str, Any]]:
         """Return the children of a behaviour by name."""
         result: dict[str, dict[str, Any]] = {}
-        if isinstance(behaviour, control.Foreign):
-            return result  # what it holds is said by its import path
         names = distinct(child.name for child in behaviour.children)
         for name, child in zip(names, behaviour.children, strict=True):
             below = walking.join(path, name)
             if name != child.name:
                 self.issues.add("renamed", below, f"was called {child.name!r}")
             result[name] = self.node(child, below)
-            on = edges_of(behaviour, child.name)
-            if on and id(child) not in self.documents:
-                result[name]["on"] = on
         return result
 
 
@@ -141,7 +134,7 @@ def _ends(behaviour: Behaviour, keys: Mapping[str, Any]) -> Mapping[str, str]:
     """Return each outcome of a node and what it means."""
     if isinstance(behaviour, Node):
         return behaviour.meaning
-    return ENDS.get(keys.get("node", ""), control.PLAIN)
+    return ENDS.get(keys.get("node", ""), _PLAIN)
 
 
 _OF_A_RUN = {
