@@ -1,21 +1,36 @@
-"""What a simulated world consists of, as frozen values that travel as JSON; random tables drawn from a seed.
+"""What a simulated world consists of, as frozen, checked values that travel as JSON; random tables drawn from a seed.
 
-All poses are in world: the robot's base frame, z up, x forward. Lengths in m, masses in kg, times in s.
+All poses are in world: the robot's base frame, z up, x forward. Lengths in m, masses in kg, times in s. What no world
+can hold, such as a mass of -1 kg, is refused by pydantic's ValidationError, which names the field and what is allowed.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import field
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import AfterValidator, Field, TypeAdapter
+from pydantic.dataclasses import dataclass
 
 from grip_bt.base.values import CameraInfo, Pose
 
-Vector = tuple[float, float, float]
-Colour = tuple[int, int, int]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Vector = tuple[Finite, Finite, Finite]
+Shade = Annotated[int, Field(ge=0, le=255)]
+Colour = tuple[Shade, Shade, Shade]
+
+
+def _rising(span: tuple[float, float]) -> tuple[float, float]:
+    if not span[0] < span[1]:
+        raise ValueError(f"from {span[0]:g} to {span[1]:g} is no range: the first number is the smaller one")
+    return span
+
+
+Range = Annotated[tuple[Finite, Finite], AfterValidator(_rising)]
 GRAVITY = 9.81
 """[m/s^2]"""
 
@@ -32,7 +47,7 @@ class BoxSpec:
     """
 
     name: str
-    size: Vector
+    size: tuple[Positive, Positive, Positive]
     centre: Vector
     colour: Colour = (150, 150, 150)
 
@@ -65,12 +80,12 @@ class ObjectSpec:
 
     name: str
     shape: Literal["cylinder", "box"]
-    radius: float
-    height: float
+    radius: Positive
+    height: Positive
     position: Vector
-    yaw: float = 0.0
-    mass: float = 0.2
-    friction: float = 1.0
+    yaw: Finite = 0.0
+    mass: Positive = 0.2
+    friction: NotNegative = 1.0
     colour: Colour = (200, 60, 40)
 
 
@@ -84,9 +99,9 @@ class TableSpec:
         thickness: [m].
     """
 
-    x: tuple[float, float] = (0.30, 1.00)
-    y: tuple[float, float] = (-0.60, 0.60)
-    thickness: float = 0.10
+    x: Range = (0.30, 1.00)
+    y: Range = (-0.60, 0.60)
+    thickness: Positive = 0.10
     colour: Colour = (176, 158, 130)
 
     def boxes(self) -> tuple[BoxSpec, ...]:
@@ -107,10 +122,10 @@ class CrateSpec:
         wall: thickness of the walls [m].
     """
 
-    centre: tuple[float, float] = (0.48, -0.40)
-    inner: tuple[float, float] = (0.26, 0.30)
-    height: float = 0.06
-    wall: float = 0.01
+    centre: tuple[Finite, Finite] = (0.48, -0.40)
+    inner: tuple[Positive, Positive] = (0.26, 0.30)
+    height: Positive = 0.06
+    wall: Positive = 0.01
     colour: Colour = (70, 110, 170)
 
     def boxes(self) -> tuple[BoxSpec, ...]:
@@ -146,12 +161,12 @@ class CameraSpec:
     """
 
     name: str = "overhead"
-    width: int = 320
-    height: int = 240
-    field_of_view: float = 0.44
+    width: Annotated[int, Field(gt=0)] = 320
+    height: Annotated[int, Field(gt=0)] = 240
+    field_of_view: Annotated[float, Field(gt=0, lt=np.pi)] = 0.44
     position: Vector = (0.53, 0.14, 1.30)
-    quaternion: tuple[float, float, float, float] = (0.0, 0.7071067811865476, -0.7071067811865476, 0.0)
-    far: float = 3.0
+    quaternion: tuple[Finite, Finite, Finite, Finite] = (0.0, 0.7071067811865476, -0.7071067811865476, 0.0)
+    far: Positive = 3.0
 
     def info(self) -> CameraInfo:
         """Return the camera's geometry."""
@@ -178,33 +193,21 @@ class WorldSpec:
     table: TableSpec = field(default_factory=TableSpec)
     crate: CrateSpec = field(default_factory=CrateSpec)
     cameras: tuple[CameraSpec, ...] = (CameraSpec(),)
-    dt: float = 1 / 240
-    jerks: Mapping[str, float] = field(default_factory=dict)
+    dt: Positive = 1 / 240
+    jerks: Mapping[str, Positive] = field(default_factory=dict)
 
     def boxes(self) -> tuple[BoxSpec, ...]:
         """Return all boxes that never move."""
         return (*self.table.boxes(), *self.crate.boxes())
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> object:
         """Return the spec as JSON data."""
-        return dataclasses.asdict(self)
+        return TypeAdapter(WorldSpec).dump_python(self, mode="json")
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> WorldSpec:
+    def from_json(cls, data: object) -> WorldSpec:
         """Return the spec that `to_json` wrote."""
-        return cls(
-            **{
-                **data,
-                "objects": tuple(ObjectSpec(**_tuples(o)) for o in data["objects"]),
-                "table": TableSpec(**_tuples(data["table"])),
-                "crate": CrateSpec(**_tuples(data["crate"])),
-                "cameras": tuple(CameraSpec(**_tuples(c)) for c in data["cameras"]),
-            }
-        )
-
-
-def _tuples(data: Mapping[str, Any]) -> dict[str, Any]:
-    return {k: tuple(v) if isinstance(v, list) else v for k, v in data.items()}
+        return TypeAdapter(cls).validate_python(data)
 
 
 PICK_X, PICK_Y = (0.42, 0.64), (-0.08, 0.32)

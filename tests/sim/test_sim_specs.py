@@ -110,3 +110,32 @@ def test_the_corners_of_a_box_are_half_its_size_from_its_centre():
     box = BoxSpec("b", (0.2, 0.4, 0.6), (1.0, 2.0, 3.0))
     assert box.low == pytest.approx((0.9, 1.8, 2.7))
     assert box.high == pytest.approx((1.1, 2.2, 3.3))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"mass": -1}, r"mass\n.*greater than 0.*input_value=-1"),
+        ({"mass": float("nan")}, r"mass\n.*(greater than 0|finite)"),
+        ({"shape": "mug"}, r"shape\n.*'cylinder' or 'box'.*'mug'"),
+        ({"radius": 0}, r"radius\n.*greater than 0"),
+        ({"friction": -0.1}, r"friction\n.*greater than or equal to 0"),
+        ({"position": (0.5, 0.0, float("inf"))}, r"position.2\n.*finite"),
+        ({"colour": (200, 60, 256)}, r"colour.2\n.*less than or equal to 255"),
+    ],
+)
+def test_an_object_that_no_world_can_hold_is_refused_with_what_is_allowed(wrong, told):
+    right = {"name": "cup", "shape": "cylinder", "radius": 0.03, "height": 0.1, "position": (0.5, 0.0, 0.05)}
+    with pytest.raises(ValueError, match=rf"ObjectSpec\n{told}"):
+        ObjectSpec(**{**right, **wrong})
+
+
+def test_the_rest_of_a_world_is_checked_too():
+    with pytest.raises(ValueError, match="the first number is the smaller one"):
+        TableSpec(x=(1.0, 0.3))
+    with pytest.raises(ValueError, match=r"dt\n.*greater than 0"):
+        WorldSpec(dt=0)
+    with pytest.raises(ValueError, match=r"jerks.panda_joint1\n.*greater than 0"):
+        WorldSpec(jerks={"panda_joint1": -1.0})
+    with pytest.raises(ValueError, match=r"field_of_view\n.*less than 3.14"):
+        CameraSpec(field_of_view=4.0)
