@@ -255,9 +255,10 @@ class _Parts(Generic[J]):
 
 
 class PausableExecutor:
-    """Implements `grip_bt.base.ports.Executor` and `Pausable` over an executor that can be stopped.
+    """Implements `grip_bt.base.ports.Executor`, `Steerable` and `Pausable` over an executor that can be stopped.
 
-    A motion that is held ends with ExecutionAbortedError where the joints were moved by something else meanwhile.
+    It is steerable where that executor is; a motion that was held in its middle isn't changed any more, but goes on to
+    its end. One that is held ends with ExecutionAbortedError where something else moved the joints meanwhile.
 
     Args:
         executor: moves the joints, and can stop them.
@@ -274,6 +275,7 @@ class PausableExecutor:
         jerks: Mapping[str, float] | None = None,
     ):
         self._executor, self._accelerations, self._jerks = executor, accelerations or {}, jerks or {}
+        self._steered = executor if isinstance(executor, Steerable) and executor.steerable else None
         self._parts = _Parts(executor.execute, self._rest, now)
 
     @property
@@ -302,6 +304,22 @@ class PausableExecutor:
         """Go on with what is left."""
         self._parts.resume()
 
+    @property
+    def steerable(self) -> bool:
+        """Whether the executor is."""
+        return self._steered is not None
+
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed [s]; None where it can't be changed."""
+        return self._steered.passed() if self._steered is not None and self._parts.untouched() else None
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; see `grip_bt.base.ports.Steerable`."""
+        steered = self._steered
+        return steered is not None and self._parts.amend(
+            lambda whole: spliced(whole, tail, at) if steered.amend(tail, at) else None
+        )
+
     def _rest(self, trajectory: Trajectory, passed: float) -> Trajectory:
         try:
             measured = self._executor.state().ordered(trajectory.names)
@@ -310,47 +328,6 @@ class PausableExecutor:
         names = trajectory.names
         accelerations, jerks = accelerations_of(names, self._accelerations), jerks_of(names, self._jerks)
         return rest_of(trajectory, measured, passed, accelerations, jerks)
-
-
-class PausableSteerable(PausableExecutor):
-    """Implements `Steerable` besides, over an executor that does.
-
-    A motion that was held in its middle isn't changed any more; it goes on to its end.
-    """
-
-    def __init__(
-        self,
-        executor: Executor,
-        accelerations: Mapping[str, float] | None = None,
-        now: Callable[[], float] = time.monotonic,
-        jerks: Mapping[str, float] | None = None,
-    ):
-        super().__init__(executor, accelerations, now, jerks)
-        assert isinstance(executor, Steerable)
-        self._steerable: Steerable = executor
-
-    def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed [s]; None where it can't be changed."""
-        return self._steerable.passed() if self._parts.untouched() else None
-
-    def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `grip_bt.base.ports.Steerable`."""
-        return self._parts.amend(lambda whole: spliced(whole, tail, at) if self._steerable.amend(tail, at) else None)
-
-    def expect(self, at: float | None) -> None:
-        """Tell that an amendment is likely."""
-        self._steerable.expect(at)
-
-
-def held(
-    executor: Executor,
-    accelerations: Mapping[str, float] | None = None,
-    now: Callable[[], float] = time.monotonic,
-    jerks: Mapping[str, float] | None = None,
-) -> PausableExecutor:
-    """Return an executor that can be held, and steered where `executor` can be; see `PausableExecutor`."""
-    kind = PausableSteerable if isinstance(executor, Steerable) else PausableExecutor
-    return kind(executor, accelerations, now, jerks)
 
 
 class PausableHand:

@@ -30,13 +30,13 @@ class SteeredMotion:
     """Steers an arm.
 
     Args:
-        executor: what moves the joints. Where it isn't `ports.Steerable`, each step comes to rest.
+        executor: what moves the joints. Where it isn't steerable, each step comes to rest.
         plan_step: plans a step.
     """
 
     def __init__(self, executor: Executor, plan_step: PlanStep):
         self._executor, self._plan_step = executor, plan_step
-        self._steerable = executor if isinstance(executor, Steerable) else None
+        self._steerable = executor if isinstance(executor, Steerable) and executor.steerable else None
         self._lock = threading.Lock()
         self._run: _Run | None = None
 
@@ -120,8 +120,6 @@ class _Run:
                 raise CanceledError("the motion was stopped")
             self._last, self._last_began = step, 0.0
             self._motion = self._executor.execute(step)
-            if self._steerable is not None:
-                self._steerable.expect(HOLD)
         except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
             self.whole.fail(error)
             return
@@ -137,10 +135,8 @@ class _Run:
             with self._lock:
                 if amended:
                     self._last, self._last_began = step, at
-            self._steerable.expect(at + HOLD if amended else None)
         except BaseException as error:  # noqa: BLE001 - told when the arm has come to rest
             self._error = error
-            self._steerable.expect(None)
         finally:
             with self._lock:
                 self._planning = None

@@ -48,6 +48,8 @@ class _Joints:
 class SimExecutor(_Joints):
     """Implements `grip_bt.base.ports.Executor` and `grip_bt.base.ports.Steerable`."""
 
+    steerable = True
+
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory; see the port.
 
@@ -66,10 +68,6 @@ class SimExecutor(_Joints):
         if "velocities" not in arrays:
             arrays["velocities"] = np.gradient(arrays["positions"], tail.times, axis=0)
         return bool(self._client.ask("amend", arrays, names=list(self._names), at=at).fields["amended"])
-
-    def expect(self, at: float | None) -> None:
-        """Have simulated time stand still at a moment until the motion is amended, for a second of ours at most."""
-        self._client.ask("expect", names=list(self._names), at=at)
 
     def _arrays(self, trajectory: Trajectory) -> dict[str, Array]:
         if set(trajectory.names) != set(self._names):

@@ -111,15 +111,10 @@ class Follow:
         self._path = Trajectory(robot.measure(rows).names, times, positions, velocities)
         self._since = 0.0
         """When `_path` begins, on the time of the motion [s]: what was followed long ago is forgotten."""
-        self.expects: float | None = None
 
     def passed(self, time: float) -> float:
         """Return for how long it has been followed at a simulated time [s]."""
         return time - self._begun
-
-    def waits(self, world: World) -> bool:
-        """Tell whether the next step would go beyond where an amendment is expected."""
-        return self.expects is not None and self.passed(world.time) + world.spec.dt > self.expects
 
     def amend(self, time: float, at: float, times: Array, positions: Array, velocities: Array) -> bool:
         """Go on with another path from a moment of this one on; False when that is over.

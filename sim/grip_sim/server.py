@@ -22,8 +22,6 @@ STEPS_PER_LOOK = 4
 """Steps between two looks at the connection: 17 ms of simulated time, a few ms of ours."""
 SIGN_OF_LIFE = 10.0
 """While it is paused, the client is told this often that we are there [s]."""
-PATIENCE = 1.0
-"""Where a motion is expected to be amended, time stands still for so long at most [s of ours]."""
 TELL_TIME = 0.02
 """While something moves, the client is told the time this often [s of ours]."""
 SILENT = frozenset({"follow", "move_hand", "wait", "go", "stand", "go_freely"})
@@ -31,8 +29,6 @@ SILENT = frozenset({"follow", "move_hand", "wait", "go", "stand", "go_freely"})
 Answer = tuple[dict[str, Any], Arrays | None]
 _LOOSE = -(1 << 40)
 """The number of the motion that brakes joints which nothing drives; no call has it."""
-_LOOK = 0.002
-"""While time stands still for an amendment, it is looked for again after so long [s of ours]."""
 
 
 class Server:
@@ -54,7 +50,6 @@ class Server:
         self.world = World(spec)
         self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
-        self._waits_since: float | None = None
 
     def serve(self) -> None:
         """Obey until the client is gone."""
@@ -148,8 +143,6 @@ class Server:
             if self._in_turns:
                 if self._until is not None and self.world.time >= self._until:
                     return self._call_stand()
-            elif self._pace is None and self._awaited():
-                return
             ends = [(number, end) for number, motion in self._motions.items() if (end := motion.advance(self.world))]
             for number, end in ends:
                 self._finish(number, end)
@@ -163,27 +156,6 @@ class Server:
         if time.monotonic() - self._told > TELL_TIME:
             self._told = time.monotonic()
             self._send({"id": 0})
-
-    def _awaited(self) -> bool:
-        """Tell whether time stands still until a motion is amended: planning must not take simulated time.
-
-        Who has a pace of ours has our time for it, as with a real robot.
-        """
-        waiting = [
-            motion for motion in self._motions.values() if isinstance(motion, Follow) and motion.waits(self.world)
-        ]
-        if not waiting:
-            self._waits_since = None
-            return False
-        now = time.monotonic()
-        if self._waits_since is None:
-            self._waits_since = now
-            self._send({"id": 0})
-        if now - self._waits_since > PATIENCE:
-            for motion in waiting:
-                motion.expects = None
-        self._due = now + _LOOK
-        return True
 
     def _finish(self, number: int, end: Ended) -> None:
         motion = self._motions.pop(number)
@@ -266,11 +238,6 @@ class Server:
         motion = self._following(names)
         amended = motion is not None and motion.amend(self.world.time, at, times, positions, velocities)
         return {"amended": amended}, None
-
-    def _call_expect(self, number: int, names: list[str], at: float | None) -> None:
-        motion = self._following(names)
-        if motion is not None:
-            motion.expects = at
 
     def _call_move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
         self._allow_motion()

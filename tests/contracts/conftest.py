@@ -39,7 +39,7 @@ from grip_bt.commanders.fake import FakeArm, FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.fake.hand import BRAKING
 from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
-from grip_bt.commanders.pausing import PausableHand, held
+from grip_bt.commanders.pausing import PausableExecutor, PausableHand
 from grip_bt.runtime.clock import ManualClock
 
 
@@ -114,7 +114,7 @@ def commanded_arm() -> Iterator[ArmRig]:
 def held_executor() -> Iterator[ExecutorRig]:
     """An executor that can only be stopped, made one that can be held."""
     with fake_executor() as rig:
-        rig.port = held(rig.port)
+        rig.port = PausableExecutor(rig.port)
         yield rig
 
 
@@ -129,21 +129,21 @@ def held_hand_port() -> Iterator[HandRig]:
 @contextmanager
 def held_trajectory_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
     with trajectory_executor(ros_robot) as rig:
-        rig.port = held(rig.port)
+        rig.port = PausableExecutor(rig.port)
         yield rig
 
 
 @contextmanager
 def held_streamed_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
     with streamed_executor(ros_robot) as rig:
-        rig.port = held(rig.port)
+        rig.port = PausableExecutor(rig.port)
         yield rig
 
 
 @contextmanager
 def held_topic_executor(ros_robot: tuple[Any, Any]) -> Iterator[ExecutorRig]:
     with topic_executor(ros_robot) as rig:
-        rig.port = held(rig.port)
+        rig.port = PausableExecutor(rig.port)
         yield rig
 
 

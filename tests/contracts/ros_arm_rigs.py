@@ -17,7 +17,7 @@ from server_process import serving
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.pausing import held
+from grip_bt.commanders.pausing import PausableExecutor
 
 ROBOT = "panda_allegro"
 
@@ -60,7 +60,9 @@ def arm_of_controllers(ros_robot: tuple[Any, Any]) -> Iterator[ArmRig]:
 
     bus, states = ros_robot
     joints = model().description.group("arm")
-    executor = held(TrajectoryExecutor(bus, "/panda/follow_joint_trajectory", joints, states, wait=PATIENCE))
+    executor = PausableExecutor(
+        TrajectoryExecutor(bus, "/panda/follow_joint_trajectory", joints, states, wait=PATIENCE)
+    )
     with PlanningProcess(model().description) as planner:
         yield _arm_rig(executor, lambda: planner)
 
@@ -78,7 +80,9 @@ def arm_of_move_group(ros_move_group: tuple[Any, Any]) -> Iterator[ArmRig]:
     theirs = MoveGroupPlanner(MoveGroup(bus, wait=PATIENCE), description, {"arm": mount}, {"hand": mount})
     with PlanningProcess(description) as own, theirs:
         yield _arm_rig(
-            held(_by_move_group(ros_move_group)), lambda: PlannerByName(own, {"move_group": theirs}), "move_group"
+            PausableExecutor(_by_move_group(ros_move_group)),
+            lambda: PlannerByName(own, {"move_group": theirs}),
+            "move_group",
         )
 
 

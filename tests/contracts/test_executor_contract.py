@@ -139,7 +139,7 @@ def steered(executor_rig):
 
     Where time is the wall's, that is long after the change is asked for.
     """
-    if not isinstance(executor_rig.port, Steerable):
+    if not (isinstance(executor_rig.port, Steerable) and executor_rig.port.steerable):
         pytest.skip("this executor's motions can't be changed while they are under way")
     rig, names = executor_rig, executor_rig.port.joint_names
     at = 1.0 if rig.exact else 4.0
@@ -161,11 +161,9 @@ def under_way(rig, motion):
 def test_a_motion_that_is_gone_on_with_does_not_go_back_and_ends_once(steered):
     rig, first, at, tail = steered
     assert rig.port.passed() is None
-    rig.port.expect(at)
     operation = under_way(rig, first)
     assert 0.0 < rig.port.passed() <= at
     assert rig.port.amend(tail, at)
-    rig.port.expect(None)
     column = int(np.abs(tail.positions[-1] - first.positions[0]).argmax())
     begin, end = first.positions[0][column], tail.positions[-1][column]
     where = []

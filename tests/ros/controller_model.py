@@ -92,6 +92,8 @@ class ModelController:
 class ModelExecutor:
     """Implements `ports.Steerable` and what a stream asks of an executor, over the model."""
 
+    steerable = True
+
     def __init__(self, controller: ModelController, clock: ModelTime):
         self._controller, self._clock = controller, clock
         self._following: Following | None = None
@@ -121,6 +123,3 @@ class ModelExecutor:
         amended = self._following.amend(tail, at)
         self.amended += amended
         return amended
-
-    def expect(self, at: float | None) -> None:
-        """Do nothing: its time is ours."""

@@ -10,7 +10,7 @@ from functools import partial
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
-from grip_bt.commanders.pausing import PausableHand, held
+from grip_bt.commanders.pausing import PausableExecutor, PausableHand
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.controllers import (
     ControlledHand,
@@ -76,7 +76,9 @@ class RosBackend:
         progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
         limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
         controllers = _Controllers(settings, bus, states, limits, jerks)
-        executors = {name: held(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone}
+        executors = {
+            name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone
+        }
         ports = {name: PausableHand(controllers.hand(name, joints[name])) for name in file.hands}
         parts = commanded(opening, robot.description, planner, executors, ports, {})
         cameras = _cameras(project, settings, bus, progress)

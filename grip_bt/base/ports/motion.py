@@ -40,6 +40,10 @@ class Executor(Protocol):
 class Steerable(Protocol):
     """An executor whose motion can be changed while it is under way."""
 
+    @property
+    def steerable(self) -> bool:
+        """Whether it can; what hands on to others tells it of those."""
+
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; None when nothing moves."""
 
@@ -51,13 +55,6 @@ class Steerable(Protocol):
 
         Raises:
             ValueError: the tail moves other joints, or begins elsewhere than the motion is at that moment.
-        """
-
-    def expect(self, at: float | None) -> None:
-        """Tell that an amendment at that moment is likely; None: none is.
-
-        For executors with a time of their own: a simulator that is quicker than our clock waits there for a
-        moment. Others do nothing.
         """
 
 
@@ -175,7 +172,7 @@ class Arm(Protocol):
         """
 
     def steer(self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0)) -> Operation[JointState]:
-        """Move the grasp frame with a twist from now on, without a stop where the executor is `Steerable`.
+        """Move the grasp frame with a twist from now on, without a stop where the executor is steerable.
 
         To be called again every 0.1 s or so: what is asked takes its effect 0.2 s later at most, and the arm comes to
         rest when nothing more is asked. Each step is known to be free to its end, at rest, before it begins; where it

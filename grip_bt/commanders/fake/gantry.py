@@ -20,7 +20,7 @@ from grip_bt.base.ports import FREEDOMS
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
 from ..joined import require_joints
-from ..pausing import held
+from ..pausing import PausableExecutor
 from ..steered_motion import SteeredMotion, Twist, velocity_of
 from ..steering import HOLD, approaching, bounded, jogged, lasting, steered
 from ..taught import TaughtStates
@@ -67,7 +67,7 @@ class FakeArm:
         scripts = dict(script or {})
         schedule = schedule or AtOnce()
         self._gantry = FakeExecutor(start, schedule, scripts.pop("execute", ()))
-        self._executor = held(self._gantry, now=schedule.now)
+        self._executor = PausableExecutor(self._gantry, now=schedule.now)
         self._stream = SteeredMotion(self._executor, self._plan_step)
         self._scripts = {verb: steps_of(scripts.pop(verb, ())) for verb in PLANNING}
         if scripts:

@@ -131,6 +131,8 @@ class FakeExecutor:
         jerks: joint -> limit, likewise; any where it names none.
     """
 
+    steerable = True
+
     def __init__(
         self,
         start: JointState,
@@ -210,9 +212,6 @@ class FakeExecutor:
         motion.trajectory = spliced(motion.trajectory, tail, at)
         self.executed.append(tail)
         return True
-
-    def expect(self, at: float | None) -> None:
-        """Do nothing: its time is that of who asks."""
 
     def _finish_after(self, motion: _Motion) -> None:
         """Finish when the motion has come to its end, however much later that is by then."""

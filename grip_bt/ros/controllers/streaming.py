@@ -176,6 +176,8 @@ class StreamedExecutor(TopicMotionExecutor):
         jerks: joint -> limit, for braking too; any where it names none.
     """
 
+    steerable = True
+
     message = "std_msgs/msg/Float64MultiArray"
 
     def __init__(
@@ -200,9 +202,6 @@ class StreamedExecutor(TopicMotionExecutor):
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         way = self._current
         return way is not None and way.amend(tail, at)
-
-    def expect(self, at: float | None) -> None:
-        """Do nothing: its time is ours."""
 
     def _follow(self, way: StreamedMotion) -> None:
         """Publish set-points in time; on a stop, those of a ramp."""

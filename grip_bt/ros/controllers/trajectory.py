@@ -42,6 +42,8 @@ class TrajectoryExecutor(RosExecutor):
         wait: how long to wait for the controller to appear [s].
     """
 
+    steerable = True
+
     def __init__(
         self,
         bus: Bus,
@@ -69,9 +71,6 @@ class TrajectoryExecutor(RosExecutor):
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         return self._following is not None and self._replaces() and self._following.amend(tail, at)
-
-    def expect(self, at: float | None) -> None:
-        """Do nothing: a controller's time is ours."""
 
     def _replaces(self) -> bool:
         following = self._following
