@@ -251,7 +251,7 @@ def served() -> Iterator[Wire]:
     from simulated_robot import ARM, ARM_ACTION, simulated_robot
 
     from grip_bt.commanders.description.load import build_robot
-    from grip_bt.ros.domain import free_domain
+    from grip_bt.ros.environment import free_domain
     from grip_bt.ros.interfaces.build import provide
 
     limits = build_robot("panda_allegro").acceleration_limits

@@ -39,7 +39,7 @@ def own_signals() -> Iterator[None]:
 @pytest.fixture
 def domain() -> Iterator[int]:
     """Give a DDS domain that no other test and no run on this machine has, also of other processes."""
-    from grip_bt.ros.domain import free_domain
+    from grip_bt.ros.environment import free_domain
 
     with free_domain(next(_shifts)) as number:
         yield number
@@ -48,7 +48,7 @@ def domain() -> Iterator[int]:
 @pytest.fixture
 def other_domain(domain: int) -> Iterator[int]:
     """Give a second one."""
-    from grip_bt.ros.domain import free_domain
+    from grip_bt.ros.environment import free_domain
 
     with free_domain(next(_shifts)) as number:
         yield number

@@ -15,6 +15,7 @@ import numpy as np
 from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, PointCloud, Pose
+from grip_bt.ros.client.types import WHOLE, ConversionError, FieldType, check_field, field_types
 from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
 from grip_bt.task.catalog.component_parts import UNITS, PortType
 
@@ -23,7 +24,6 @@ from .client.goal import GoalEnd
 from .client.service import ServiceClient
 from .client.topic import TopicReader, TopicWriter
 from .convert import from_message, to_message
-from .fields import WHOLE, ConversionError, FieldType, check_field, field_types
 from .frames import ROOT, FrameError, FrameTree, frame_of, transformed
 
 Client = ServiceClient | ActionClient | TopicReader | TopicWriter

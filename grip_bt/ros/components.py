@@ -10,6 +10,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.base.ports import Component
+from grip_bt.ros.process import advice, command_of, uses_our_python
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_component
 
 from .client.action import ActionClient
@@ -20,7 +21,6 @@ from .frames import FrameTree
 from .interfaces import Built, build_interfaces
 from .interfaces.ament import activate
 from .process import Process, child_environment, stop_all
-from .start import advice, command_of, uses_our_python
 from .watchdog import READY, Guard
 
 INTERFACES = "interfaces"

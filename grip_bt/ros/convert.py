@@ -18,11 +18,11 @@ import numpy as np
 from grip_bt.base import values
 from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
+from grip_bt.ros.client.types import ConversionError, check_field, field_types, primitive
 
 from . import convert_geometry as geometry
 from . import convert_perception as perception
 from .client.types import type_name
-from .fields import ConversionError, check_field, field_types, primitive
 
 _TO: dict[tuple[type, str], Callable[[Any], Any]] = {
     (Pose, "geometry_msgs/msg/Pose"): geometry.pose_to_message,

@@ -13,9 +13,9 @@ from sensor_msgs.msg import Image as ImageMessage
 from sensor_msgs.msg import PointCloud2, PointField
 
 from grip_bt.base.values import CameraInfo, DepthImage, Image, PointCloud, Pose
+from grip_bt.ros.client.types import ConversionError
 
 from .convert_geometry import DEFAULT_FRAME, header, seconds
-from .fields import ConversionError
 
 _FLOATS = {PointField.FLOAT32: "f4", PointField.FLOAT64: "f8"}
 _CHANNELS = {"rgb8": (0, 1, 2), "bgr8": (2, 1, 0), "rgba8": (0, 1, 2), "bgra8": (2, 1, 0), "mono8": (0, 0, 0)}

@@ -1,4 +1,4 @@
-"""Which ROS this process has, the settings that must stand before any part of it is loaded, and what dead ones left."""
+"""Which ROS this process has, its settings, its DDS domain, and what dead processes left."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ import importlib.util
 import os
 import re
 import sys
+import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from grip_bt.base.errors import MissingPartError
+from grip_bt.base.errors import GripError, MissingPartError
 
 DDS_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
 """Settings of Fast DDS: a dead participant is noticed after 2.7 s, not 20 s, and a running one found in 0.5 s."""
@@ -146,3 +148,47 @@ def _remove_if_dead(folder: Path, segment: str) -> int:
         for path in (folder / segment, folder / f"sem.{segment}_mutex", *locks):
             path.unlink(missing_ok=True)
     return 1
+
+
+DOMAINS = range(1, 101)
+"""Above 101 the ports of a domain fall into the range that Linux hands out to anybody."""
+
+
+@contextmanager
+def own_domain() -> Iterator[int]:
+    """Yield the user's ROS_DOMAIN_ID, or a domain that no other run on this machine has.
+
+    Raises:
+        GripError: all are taken.
+    """
+    chosen = os.environ.get("ROS_DOMAIN_ID")
+    if chosen:
+        yield int(chosen)
+        return
+    with free_domain() as domain:
+        yield domain
+
+
+@contextmanager
+def free_domain(shift: int = 0) -> Iterator[int]:
+    """Yield a domain that nobody else on this machine has from here, whatever ROS_DOMAIN_ID says.
+
+    A domain is taken by a lock on a file, which the kernel gives back when the process ends, however it ends.
+
+    Args:
+        shift: where the search begins; who goes from domain to domain counts it up.
+
+    Raises:
+        GripError: all are taken.
+    """
+    for further in range(len(DOMAINS)):
+        domain = DOMAINS[(os.getpid() + shift + further) % len(DOMAINS)]
+        file = Path(tempfile.gettempdir()) / f"grip-ros-domain-{os.getuid()}-{domain}.lock"
+        with file.open("w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                continue
+            yield domain
+            return
+    raise GripError(f"{len(DOMAINS)} runs already use ROS on this machine; end one, or set ROS_DOMAIN_ID")

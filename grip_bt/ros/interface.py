@@ -1,7 +1,8 @@
-"""ROS as leaves ask for it: topics, frames and parameters by name; implements `grip_bt.base.ports.Ros`."""
+"""ROS as leaves ask for it: topics, frames and parameters by name, and simulated time."""
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -9,13 +10,13 @@ from typing import Any
 from grip_bt.base.failures import BadReplyError, ExpectedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
-
-from .client.bus import Bus
-from .client.types import check_name, load_message, load_type
-from .convert import from_message, to_message
-from .fields import ConversionError
-from .synchronise import Gathering
-from .transforms import Transforms
+from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.topic import Received
+from grip_bt.ros.client.types import ConversionError, check_name, load_message, load_type
+from grip_bt.ros.convert import from_message, to_message
+from grip_bt.ros.convert_geometry import seconds
+from grip_bt.ros.synchronise import Gathering
+from grip_bt.ros.transforms import Transforms
 
 ANSWER = 2.0
 """How long a node may take to answer about a parameter once it is there [s]."""
@@ -128,3 +129,60 @@ def _parameter(value: Any) -> Any:
     made.type = _NUMBERS[kind] + (5 if several else 0)
     setattr(made, _KINDS[made.type], [kind(v) for v in value] if several else value)
     return made
+
+
+TOPIC, MESSAGE = "/clock", "rosgraph_msgs/msg/Clock"
+
+
+class RosClock:
+    """Implements `grip_bt.base.ports.Clock`: the simulator's time, 0 until it is first heard; never goes back.
+
+    A simulator that starts again sends an earlier time: the clock then stands still until the simulator has caught up.
+
+    Args:
+        bus: the connection to ROS.
+    """
+
+    def __init__(self, bus: Bus):
+        self._time = 0.0
+        self._started = threading.Event()
+        self._listeners: list[Callable[[], None]] = []
+        self._bus, self._reader = bus, bus.reader(MESSAGE, TOPIC)
+        self._reader.listen(self._received)
+
+    def now(self) -> float:
+        """Return the time [s]."""
+        return self._time
+
+    def wait_started(self, timeout: float) -> bool:
+        """Wait until the time was heard; False after `timeout` [s] of the wall's time."""
+        return self._started.wait(timeout)
+
+    def publishers(self) -> str:
+        """Say who publishes the time, and which topics are published instead."""
+        return self._bus.ask(self._reader.publishers)
+
+    def on_advance(self, listener: Callable[[], None]) -> None:
+        """Have `listener()` called whenever time passes, on the bus's thread."""
+        self._listeners.append(listener)
+
+    def close(self) -> None:
+        """Listen no more."""
+        self._reader.ignore(self._received)
+
+    def __enter__(self) -> RosClock:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _received(self, received: Received) -> None:
+        self._hear(received.message)
+
+    def _hear(self, message: Any) -> None:
+        time = seconds(message.clock)
+        self._started.set()
+        if time > self._time:
+            self._time = time
+            for listener in list(self._listeners):
+                listener()

@@ -11,19 +11,19 @@ from typing import Any, TypeVar
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
 from grip_bt.base.operation import Operation
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import CameraInfo, RgbdFrame
+from grip_bt.ros.client.types import ConversionError
+from grip_bt.ros.process import command_of
 from grip_bt.task.catalog.ros_config import CameraTopics
 from grip_bt.task.catalog.sensors import SensorConfig
 
 from .convert import from_message
 from .convert_geometry import seconds
 from .convert_perception import camera_from_message, depth_from_message, image_from_message
-from .fields import ConversionError
 from .frames import FrameError, frame_of, mounted_frames, transformed
 from .interface import RosInterface
 from .process import Process, child_environment, stop_all
-from .start import command_of
-from .steps import Steps, walk
 
 T = TypeVar("T")
 FRAME_WAIT = 0.5
@@ -86,7 +86,7 @@ class TopicSensor:
         Ends with ServerTimeOutError after the sensor's time, SensorError when its driver dies or what it sent can't be
         used, FrameError when a value can't be brought into the frame that is asked for.
         """
-        capture = walk(self._captured())
+        capture = run_steps(self._captured())
         self._captures.add(capture)
         capture.add_done_callback(lambda: self._captures.discard(capture))
         if self.process is not None and not self.process.alive:
@@ -234,7 +234,7 @@ class RosCamera:
         Ends with ServerTimeOutError after the camera's time, FrameError when nobody says where it is, SensorError when
         what it sent can't be used.
         """
-        return walk(taken(self._door, self._topics, self._config.slop, self._config.timeout, self._frame))
+        return run_steps(taken(self._door, self._topics, self._config.slop, self._config.timeout, self._frame))
 
     def _frame(self, messages: Mapping[str, Any]) -> Steps[RgbdFrame]:
         depth, given = messages[self._config.depth], messages[self._config.info]

@@ -9,7 +9,7 @@ from contextlib import ExitStack
 import pytest
 
 from grip_bt.base.errors import GripError
-from grip_bt.ros.domain import DOMAINS, free_domain, own_domain
+from grip_bt.ros.environment import DOMAINS, free_domain, own_domain
 
 
 @pytest.fixture(autouse=True)
@@ -42,7 +42,7 @@ def test_the_domain_of_the_user_wins(monkeypatch):
 def test_a_free_domain_is_nobodys_also_where_the_user_chose_one(monkeypatch):
     with own_domain() as run:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(run))
-        script = "from grip_bt.ros.domain import free_domain\nwith free_domain() as d: print(d)"
+        script = "from grip_bt.ros.environment import free_domain\nwith free_domain() as d: print(d)"
         env = dict(os.environ, TMPDIR=tempfile.gettempdir())
         with free_domain() as first, free_domain(1) as second:
             done = subprocess.run([sys.executable, "-c", script], env=env, capture_output=True, text=True, check=True)

@@ -138,7 +138,6 @@ def test_nothing_else_starts_this_python() -> None:
     known = {
         "grip_bt/base/interpreter.py",
         "grip_bt/ros/process.py",
-        "grip_bt/ros/start.py",
         "grip_bt/app/project/doctor.py",
     }
     rooms = [ROOT / "grip_bt", ROOT / "sim", ROOT / "gui" / "grip_gui"]

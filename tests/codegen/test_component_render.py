@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from grip_bt.base.python_literals import py
 from grip_bt.codegen import outdated, render, write_package
 from grip_bt.codegen.rehearsal import rehearse
-from grip_bt.codegen.write import NotOursError
+from grip_bt.codegen.render import NotOursError
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.manifest import read_manifests
 from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec

@@ -27,7 +27,7 @@ def move_group() -> Iterator[tuple[Any, Any]]:
     """Start the stand-in of move_group for a Panda; give a bus on its domain, and what is measured of the joints."""
     from patient_bus import PatientBus, joints_of
 
-    from grip_bt.ros.domain import free_domain
+    from grip_bt.ros.environment import free_domain
     from grip_bt.ros.interfaces.build import provide
 
     messages = provide("moveit_msgs")

@@ -34,7 +34,7 @@ def controllers() -> Iterator[tuple[Any, Any]]:
     """Start the robot of the ROS tests, and a Panda; give a bus on their domain, and what is measured of the joints."""
     from patient_bus import PatientBus, joints_of
 
-    from grip_bt.ros.domain import free_domain
+    from grip_bt.ros.environment import free_domain
     from grip_bt.ros.interfaces.build import provide
 
     messages = [*provide("control_msgs"), *provide("controller_manager_msgs")]

@@ -35,21 +35,21 @@ def after_tolerant(first, step):
 
 
 def after_walk(first, step):
-    from grip_bt.ros.steps import walk
+    from grip_bt.base.steps import run_steps
 
     def calls():
         yield first
         return (yield step())
 
-    return walk(calls())
+    return run_steps(calls())
 
 
 def after_line(first, step):
-    from grip_bt.ros.steps import Line
+    from grip_bt.base.steps import Sequencer
 
-    line = Line()
-    line.join(lambda: first)
-    return line.join(step)
+    line = Sequencer()
+    line.submit(lambda: first)
+    return line.submit(step)
 
 
 def after_held(first, step):
@@ -111,11 +111,11 @@ def test_what_is_begun_while_another_part_fails_is_cancelled_and_waited_for():
 
 @pytest.mark.ros
 def test_what_waits_for_its_turn_ends_at_once_and_never_begins():
-    from grip_bt.ros.steps import Line
+    from grip_bt.base.steps import Sequencer
 
-    line, begun, held = Line(), [], Operation()
-    line.join(lambda: held)
-    waiting = line.join(lambda: begun.append(1))
+    line, begun, held = Sequencer(), [], Operation()
+    line.submit(lambda: held)
+    waiting = line.submit(lambda: begun.append(1))
     waiting.cancel()
     with pytest.raises(CanceledError, match="before its turn"):
         waiting.result()

@@ -12,7 +12,7 @@ from patience import Ahead
 from ros_bench import DATA, EXAMPLE, servers
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
-from grip_bt.ros.domain import free_domain
+from grip_bt.ros.environment import free_domain
 
 
 @pytest.fixture(scope="module")

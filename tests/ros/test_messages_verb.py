@@ -24,7 +24,7 @@ FILES = {
 def served(tmp_path_factory):
     """Give the domain of a server with a few messages."""
     from grip_bt.ros.client.bus import Bus
-    from grip_bt.ros.domain import free_domain
+    from grip_bt.ros.environment import free_domain
     from grip_bt.ros.messages import MessageServer
 
     folder = tmp_path_factory.mktemp("project")

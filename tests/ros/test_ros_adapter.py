@@ -7,8 +7,8 @@ import pytest
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
 from grip_bt.base.values import Grasp, JointState, PointCloud, Pose
+from grip_bt.ros.client.types import ConversionError
 from grip_bt.ros.component import Adapter, scaled
-from grip_bt.ros.fields import ConversionError
 from grip_bt.ros.frames import FrameError, FrameTree, frame_of, transformed
 from grip_bt.task.catalog.component_file import ComponentFile
 

@@ -17,8 +17,8 @@ from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import BadReplyError, ServerLostError, ServerTimeOutError, UnfitServerError
 from grip_bt.base.ports import Component
 from grip_bt.base.values import Grasp, PointCloud
+from grip_bt.ros.client.types import ConversionError
 from grip_bt.ros.components import start_components
-from grip_bt.ros.fields import ConversionError
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.ros.process import Process, child_environment
 from grip_bt.task.catalog.catalog import load_implementation

@@ -105,7 +105,7 @@ def test_names_below_a_name_space_are_found_and_others_are_not(bus, serve):
 
 
 def test_simulated_time_is_the_clock_topics(bus):
-    from grip_bt.ros.clock import RosClock
+    from grip_bt.ros.interface import RosClock
 
     with RosClock(bus) as clock:
         assert clock.now() == 0.0
@@ -133,7 +133,7 @@ def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(b
 
 
 def test_simulated_time_never_goes_back_and_wakes_who_waits(bus):
-    from grip_bt.ros.clock import RosClock
+    from grip_bt.ros.interface import RosClock
 
     clock = RosClock(bus)
     woken = []

@@ -322,7 +322,7 @@ def test_fingers_that_stop_short_of_their_posture_touch_something(bus, states):
 
 def test_controllers_are_switched_all_or_none_and_only_when_they_are_not_active(bus, states):
     from grip_bt.ros.controllers import ControllerManager
-    from grip_bt.ros.controllers.switching import SwitchError
+    from grip_bt.ros.controllers.trajectory import SwitchError
 
     manager = ControllerManager(bus, wait=PATIENCE)
     manager.ensure_active(["arm_controller"], instead_of=["stream_controller"])

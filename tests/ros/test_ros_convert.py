@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 
 import grip_bt.ros  # noqa: F401 - before any message package
 from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, Trajectory
-from grip_bt.ros.client.types import load_type
+from grip_bt.ros.client.types import ConversionError, load_type
 from grip_bt.ros.convert import from_message, to_message
-from grip_bt.ros.fields import ConversionError
 
 from geometry_msgs.msg import PoseStamped, TransformStamped  # isort: skip
 from sensor_msgs.msg import Image as ImageMessage  # isort: skip

@@ -33,7 +33,7 @@ class Held:
 def test_an_older_goal_never_takes_the_place_of_a_newer_one(order, monkeypatch):
     from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-    from grip_bt.ros import served_trajectory as module
+    from grip_bt.ros import served as module
 
     monkeypatch.setattr(module, "threading", SimpleNamespace(Thread=Held, Lock=threading.Lock))
     Held.threads.clear()

@@ -9,11 +9,10 @@ from contextlib import ExitStack
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.clock import RosClock
 from grip_bt.ros.components import start_components
-from grip_bt.ros.domain import own_domain
+from grip_bt.ros.environment import own_domain
 from grip_bt.ros.frames import mounted_frames
-from grip_bt.ros.interface import RosInterface
+from grip_bt.ros.interface import RosClock, RosInterface
 from grip_bt.ros.interfaces.build import provide
 from grip_bt.ros.messages.client import RosMessages
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors

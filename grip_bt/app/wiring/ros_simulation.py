@@ -16,8 +16,7 @@ from grip_bt.base.values.solids import Box
 from grip_bt.commanders.scene import SceneObject
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.served_topics import ServedCamera, ServedJoints
-from grip_bt.ros.served_trajectory import ServedController
+from grip_bt.ros.served import ServedCamera, ServedController, ServedJoints
 from grip_sim import start_simulation, table_world
 from grip_sim.simulation import Simulation
 

@@ -9,6 +9,7 @@ import numpy as np
 from grip_bt.base.failures import ExecutionAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import JointState
 from grip_bt.commanders.trajectory.splines import eased, slowed
 
@@ -16,7 +17,6 @@ from ..client.bus import Bus
 from ..client.goal import GoalEnd
 from ..client.types import load_type
 from ..interfaces.build import provide
-from ..steps import Steps, walk
 from .joint_states import JointStates
 from .motion import Motion, measured
 from .trajectory import LATE, as_motion
@@ -159,7 +159,7 @@ class ControlledHand:
                     return self.state()
                 raise
 
-        return walk(steps())
+        return run_steps(steps())
 
     def contacts(self) -> Mapping[str, float]:
         """Return the joints that something has stopped short of the last posture, and their efforts."""

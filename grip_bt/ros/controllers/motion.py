@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError, SensorError
 from grip_bt.base.operation import Operation
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.trajectory.limits import RestDetector
 
-from ..steps import Steps, walk
 from .joint_states import JointStates
 
 START_TOLERANCE = 0.05
@@ -128,7 +128,7 @@ def measured(states: JointStates, names: Sequence[str]) -> Operation[JointState]
         except SensorError as error:
             raise ExecutionAbortedError(f"the motion ended, but {error.message}", cause=error.code) from None
 
-    return walk(steps())
+    return run_steps(steps())
 
 
 def settle(state: Callable[[], JointState], target: NDArray[np.float64], stop: threading.Event) -> None:

@@ -24,9 +24,9 @@ from importlib import metadata
 from pathlib import Path
 
 from grip_bt.base.errors import NotWritableError, UnknownNameError
+from grip_bt.ros.interfaces.definition import check_package
 
 from .ament import activate, search_path, share_folder
-from .checks import check_package
 from .compiler import Compilation, compilers, install_package
 from .generate import generate
 from .package import Package, find_packages

@@ -9,12 +9,12 @@ from typing import Any
 from grip_bt.base.failures import BadReplyError, EmptyQueueError, NoEntryError
 from grip_bt.base.message_store import Entry
 from grip_bt.base.operation import Operation
+from grip_bt.ros.client.types import ConversionError
 
 from ..client.bus import Bus
 from ..client.topic import Received
 from ..client.types import load_type
 from ..convert_geometry import seconds
-from ..fields import ConversionError
 from ..interface import BadRequestError
 from ..interfaces.build import provide
 from .wire import PREFIX, RawMessage, message_of, pack, unpack

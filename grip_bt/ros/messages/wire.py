@@ -14,11 +14,11 @@ from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Messages
 from grip_bt.base.values import Grasp, JointState, Pose
+from grip_bt.ros.client.types import ConversionError
 
 from ..client.types import load_type, type_name
 from ..convert import from_message, to_message
 from ..convert_geometry import header, pose_from_message, pose_to_message
-from ..fields import ConversionError
 from ..interface import BadRequestError
 
 PREFIX = "/grip/messages"

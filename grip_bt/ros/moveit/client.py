@@ -28,6 +28,7 @@ from grip_bt.base.failures import (
     TimeOutError,
 )
 from grip_bt.base.operation import Operation
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Trajectory
 
 from ..client.bus import Bus
@@ -37,7 +38,6 @@ from ..controllers import JointStates, RosExecutor
 from ..controllers.trajectory import LATE, follow_goal
 from ..convert_geometry import trajectory_to_message
 from ..interfaces.build import provide
-from ..steps import Steps, walk
 
 ANSWER = 10.0
 """How long move_group may take beyond the time that it was given [s]: to simplify a path, to time it, to answer."""
@@ -147,7 +147,7 @@ class MoveGroup:
                 raise wrong
             return answer
 
-        return walk(steps())
+        return run_steps(steps())
 
 
 def _ended(end: GoalEnd) -> Any:

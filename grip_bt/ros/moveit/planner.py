@@ -23,6 +23,7 @@ from grip_bt.base.failures import (
     TimeOutError,
 )
 from grip_bt.base.operation import Operation
+from grip_bt.base.steps import Sequencer, Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Plan, Pose, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
 from grip_bt.base.values.pose import check_frame
@@ -39,7 +40,6 @@ from grip_bt.commanders.planning.service import Search
 
 from ..client.types import load_type
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
-from ..steps import Line, Steps, walk
 from .client import MoveGroup
 from .goals import Mount, at_joints, at_pose, on_the_way
 from .scene import SceneMirror
@@ -81,15 +81,15 @@ class MoveGroupPlanner:
         self._move_group, self.robot, self._arms = move_group, robot, dict(arms)
         self._pipeline, self._planner_id, self._by_service = pipeline, planner_id, by_service
         self._mirror = SceneMirror(move_group, robot, hands)
-        self._line = Line()
+        self._requests = Sequencer()
 
     def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
         """Ask; see `PlanningService`. Ends with PlannerLostError when move_group isn't there."""
-        return self._line.join(lambda: walk(self._answer(request)))
+        return self._requests.submit(lambda: run_steps(self._answer(request)))
 
     def close(self) -> None:
         """Take our objects out of move_group's scene."""
-        self._line.join(lambda: walk(self._mirror.clear())).wait(CLEARING)
+        self._requests.submit(lambda: run_steps(self._mirror.clear())).wait(CLEARING)
 
     def __enter__(self) -> MoveGroupPlanner:
         return self

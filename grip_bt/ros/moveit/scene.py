@@ -11,11 +11,11 @@ from typing import Any
 
 from grip_bt.base.failures import GoalRejectedError, PlannerLostError, ServerLostError
 from grip_bt.base.operation import Operation
+from grip_bt.base.steps import Steps
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.scene import ANYTHING, SceneObject, SceneSnapshot
 
 from ..client.types import load_type
-from ..steps import Steps
 from .client import MoveGroup
 from .goals import REMOVE, Mount, collision_object, removed
 
@@ -23,7 +23,7 @@ _EMPTY = SceneSnapshot()
 
 
 class SceneMirror:
-    """Sends changes of a scene. One request at a time; see `grip_bt.ros.steps.Line`.
+    """Sends changes of a scene. One request at a time; see `grip_bt.base.steps.Sequencer`.
 
     What others put into move_group's scene is left alone; what was sent is taken out again by `clear`.
 

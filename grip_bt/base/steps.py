@@ -16,58 +16,51 @@ from grip_bt.base.operation import Operation
 
 T = TypeVar("T")
 Steps = Generator[Operation[Any], Any, T]
-"""A function of several calls; its return value is the whole's result."""
+"""A function of several calls; its return value is the operation's result."""
 
 
-class _Walk:
-    """One run of such a function. Cancelling it cancels the call under way, and no other is begun."""
+def run_steps(steps: Steps[T]) -> Operation[T]:
+    """Begin a function of several calls; the operation ends with what it returns or raises.
 
-    def __init__(self, steps: Steps[Any]):
-        self.whole: Operation[Any] = Operation(on_cancel=self._cancel)
-        self._steps = steps
-        self._part: Operation[Any] | None = None
+    Cancelling it cancels the call under way, and no other is begun.
+    """
+    under_way: Operation[Any] | None = None
 
-    def start(self) -> None:
-        self._go_on(lambda: next(self._steps))
+    def cancel() -> None:
+        if under_way is not None:
+            under_way.cancel()
 
-    def _go_on(self, step: Callable[[], Operation[Any]]) -> None:
+    def advance(step: Callable[[], Operation[Any]]) -> None:
+        nonlocal under_way
         try:
-            part = step()
+            inner = under_way = step()
         except StopIteration as end:
-            self.whole.succeed(end.value)
+            operation.succeed(end.value)
         except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            self.whole.fail(error)
+            operation.fail(error)
         else:
-            self._part = part
-            if self.whole.cancel_asked:
-                part.cancel()
-            part.add_done_callback(lambda: self._ended(part))
+            if operation.cancel_asked:
+                inner.cancel()
+            inner.add_done_callback(lambda: ended(inner))
 
-    def _ended(self, part: Operation[Any]) -> None:
+    def ended(inner: Operation[Any]) -> None:
         try:
-            result = part.result()
+            result = inner.result()
         except BaseException as raised:  # noqa: BLE001 - the function decides
             error = raised
-            self._go_on(lambda: self._steps.throw(error))
+            advance(lambda: steps.throw(error))
             return
-        if self.whole.cancel_asked:
-            self._go_on(lambda: self._steps.throw(CanceledError("canceled")))
+        if operation.cancel_asked:
+            advance(lambda: steps.throw(CanceledError("canceled")))
         else:
-            self._go_on(lambda: self._steps.send(result))
+            advance(lambda: steps.send(result))
 
-    def _cancel(self) -> None:
-        if self._part is not None:
-            self._part.cancel()
-
-
-def walk(steps: Steps[T]) -> Operation[T]:
-    """Begin a function of several calls; the operation ends with what it returns or raises."""
-    walked = _Walk(steps)
-    walked.start()
-    return walked.whole
+    operation: Operation[T] = Operation(on_cancel=cancel)
+    advance(lambda: next(steps))
+    return operation
 
 
-class Line:
+class Sequencer:
     """Begins one operation after the other, each when the one before has ended: for a server with one state."""
 
     def __init__(self) -> None:
@@ -75,7 +68,7 @@ class Line:
         self._waiting: deque[tuple[Operation[None], Operation[Any]]] = deque()
         self._busy = False
 
-    def join(self, begin: Callable[[], Operation[T]]) -> Operation[T]:
+    def submit(self, begin: Callable[[], Operation[T]]) -> Operation[T]:
         """Have `begin` called when it is its turn; cancelling before that ends it at once."""
         turn: Operation[None] = Operation(on_cancel=lambda: self._leave(turn))
         began: Operation[Any] = turn.then(lambda _: begin())
