@@ -9,7 +9,7 @@ import pytest
 from smally_project import robot_files
 
 from grip_bt.app.project.config import ArmConfig
-from grip_bt.app.project.faults import check_arms, jerks_of_arms
+from grip_bt.app.project.faults import check, faults_of_parts, jerks_of_arms
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError
@@ -87,7 +87,7 @@ def test_a_joined_arm_of_wrong_parts_is_refused(folder, wrong, words):
     file.write_text(file.read_text().replace("arms: [left, right]", wrong))
     project = find_project(folder / "both.yaml")
     with pytest.raises(GripError, match=words):
-        check_arms(project, project.description())
+        check(faults_of_parts(project, project.description()))
 
 
 def test_joints_brake_with_the_smaller_jerk_of_the_arms_that_they_are_part_of():

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 
+from grip_bt.app.project.needs import Packages, components_in_need, frames_in_doubt, packages_here, sensors_in_need
 from grip_bt.base.errors import (
     DocumentError,
     GripError,
@@ -14,7 +15,7 @@ from grip_bt.base.errors import (
     UnknownNameError,
 )
 from grip_bt.base.message_store import MessageLibrary, names
-from grip_bt.commanders.description.files import Stamps, as_they_were, noting_files, stamps_of
+from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import joints_of_fingers, links_of_groups
 from grip_bt.commanders.taught import TaughtStates
@@ -25,16 +26,16 @@ from grip_bt.task.catalog.sensors import sensor_manifest
 from .config import ARCHIVE, MESSAGES
 from .faults import TAUGHT, common_states, faults_of_arm, faults_of_camera, faults_of_hand, faults_of_world
 from .folder import Project, find_project
-from .frames import frames_in_doubt
-from .packages import PackagesHere, components_in_need, packages_here, sensors_in_need
 
-_robots: dict[tuple[str, str], tuple[Stamps, RobotDescription | GripError | None]] = {}
-"""Folder and `robot:` of a project -> the files that were read, as they were, and what came of it."""
+_robots: FileCache[tuple[str, str], RobotDescription | GripError | None] = FileCache()
+"""Folder and `robot:` of a project -> the robot, or what is wrong with it."""
 
 
 def equipment_of(project: Project) -> Equipment:
     """Return what a project has, as far as its files tell."""
-    found, troubles, file = _robot(project), tuple[Trouble, ...](), project.file
+    file, troubles = project.file, tuple[Trouble, ...]()
+    key = str(project.folder), repr(file.robot)
+    found = None if file.robot is None else _robots.get(key, lambda: _robot(project))
     if isinstance(found, GripError):
         troubles = (_trouble(found, "`grip robot check` lists all that is wrong with it"),)
     world = [_trouble(fault) for fault in faults_of_world(project)]
@@ -54,22 +55,12 @@ def equipment_of(project: Project) -> Equipment:
 
 def _robot(project: Project) -> RobotDescription | GripError | None:
     """Return the robot, or what is wrong with it; None where there is none, or its models aren't installed."""
-    if project.file.robot is None:
-        return None
-    key = str(project.folder), repr(project.file.robot)
-    stamps, known = _robots.get(key, ((), None))
-    if key in _robots and as_they_were(stamps):
-        return known
-    found: RobotDescription | GripError | None
-    with noting_files() as files:
-        try:
-            found = project.description()
-        except (MissingPartError, ImportError):
-            found = None  # a task can be drawn where the robot isn't installed
-        except GripError as error:
-            found = error
-    _robots[key] = stamps_of(files), found
-    return found
+    try:
+        return project.description()
+    except (MissingPartError, ImportError):
+        return None  # a task can be drawn where the robot isn't installed
+    except GripError as error:
+        return error
 
 
 def _arms(
@@ -120,7 +111,7 @@ def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> 
 
 
 def _sensors(
-    project: Project, links: Iterable[str], packages: PackagesHere | None, world: Iterable[Trouble]
+    project: Project, links: Iterable[str], packages: Packages | None, world: Iterable[Trouble]
 ) -> dict[str, tuple[Trouble, ...]]:
     """Return what is wrong with the sensors: no such camera, a mount on no link, packages that aren't installed."""
     found = sensors_in_need(project, packages)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import JointState
+from grip_bt.commanders.description.files import FileCache, note
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.names import PLANNERS, SOLVERS
 from grip_bt.commanders.scene_file import load_scene
@@ -23,19 +24,18 @@ TAUGHT = "taught.yaml"
 """File of a project in which taught states and poses are kept."""
 
 
-def check_arms(project: Project, description: RobotDescription) -> None:
-    """Verify what the project's arms and hands name, before anything is started for them.
+def check(faults: Iterable[GripError]) -> None:
+    """Raise the first of what is wrong, before anything is started."""
+    for fault in faults:
+        raise fault
 
-    Raises:
-        UnknownNameError: there is no such group, hand, planner, solver or arm; it lists those that there are.
-        GripError: an arm that joins others has a group of other joints than theirs.
-    """
+
+def faults_of_parts(project: Project, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield what is wrong with what the project's arms and hands name."""
     for name in project.file.arms:
-        for fault in faults_of_arm(project, name, description):
-            raise fault
+        yield from faults_of_arm(project, name, robot)
     for name in project.file.hands:
-        for fault in faults_of_hand(project, name, description):
-            raise fault
+        yield from faults_of_hand(project, name, robot)
 
 
 def faults_of_arm(project: Project, name: str, robot: RobotDescription) -> Iterator[GripError]:
@@ -120,33 +120,22 @@ def _no_group(robot: RobotDescription, group: str, where: str) -> UnknownNameErr
 
 
 WORLDS = ("table",)
-_rooms: dict[Path, tuple[tuple[int, int] | None, DocumentError | None]] = {}
-"""`.scene` files -> when they were written and how large they were, and what is wrong with them."""
+_scenes: FileCache[Path, DocumentError | None] = FileCache()
+"""`.scene` files, and what is wrong with them."""
 
 
-def check_world(project: Project) -> None:
-    """Verify the project's world, and the cameras that its sensors name, before anything is started for it.
-
-    Raises:
-        UnknownNameError: there is no such world or camera, or none is named; it lists those that there are.
-        DocumentError: the file of the room can't be read.
-    """
+def faults_of_simulation(project: Project) -> Iterator[GripError]:
+    """Yield what keeps the project's world from being simulated: the world, its scene, its cameras."""
     if project.file.world is None:
-        raise UnknownNameError("world", "", WORLDS, "grip.yaml: world")
-    for fault in faults_of_world(project):
-        raise fault
-    check_cameras(project)
+        yield UnknownNameError("world", "", WORLDS, "grip.yaml: world")
+    yield from faults_of_world(project)
+    yield from faults_of_cameras(project)
 
 
-def check_cameras(project: Project, world: str | None = None) -> None:
-    """Verify the cameras that a project's sensors name, in its own world or in another.
-
-    Raises:
-        UnknownNameError: there is no such camera.
-    """
+def faults_of_cameras(project: Project, world: str | None = None) -> Iterator[GripError]:
+    """Yield the cameras that sensors name and the project's world, or another one, doesn't have."""
     for name in project.file.sensors:
-        for fault in faults_of_camera(project, name, world):
-            raise fault
+        yield from faults_of_camera(project, name, world)
 
 
 def faults_of_world(project: Project) -> Iterator[GripError]:
@@ -154,47 +143,30 @@ def faults_of_world(project: Project) -> Iterator[GripError]:
     world = project.file.world
     if world is not None and world not in WORLDS:
         yield UnknownNameError("world", world, WORLDS, "grip.yaml: world")
-    error = None if project.file.scene is None else _fault_of_room(project.folder / project.file.scene)
-    if error is not None:
-        yield error
+    if project.file.scene is not None:
+        file = project.folder / project.file.scene
+        error = _scenes.get(file, lambda: _fault_of_scene(file))
+        if error is not None:
+            yield error
 
 
 def faults_of_camera(project: Project, sensor: str, world: str | None = None) -> Iterator[UnknownNameError]:
-    """Yield that a world has no such camera as a sensor names.
+    """Yield that a world, the project's own where none is given, has no such camera as a sensor names.
 
-    Nothing is said where no world is named, or an unknown one, or where the simulator isn't installed: a camera of the
-    robot itself is known by the sensor's name, and needs no world.
-
-    Args:
-        project: with the sensor.
-        sensor: its name.
-        world: which world; the project's own where it isn't given.
+    Nothing is said where no world is named, or an unknown one: a camera of the robot itself needs no world.
     """
     camera, world = project.file.sensors[sensor].camera, world or project.file.world
-    cameras = None if camera is None or world is None else cameras_of(world)
-    if camera is not None and cameras is not None and camera not in cameras:
+    if camera is None or world not in WORLDS:
+        return
+    cameras = tuple(camera.name for camera in WorldSpec().cameras)
+    if camera not in cameras:
         yield UnknownNameError("camera", camera, cameras, f"grip.yaml: sensors/{sensor}/camera, world {world!r}")
 
 
-def _fault_of_room(file: Path) -> DocumentError | None:
-    """Return what is wrong with a `.scene` file; one with meshes is large, so it is read again when it has changed."""
+def _fault_of_scene(file: Path) -> DocumentError | None:
+    note(file)
     try:
-        there = file.stat()
-        stamp = there.st_mtime_ns, there.st_size
-    except OSError:
-        stamp = None
-    if file not in _rooms or _rooms[file][0] != stamp:
-        try:
-            load_scene(file)
-            fault = None
-        except DocumentError as error:
-            fault = error
-        _rooms[file] = stamp, fault
-    return _rooms[file][1]
-
-
-def cameras_of(world: str) -> tuple[str, ...] | None:
-    """Return the names of a world's cameras; None where nobody knows."""
-    if world not in WORLDS:
-        return None
-    return tuple(camera.name for camera in WorldSpec().cameras)
+        load_scene(file)
+    except DocumentError as error:
+        return error
+    return None

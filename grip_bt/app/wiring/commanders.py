@@ -25,7 +25,7 @@ from grip_bt.commanders.scene import HandMount, PlanningScene
 from grip_bt.commanders.taught import TaughtStates
 
 from ..project.config import ArmConfig
-from ..project.faults import TAUGHT, check_arms, common_states
+from ..project.faults import TAUGHT, check, common_states, faults_of_parts
 from ..project.folder import Project
 from .parts import Opening, Resources
 from .planners import planners_in_force, settings_of
@@ -47,7 +47,7 @@ class PlannedRobot:
     def begin(cls, opening: Opening, stack: ExitStack) -> PlannedRobot:
         """Verify what arms and hands name, and start the planner."""
         description = opening.project.description()
-        check_arms(opening.project, description)
+        check(faults_of_parts(opening.project, description))
         process = stack.enter_context(PlanningProcess(description, partial(opening.progress, "planner")))
         return cls(description, process)
 
@@ -152,7 +152,7 @@ def commanded(
 
 
 def joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
-    """Return an executor for each arm that joins others, all of which are right as `check_arms` says."""
+    """Return an executor for each arm that joins others, which have no faults."""
     return {
         name: JoinedExecutor(*(executors[part] for part in arm.arms))
         for name, arm in project.file.arms.items()

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from typing import Any
 
 from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.needs import robot_frames
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Pose
@@ -21,7 +22,6 @@ from grip_bt.task.catalog.manifest import Manifest
 from grip_bt.task.catalog.sensors import SensorConfig
 
 from ..project.folder import Project
-from ..project.frames import robot_frames
 from .fake_values import CAMERA, GRASP, HandFacts, arm_states, description_of, empty_table, hand_facts, value_of
 from .parts import FakeState, Opening, Resources
 

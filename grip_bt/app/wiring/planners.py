@@ -23,7 +23,7 @@ from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
 from ..project.config import ArmConfig
-from ..project.faults import faults_of_fields, field_of
+from ..project.faults import check, faults_of_fields, field_of
 from ..project.folder import Project
 from .parts import Opening, load_part
 
@@ -87,8 +87,7 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str =
     Raises:
         UnknownNameError: there is no such solver or planner.
     """
-    for fault in faults_of_fields(arm, robot, where):
-        raise fault
+    check(faults_of_fields(arm, robot, where))
 
     def field(name: str) -> Any:
         return field_of(arm, robot, name)

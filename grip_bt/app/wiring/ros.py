@@ -6,6 +6,7 @@ import time
 from collections.abc import Collection
 from contextlib import ExitStack
 
+from grip_bt.app.project.needs import robot_frames
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.client.bus import Bus
@@ -20,7 +21,6 @@ from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.component_file import Start, load_component
 
 from ..project.folder import Project
-from ..project.frames import robot_frames
 from .parts import Opening, Resources
 from .progress import Progress
 

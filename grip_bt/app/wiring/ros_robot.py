@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 
+from grip_bt.app.project.needs import robot_frames
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
@@ -31,7 +32,6 @@ from grip_bt.task.catalog.ros_config import ControllerConfig, RosRobotConfig
 
 from ..project.faults import jerks_of_arms
 from ..project.folder import Project
-from ..project.frames import robot_frames
 from .commanders import PlannedRobot, commanded
 from .parts import Opening, Resources
 from .planners import with_move_group

@@ -20,7 +20,7 @@ from grip_bt.ros.served import ServedCamera, ServedController, ServedJoints
 from grip_sim import start_simulation, table_world
 from grip_sim.simulation import Simulation
 
-from ..project.faults import WORLDS, check_cameras, jerks_of_arms
+from ..project.faults import WORLDS, check, faults_of_cameras, jerks_of_arms
 from ..project.folder import Project
 from .progress import Progress
 
@@ -74,7 +74,7 @@ def serve_world(
     """
     if world not in WORLDS:
         raise UnknownNameError("world", world, WORLDS)
-    check_cameras(project, world)
+    check(faults_of_cameras(project, world))
     if project.file.robot is None:
         raise MissingPartError("a robot to simulate", "name one in grip.yaml: `robot: panda_allegro`")
     groups = _groups(project)

@@ -10,7 +10,7 @@ from grip_bt.commanders.planning.service import PlanningService
 from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_sim import start_simulation, table_world
 
-from ..project.faults import check_world, jerks_of_arms
+from ..project.faults import check, faults_of_simulation, jerks_of_arms
 from .commanders import PlannedRobot, commanded
 from .parts import Opening, Resources
 from .planners import with_move_group
@@ -22,7 +22,7 @@ class SimulatedBackend:
     def open(self, opening: Opening, stack: ExitStack) -> Resources:
         """Start the simulator and the planner."""
         project, file, progress = opening.project, opening.project.file, opening.progress
-        check_world(project)
+        check(faults_of_simulation(project))
         progress("starting", "the simulator and the planner")
         robot = PlannedRobot.begin(opening, stack)
         jerks = jerks_of_arms(file.arms, robot.description)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Generic, Literal, TypeVar
 
 import yaml
 
 from grip_bt.base.errors import DocumentError, GripError, nearest
 
+K = TypeVar("K", bound=Hashable)
+T = TypeVar("T")
 Stamps = tuple[tuple[str, int, int], ...]
 """Of each file: its path, when it was written [ns] and its size [B]; 0 and -1 where it isn't there."""
 _files: ContextVar[set[Path] | None] = ContextVar("files", default=None)
@@ -48,6 +50,29 @@ def stamps_of(files: Iterable[Path | str]) -> Stamps:
 def as_they_were(stamps: Iterable[Iterable[object]]) -> bool:
     """Tell whether no file has changed since its stamp was taken."""
     return all(tuple(stamp) == _stamp(str(next(iter(stamp)))) for stamp in stamps)
+
+
+class FileCache(Generic[K, T]):
+    """What was made of files, made again when one of them has changed; of so many keys, the newest ones."""
+
+    def __init__(self, most: int = 16):
+        self._most = most
+        self._made: dict[K, tuple[Stamps, T]] = {}
+
+    def get(self, key: K, make: Callable[[], T]) -> T:
+        """Return what `make` makes of the files that it notes, see `note`."""
+        if key not in self._made or not as_they_were(self._made[key][0]):
+            with noting_files() as files:
+                made = make()
+            self._made.pop(key, None)
+            while len(self._made) >= self._most:
+                self._made.pop(next(iter(self._made)))
+            self._made[key] = stamps_of(files), made
+        return self._made[key][1]
+
+    def stamps(self, key: K) -> Stamps:
+        """Return the files of what was made, as they were."""
+        return self._made[key][0]
 
 
 def _stamp(file: str) -> tuple[str, int, int]:

@@ -54,8 +54,8 @@ class Equipment:
         arms: by name; None where the project declares no robot yet.
         hands: likewise.
         nodes: id of a node -> what is wrong with what it needs, such as a ROS package that isn't installed.
-        packages: ROS packages that are here, as a mapping also the types of each (`msg/Pose`); None where there is no
-            ROS, and tasks are only drawn.
+        packages: ROS packages that are here, as a mapping also what looks up the types of each (`msg/Pose`); None where
+            there is no ROS, and tasks are only drawn.
     """
 
     arms: Mapping[str, Equipped] | None = None
@@ -83,7 +83,7 @@ def missing_type(type_: str, packages: Collection[str], where: str = "", message
     package, _, rest = type_.partition("/")
     if package not in packages:
         return missing_package(package, packages, where)
-    known = packages[package] if isinstance(packages, Mapping) else ()
+    known = packages[package]() if isinstance(packages, Mapping) else ()
     name = rest if "/" in rest else f"msg/{rest}"
     lead = f"{where}: " if where else ""
     if message and "/" in name and not name.startswith("msg/"):

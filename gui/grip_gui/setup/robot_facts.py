@@ -13,15 +13,13 @@ from pydantic import ValidationError
 from grip_bt.base.errors import GripError, InvalidRobotError
 from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.files import Stamps, as_they_were, noting_files, stamps_of
+from grip_bt.commanders.description.files import FileCache, Stamps
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.ready import ROBOTS
 from grip_bt.commanders.names import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
-_MOST = 16
-"""Robots that are remembered."""
-_known: dict[tuple[str, str], tuple[Stamps, dict[str, Any]]] = {}
+_known: FileCache[tuple[str, str], dict[str, Any]] = FileCache()
 
 
 def robot_facts(robot: object, folder: Path) -> dict[str, Any]:
@@ -37,20 +35,17 @@ def robot_facts(robot: object, folder: Path) -> dict[str, Any]:
         `robots`, `planners`, `kinematics`: names; `groups`: group -> joints; `states`: group -> name -> joint ->
         position [rad or m]; `links` and `frames`: names; `error`: what is wrong with its files.
     """
-    key = json.dumps(robot, sort_keys=True, default=str), str(folder)
-    if key not in _known or not as_they_were(_known[key][0]):
-        with noting_files() as files:
-            found = _read(robot, folder)
-        while len(_known) >= _MOST:
-            _known.pop(next(iter(_known)))
-        _known[key] = stamps_of(files), found
-    return _known[key][1]
+    return _known.get(_key(robot, folder), lambda: _read(robot, folder))
 
 
 def read_from(robot: object, folder: Path) -> Stamps:
     """Return the files that a robot was read from, as they were."""
     robot_facts(robot, folder)
-    return _known[json.dumps(robot, sort_keys=True, default=str), str(folder)][0]
+    return _known.stamps(_key(robot, folder))
+
+
+def _key(robot: object, folder: Path) -> tuple[str, str]:
+    return json.dumps(robot, sort_keys=True, default=str), str(folder)
 
 
 def project_robot_facts(folder: Path) -> dict[str, Any]:
