@@ -10,7 +10,6 @@ import re
 import struct
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from grip_bt.base.errors import DocumentError
 
@@ -50,7 +49,7 @@ class Refused:
     line: int
 
 
-def read_settings(path: Path) -> dict[Key, Any]:
+def read_settings(path: Path) -> dict[Key, object]:
     """Return the values of a file by key: text, lists of text, what was pickled, or `Refused`.
 
     Raises:
@@ -63,7 +62,7 @@ def read_settings(path: Path) -> dict[Key, Any]:
     except OSError as error:
         raise DocumentError(f"can't be read: {error.strerror or error}", str(path)) from error
     group: Key = ()
-    found: dict[Key, Any] = {}
+    found: dict[Key, object] = {}
     for number, line in enumerate(text.split("\n"), 1):
         line = line.strip()
         if not line or line.startswith(";"):
@@ -90,7 +89,7 @@ def _key(text: str) -> Key:
     return tuple(_PERCENT.sub(character, part) for part in re.split(r"[\\/]", text) if part)
 
 
-def _value(text: str, line: int) -> Any:
+def _value(text: str, line: int) -> object:
     items = _items(text)
     values = [_variant(item, line) for item in items]
     return values[0] if len(values) == 1 else values
@@ -130,7 +129,7 @@ def _escape(text: str, at: int) -> tuple[str, int]:
     return _ESCAPES.get(text[at], ""), at + 1
 
 
-def _variant(text: str, line: int) -> Any:
+def _variant(text: str, line: int) -> object:
     if text.startswith("@@"):
         return text[1:]
     kind, bracket, rest = text.partition("(")
@@ -151,7 +150,7 @@ def _variant(text: str, line: int) -> Any:
         return Refused(str(error), line)
 
 
-def _pickled(data: bytes) -> Any:
+def _pickled(data: bytes) -> object:
     """Return the Python object in a QVariant: type, name of the type, length, pickle; numbers are big-endian.
 
     Raises:

@@ -78,7 +78,7 @@ class Runs:
         (pickle.dumps({"a": [Runs()]}, 4), "posix.system"),
         (b"cbuiltins\neval\n(S'1'\ntR.", "builtins.eval"),
         (b"c__builtin__\nexecfile\n.", "__builtin__.execfile"),
-        (b"(S'touch ran'\nios\nsystem\n.", "it makes an object (INST os system)"),
+        (b"(S'touch ran'\nios\nsystem\n.", "it uses the opcode INST"),
         (b"(cos\nsystem\nS'x'\no.", "os.system"),
         (b"ccollections\nOrderedDict\n(tR}S'a'\nI1\nsb.", "BUILD"),
         (b"ccollections\nOrderedDict\nccollections\nOrderedDict\n.", "broken"),
