@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
-
-from grip_bt.formats.xml_trees import Element
 
 from .blackboard import key_of
 from .drafts import (
@@ -22,29 +21,29 @@ from .drafts import (
     skip,
     switch,
 )
-from .element import ReadContext, Reading
+from .element import ElementReader
 
-Reader = Callable[[Reading, Element, ReadContext], NodeDraft]
+Reader = Callable[[ElementReader], NodeDraft]
 
 
 def _series(kind: str, memory: bool) -> Reader:
-    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+    def read(here: ElementReader) -> NodeDraft:
         goes_on = "success" if kind == "sequence" else "failure"
-        children = reading.children(element, where.as_(goes_on))
+        children = here.children(meaning=goes_on)
         more: Keys = {} if memory else {"memory": False}
         if not all(child.skips for child in children):
             return container(kind, named(children), **more)
         if len(children) == 1:
             only = named(children)
-            return container(kind, only, SkipHandling.of(where.meaning, only), **more)
-        return _all_may_skip(reading, kind, children, where, more)
+            return container(kind, only, SkipHandling.of(here.meaning, only), **more)
+        return _all_may_skip(here, kind, children, more)
 
     return read
 
 
-def _all_may_skip(reading: Reading, kind: str, children: list[NodeDraft], where: ReadContext, more: Keys) -> NodeDraft:
+def _all_may_skip(here: ElementReader, kind: str, children: list[NodeDraft], more: Keys) -> NodeDraft:
     """Return a series that is skipped when all of its children were: a variable says whether one wasn't."""
-    ran = reading.variable("any_ran", where, "bool", False)
+    ran = here.variable("any_ran", "bool", False)
     told = []
     for child in children:
         note = set_variable(ran, True)
@@ -57,7 +56,7 @@ def _all_may_skip(reading: Reading, kind: str, children: list[NodeDraft], where:
         )
         told.append(NodeDraft(made.keys, True, child.name, child.instant))
     end = NodeDraft(dict(SUCCEED if kind == "sequence" else FAIL), instant=True)
-    last = switch(ran, {"ended": True}, {"ended": end, "skip": skip()}, where.meaning, default="skip")
+    last = switch(ran, {"ended": True}, {"ended": end, "skip": skip()}, here.meaning, default="skip")
     last.name = "any_ran"
     first = set_variable(ran, False)
     if kind == "fallback":
@@ -65,17 +64,17 @@ def _all_may_skip(reading: Reading, kind: str, children: list[NodeDraft], where:
     first.name = "begin"
     all_of = named([first, *told, last])
     name_of_last = list(all_of)[-1]
-    return container(kind, all_of, SkipHandling.of(where.meaning, {name_of_last: last}), **more)
+    return container(kind, all_of, SkipHandling.of(here.meaning, {name_of_last: last}), **more)
 
 
 def _async(kind: str) -> Reader:
     """Return the reader of a series that gives the rest of the tree a tick after each child."""
 
-    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+    def read(here: ElementReader) -> NodeDraft:
         goes_on, ends = ("success", "failure") if kind == "sequence" else ("failure", "success")
-        children = reading.children(element, where.as_(goes_on))
+        children = here.children(meaning=goes_on)
         if all(child.skips for child in children):
-            reading.refuse(element, "all of its children may be skipped; use it without `Async`, or add one")
+            here.refuse("all of its children may be skipped; use it without `Async`, or add one")
         for child in children:
             child.name = f"{child.name}_" if child.name in ("success", "failure") else child.name
         by_name = named(children)
@@ -89,12 +88,12 @@ def _async(kind: str) -> Reader:
     return read
 
 
-def _with_memory(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+def _with_memory(here: ElementReader) -> NodeDraft:
     """SequenceWithMemory: a variable keeps the place over a failure and over a halt."""
-    children = reading.children(element, where.as_("success"))
+    children = here.children(meaning="success")
     if all(child.skips for child in children):
-        reading.refuse(element, "all of its children may be skipped; add one that may not")
-    place = reading.variable(f"{element.attributes.get('name', 'sequence')}_at", where, "int", 0)
+        here.refuse("all of its children may be skipped; add one that may not")
+    place = here.variable(f"{here.attributes.get('name', 'sequence')}_at", "int", 0)
     steps = []
     for number, child in enumerate(children, 1):
         step = container("sequence", {"do": child, "next": set_variable(place, number)})
@@ -109,14 +108,14 @@ def _with_memory(reading: Reading, element: Element, where: ReadContext) -> Node
         steps.append(made)
     begin = set_variable(place, 0)
     begin.name = "from the beginning"
-    return sequence_of([*steps, begin], element.tag) if children else NodeDraft(dict(SUCCEED))
+    return sequence_of([*steps, begin], here.element.tag) if children else NodeDraft(dict(SUCCEED))
 
 
-def _parallel(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    children = _unskipped(reading, element, where)
+def _parallel(here: ElementReader) -> NodeDraft:
+    children = _unskipped(here)
     count = len(children)
-    successes = _threshold(reading, element, where, "success_count", "-1", count)
-    failures = _threshold(reading, element, where, "failure_count", "1", count)
+    successes = _threshold(here, "success_count", "-1", count)
+    failures = _threshold(here, "failure_count", "1", count)
     rules = [
         {"at_least": successes, "then": "success"},
         {"at_least": min(failures, count - successes + 1), "ends": "failure", "then": "failure"},
@@ -124,9 +123,9 @@ def _parallel(reading: Reading, element: Element, where: ReadContext) -> NodeDra
     return container("parallel", named(children), rules=rules, prompt=True)
 
 
-def _parallel_all(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    children = _unskipped(reading, element, where)
-    most = _threshold(reading, element, where, "max_failures", "1", len(children))
+def _parallel_all(here: ElementReader) -> NodeDraft:
+    children = _unskipped(here)
+    most = _threshold(here, "max_failures", "1", len(children))
     if most in (1, len(children)):
         made = container("parallel", named(children), cancel="join")
         return made if most == 1 else NodeDraft({**made.keys, "policy": "any"}, instant=made.instant)
@@ -134,36 +133,36 @@ def _parallel_all(reading: Reading, element: Element, where: ReadContext) -> Nod
     return container("parallel", named(children), rules=rules, wait_for="all")
 
 
-def _unskipped(reading: Reading, element: Element, where: ReadContext) -> list[NodeDraft]:
-    children = reading.children(element, where)
-    for child, below in zip(children, element.children, strict=True):
+def _unskipped(here: ElementReader) -> list[NodeDraft]:
+    children = here.children()
+    for child, below in zip(children, here.element.children, strict=True):
         if child.skips:
-            reading.refuse(
-                below, f"may be skipped; inside <{element.tag}> BehaviorTree.CPP would evaluate it again on every tick"
+            here.reading.refuse(
+                below,
+                f"may be skipped; inside <{here.element.tag}> BehaviorTree.CPP would evaluate it again on every tick",
             )
     return children
 
 
-def _threshold(reading: Reading, element: Element, where: ReadContext, port: str, default: str, count: int) -> int:
-    said = reading.number(element, where, port, default)
+def _threshold(here: ElementReader, port: str, default: str, count: int) -> int:
+    said = here.number(port, default)
     number = said if said >= 0 else max(count + said + 1, 0)
     if not 1 <= number <= count:
-        reading.refuse(
-            element,
+        here.refuse(
             f"`{port}` is {said}, and there are {count} children; it has to be 1 to {count}, or negative",
         )
     return number
 
 
-def _if_then_else(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    children = reading.children(element, where, 2, 3)
+def _if_then_else(here: ElementReader) -> NodeDraft:
+    children = here.children(2, 3)
     condition, then = children[0], children[1]
     if condition.skips:
-        reading.refuse(element.children[0], "a condition that may be skipped is an error in BT.CPP")
+        here.reading.refuse(here.element.children[0], "a condition that may be skipped is an error in BT.CPP")
     parts = named(children)
     names = list(parts)
     chosen = {name: parts[name] for name in names[:2]}
-    up = SkipHandling.of(where.meaning, {names[1]: then})
+    up = SkipHandling.of(here.meaning, {names[1]: then})
     if len(children) == 2:
         return container("sequence", chosen, up)
     inner = container("sequence", chosen, up)
@@ -171,58 +170,57 @@ def _if_then_else(reading: Reading, element: Element, where: ReadContext) -> Nod
         return container(
             "fallback",
             {"then": inner, "else": children[2]},
-            SkipHandling.of(where.meaning, {"then": inner, "else": children[2]}),
+            SkipHandling.of(here.meaning, {"then": inner, "else": children[2]}),
         )
     lost = {"outcomes": {**inner.keys.get("outcomes", {}), "then_failed": "failure"}}
     inner.keys |= {**lost, "exits": {**inner.keys.get("exits", {}), f"{names[1]}.failure": "then_failed"}}
-    up = SkipHandling.of(where.meaning, {"then": inner, "else": children[2]})
+    up = SkipHandling.of(here.meaning, {"then": inner, "else": children[2]})
     made = container("fallback", {"then": inner, "else": children[2]}, up)
     made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
     return made
 
 
-def _while_do_else(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    children = reading.children(element, where, 2, 3)
+def _while_do_else(here: ElementReader) -> NodeDraft:
+    children = here.children(2, 3)
     condition = children[0]
     if condition.skips:
-        reading.refuse(element.children[0], "a condition that may be skipped is no condition")
+        here.reading.refuse(here.element.children[0], "a condition that may be skipped is no condition")
     if not condition.instant:
-        reading.note("changed", element, "its condition is taken to end in the tick in which it begins")
+        here.note("changed", "its condition is taken to end in the tick in which it begins")
     if len(children) == 2:
         parts = named(children)
-        up = SkipHandling.of(where.meaning, {list(parts)[1]: children[1]})
+        up = SkipHandling.of(here.meaning, {list(parts)[1]: children[1]})
         return container("sequence", parts, up, memory=False)
-    holds = reading.variable("holds", where, "bool", False)
+    holds = here.variable("holds", "bool", False)
     yes = container("sequence", {"ask": condition, "yes": set_variable(holds, True)})
     asked = container("fallback", {"yes": yes, "no": set_variable(holds, False)})
     ways = {"do": children[1], "else": children[2]}
-    turn = switch(holds, {"do": True}, ways, where.meaning, default="else", memory=False)
+    turn = switch(holds, {"do": True}, ways, here.meaning, default="else", memory=False)
     return container(
-        "sequence", {"ask": asked, "then": turn}, SkipHandling.of(where.meaning, {"then": turn}), memory=False
+        "sequence", {"ask": asked, "then": turn}, SkipHandling.of(here.meaning, {"then": turn}), memory=False
     )
 
 
 def _switch(cases: int) -> Reader:
-    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-        children = reading.children(element, where, cases + 1, cases + 1)
-        text = element.attributes.get("variable", "")
+    def read(here: ElementReader) -> NodeDraft:
+        children = here.children(cases + 1, cases + 1)
+        text = here.attributes.get("variable", "")
         key = key_of(text, "variable")
         if key is None:
-            reading.refuse(element, f"`variable` has to be a key in braces, not {text!r}")
-        variable = where.board.variable(key)
-        entry = where.board.variables.every[variable]
+            here.refuse(f"`variable` has to be a key in braces, not {text!r}")
+        variable = here.board.variable(key)
+        entry = here.board.variables.every[variable]
         entry.read.append("Any")
         parts = named(children)
         literals: dict[str, Any] = {}
         taken: list[str] = []
         for number, name in zip(range(1, cases + 1), parts, strict=False):
-            said = reading.said(element, where, f"case_{number}")
+            said = here.literal(f"case_{number}")
             if said in taken:
-                reading.refuse(element, f"`case_{number}` is {said!r} again")
+                here.refuse(f"`case_{number}` is {said!r} again")
             taken.append(said)
-            with reading.refusing(element):
-                literals[name] = _case(said, entry.type)
-        return switch(variable, literals, parts, where.meaning, default=list(parts)[-1], memory=False)
+            literals[name] = here.exact(partial(_case, said, entry.type))
+        return switch(variable, literals, parts, here.meaning, default=list(parts)[-1], memory=False)
 
     return read
 
@@ -242,14 +240,14 @@ def _case(text: str, kind: str) -> Any:
     return text if number is None or kind == "str" else [text, number]
 
 
-def _try_catch(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    if element.attributes.get("catch_on_halt", "false") not in ("false", "0"):
-        reading.refuse(element, "`catch_on_halt` runs a node while everything is halted; nothing here does")
-    count = len(element.children)
-    children = reading.children(element, where.as_("success"), 2)
+def _try_catch(here: ElementReader) -> NodeDraft:
+    if here.attributes.get("catch_on_halt", "false") not in ("false", "0"):
+        here.refuse("`catch_on_halt` runs a node while everything is halted; nothing here does")
+    count = len(here.element.children)
+    children = here.children(2, meaning="success")
     tried = children[:-1]
     if all(child.skips for child in tried):
-        reading.refuse(element, f"all of the first {count - 1} children may be skipped; add one that may not")
+        here.refuse(f"all of the first {count - 1} children may be skipped; add one that may not")
     caught = NodeDraft(
         {"kind": "force", "as": "failure", "child": {"do": children[-1].keys}}, instant=children[-1].instant
     )

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.formats.xml_trees import Element
-
 from .blackboard import key_of
 from .controls import Reader
 from .drafts import (
@@ -20,7 +18,7 @@ from .drafts import (
     skip,
     switch,
 )
-from .element import ReadContext, Reading
+from .element import ElementReader
 from .expressions import Scripts, after
 from .leaves import value_of_text
 
@@ -40,127 +38,124 @@ def end(status: str) -> NodeDraft:
     return NodeDraft(dict(SUCCEED if status == "SUCCESS" else FAIL), instant=True)
 
 
-def _inverter(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    return decorator("invert", reading.only(element, where), where.meaning)
+def _inverter(here: ElementReader) -> NodeDraft:
+    return decorator("invert", here.only(), here.meaning)
 
 
 def _forced(outcome: str) -> Reader:
-    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-        return decorator("force", reading.only(element, where), where.meaning, **{"as": outcome})
+    def read(here: ElementReader) -> NodeDraft:
+        return decorator("force", here.only(), here.meaning, **{"as": outcome})
 
     return read
 
 
-def _unskipped(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
+def _unskipped(here: ElementReader) -> NodeDraft:
     """Return the child of a decorator that remembers something beyond its end, which can't be skipped."""
-    child = reading.only(element, where)
+    child = here.only()
     if child.skips:
-        below = element.children[0]
-        kept = "clock" if element.tag == "Timeout" else "count"
-        reading.refuse(
-            below, f"may be skipped inside of <{element.tag}>, whose {kept} BT.CPP then keeps for the next time"
+        below = here.element.children[0]
+        kept = "clock" if here.element.tag == "Timeout" else "count"
+        here.reading.refuse(
+            below,
+            f"may be skipped inside of <{here.element.tag}>, whose {kept} BT.CPP then keeps for the next time",
         )
     return child
 
 
-def _repeat(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    times = reading.number(element, where, "num_cycles")
-    child = _unskipped(reading, element, where)
+def _repeat(here: ElementReader) -> NodeDraft:
+    times = here.number("num_cycles")
+    child = _unskipped(here)
     if times == 0 or times < -1:
-        reading.refuse(element, f"`num_cycles` is {times}; write 1 or more, or -1 for ever")
-    return decorator("repeat", child, where.meaning, **({} if times == -1 else {"times": times}))
+        here.refuse(f"`num_cycles` is {times}; write 1 or more, or -1 for ever")
+    return decorator("repeat", child, here.meaning, **({} if times == -1 else {"times": times}))
 
 
-def _retry(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    times = reading.number(element, where, "num_attempts")
-    child = _unskipped(reading, element, where)
+def _retry(here: ElementReader) -> NodeDraft:
+    times = here.number("num_attempts")
+    child = _unskipped(here)
     if times == 0 or times < -1:
-        reading.refuse(element, f"`num_attempts` is {times}; write 1 or more, or -1 for ever")
+        here.refuse(f"`num_attempts` is {times}; write 1 or more, or -1 for ever")
     if times > 0:
-        return decorator("retry", child, where.meaning, times=times)
-    failing = decorator("invert", child, where.meaning)
+        return decorator("retry", child, here.meaning, times=times)
+    failing = decorator("invert", child, here.meaning)
     failing.name = "fails"
-    again = decorator("repeat", failing, where.meaning)
+    again = decorator("repeat", failing, here.meaning)
     again.name = "until it succeeds"
-    return decorator("invert", again, where.meaning)
+    return decorator("invert", again, here.meaning)
 
 
-def _keep_running(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    return decorator("repeat", _unskipped(reading, element, where), where.meaning)
+def _keep_running(here: ElementReader) -> NodeDraft:
+    return decorator("repeat", _unskipped(here), here.meaning)
 
 
-def _timeout(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    seconds = reading.seconds(element, where, "msec")
-    child = _unskipped(reading, element, where) if seconds else reading.only(element, where)
-    made = decorator("timeout", child, where.meaning, seconds=seconds) if seconds else child
+def _timeout(here: ElementReader) -> NodeDraft:
+    seconds = here.seconds("msec")
+    child = _unskipped(here) if seconds else here.only()
+    made = decorator("timeout", child, here.meaning, seconds=seconds) if seconds else child
     made.instant = False
     return made
 
 
-def _delay(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    seconds = reading.seconds(element, where, "delay_msec")
-    child = reading.only(element, where)
+def _delay(here: ElementReader) -> NodeDraft:
+    seconds = here.seconds("delay_msec")
+    child = here.only()
     wait = NodeDraft({"node": "flow/wait", "with": {"seconds": seconds}}, name="wait")
-    up = SkipHandling.of(where.meaning, {"do": child})
+    up = SkipHandling.of(here.meaning, {"do": child})
     return container("sequence", {"wait": wait, "do": child}, up)
 
 
-def _precondition(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    child = reading.only(element, where)
-    with reading.refusing(element):
-        condition = reading.scripts(element, where).condition(reading.said(element, where, "if"))
-        other = end(reading.said(element, where, "else", "FAILURE"))
-    return switch(condition, {"do": True}, {"do": child, "else": other}, where.meaning, default="else")
+def _precondition(here: ElementReader) -> NodeDraft:
+    child = here.only()
+    condition = here.exact(lambda: here.scripts.condition(here.literal("if")))
+    other = here.exact(lambda: end(here.literal("else", "FAILURE")))
+    return switch(condition, {"do": True}, {"do": child, "else": other}, here.meaning, default="else")
 
 
-def _run_once(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    child = reading.only(element, where)
-    with reading.refusing(element):
-        skips = value_of_text(reading.said(element, where, "then_skip", "true"), "bool")
-    ran = reading.variable(f"{child.name}_ran", where, "str", "")
+def _run_once(here: ElementReader) -> NodeDraft:
+    child = here.only()
+    skips = here.exact(lambda: value_of_text(here.literal("then_skip", "true"), "bool"))
+    ran = here.variable(f"{child.name}_ran", "str", "")
     failed = NodeDraft(
         {"kind": "force", "as": "failure", "child": {"note": set_variable(ran, "failure").keys}}, instant=True
     )
     well = container(
         "sequence",
         {"do": child, "note": set_variable(ran, "success")},
-        SkipHandling.of(where.meaning, {"do": child}),
+        SkipHandling.of(here.meaning, {"do": child}),
     )
-    up = SkipHandling.of(where.meaning, {"do": well})
+    up = SkipHandling.of(here.meaning, {"do": well})
     first = container("fallback", {"do": well, "failed": failed}, up)
     if skips:
-        return switch(ran, {"first": ""}, {"first": first, "skip": skip()}, where.meaning, default="skip")
+        return switch(ran, {"first": ""}, {"first": first, "skip": skip()}, here.meaning, default="skip")
     ways = {"first": first, "succeeded": end("SUCCESS"), "had failed": end("FAILURE")}
-    return switch(ran, {"first": "", "succeeded": "success"}, ways, where.meaning, default="had failed")
+    return switch(ran, {"first": "", "succeeded": "success"}, ways, here.meaning, default="had failed")
 
 
 def _loop(type_name: str) -> Reader:
-    def read(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-        child = _unskipped(reading, element, where)
-        text = element.attributes.get("queue", "")
+    def read(here: ElementReader) -> NodeDraft:
+        child = _unskipped(here)
+        text = here.attributes.get("queue", "")
         if key_of(text, "queue") is not None:
-            reading.refuse(
-                element,
-                f"the queue {text} is taken apart on the blackboard, item by item; write it as a literal, or use"
-                " `for_each` over a list",
+            here.refuse(
+                f"the queue {text} is taken apart on the blackboard, item by item; write it as a literal, or"
+                " use `for_each` over a list",
             )
-        key = key_of(element.attributes.get("value", "{=}"), "value")
+        key = key_of(here.attributes.get("value", "{=}"), "value")
         if key is None:
-            reading.refuse(element, "`value` has to be a key in braces")
-        with reading.refusing(element):
-            items = [value_of_text(part, type_name) for part in text.split(";")] if text else []
-            empty = end(reading.said(element, where, "if_empty", "SUCCESS"))
-        queue = reading.variable(f"{element.attributes.get('name', 'loop')}_queue", where, f"list[{type_name}]", items)
-        item = where.board.variables.new(f"{key}_item")
-        target = where.board.variable(key)
-        where.board.variables.every[target].written.append(type_name)
+            here.refuse("`value` has to be a key in braces")
+        items = here.exact(lambda: [value_of_text(part, type_name) for part in text.split(";")] if text else [])
+        empty = here.exact(lambda: end(here.literal("if_empty", "SUCCESS")))
+        queue = here.variable(f"{here.attributes.get('name', 'loop')}_queue", f"list[{type_name}]", items)
+        item = here.board.variables.new(f"{key}_item")
+        target = here.board.variable(key)
+        here.board.variables.every[target].written.append(type_name)
         take = {"node": "flow/compute", "with": {"expression": "a"}, "in": {"a": item}, "out": {"value": target}}
         each = container("sequence", {"take": NodeDraft(take, instant=True), "do": child})
         keys = {"kind": "for_each", "items": queue, "item": item, "child": {"each": each.keys}}
-        del where.board.variables.every[item]
+        del here.board.variables.every[item]
         if empty.keys == SUCCEED:
             return NodeDraft(keys)
-        up = SkipHandling.of(where.meaning, {"empty": empty})
+        up = SkipHandling.of(here.meaning, {"empty": empty})
         return container("sequence", {"loop": NodeDraft(keys), "empty": empty}, up)
 
     return read
@@ -191,39 +186,41 @@ _NO_MATTER = ("_uid", "_fullpath", "_autoremap", "_description")
 """Groot's own notes, and what sub-trees read."""
 
 
-def check_attributes(reading: Reading, element: Element) -> None:
+def check_attributes(here: ElementReader) -> None:
     """Refuse attributes that have no equal."""
-    for name in element.attributes:
+    for name in here.attributes:
         if name == "_onHalted":
-            reading.refuse(
-                element,
+            here.refuse(
                 "`_onHalted` runs a script when the node is halted; nothing of a task does: use a leaf of your own",
             )
         if name.startswith("_") and name not in (*_CONDITIONS, *_SCRIPTS, *_NO_MATTER):
-            reading.note("left-out", element, f"the attribute `{name}`, which BT.CPP gives no meaning, was left out")
+            here.note("left-out", f"the attribute `{name}`, which BT.CPP gives no meaning, was left out")
 
 
-def with_conditions(reading: Reading, element: Element, node: NodeDraft, where: ReadContext) -> NodeDraft:
+def with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
     """Return a node with its conditions before and its scripts after it.
 
     BT.CPP looks at `_failureIf`, `_successIf`, `_skipIf` and `_while` in this order when the node begins, and at
     `_while` on every tick; the scripts also run when a condition has decided.
     """
-    said = element.attributes
-    made = node
-    with reading.refusing(element):
-        scripts = reading.scripts(element, where)
-        for name in reversed(_CONDITIONS):
-            if name in said:
-                made = _condition_before(name, said[name], scripts, made, where.meaning)
-        always = said.get("_post", "")
-        well = [each for text in (said.get("_onSuccess", ""), always) for each in scripts.assignments(text)]
-        badly = [each for text in (said.get("_onFailure", ""), always) for each in scripts.assignments(text)]
-        made = after(made, well, badly, where.meaning)
+    said = here.attributes
+    made = here.exact(lambda: _with_conditions(here, node))
     made.name = node.name
     if said.get("_description"):
         made.keys = {**made.keys, "doc": said["_description"]}
     return made
+
+
+def _with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
+    said, scripts = here.attributes, here.scripts
+    made = node
+    for name in reversed(_CONDITIONS):
+        if name in said:
+            made = _condition_before(name, said[name], scripts, made, here.meaning)
+    always = said.get("_post", "")
+    well = [each for text in (said.get("_onSuccess", ""), always) for each in scripts.assignments(text)]
+    badly = [each for text in (said.get("_onFailure", ""), always) for each in scripts.assignments(text)]
+    return after(made, well, badly, here.meaning)
 
 
 def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, meaning: str) -> NodeDraft:
@@ -241,47 +238,39 @@ def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, m
 
 
 def _end(keys: dict[str, Any]) -> Reader:
-    return lambda reading, element, where: NodeDraft(dict(keys), instant=True)
+    return lambda here: NodeDraft(dict(keys), instant=True)
 
 
-def _sleep(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    return NodeDraft({"node": "flow/wait", "with": {"seconds": reading.seconds(element, where, "msec")}})
+def _sleep(here: ElementReader) -> NodeDraft:
+    return NodeDraft({"node": "flow/wait", "with": {"seconds": here.seconds("msec")}})
 
 
-def _script(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    with reading.refusing(element):
-        made = reading.scripts(element, where).assignments(reading.said(element, where, "code"))
-        if not made:
-            return NodeDraft(dict(SUCCEED), instant=True)
-        script = sequence_of(made, "script")
-        return NodeDraft(script.keys, instant=True)
-    raise AssertionError("a refusal raises")
+def _script(here: ElementReader) -> NodeDraft:
+    made = here.exact(lambda: here.scripts.assignments(here.literal("code")))
+    return NodeDraft(sequence_of(made, "script").keys if made else dict(SUCCEED), instant=True)
 
 
-def _script_condition(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    with reading.refusing(element):
-        condition = reading.scripts(element, where).condition(reading.said(element, where, "code"))
-        return NodeDraft({**SUCCEED, "precondition": condition}, instant=True)
-    raise AssertionError("a refusal raises")
+def _script_condition(here: ElementReader) -> NodeDraft:
+    condition = here.exact(lambda: here.scripts.condition(here.literal("code")))
+    return NodeDraft({**SUCCEED, "precondition": condition}, instant=True)
 
 
-def _set_blackboard(reading: Reading, element: Element, where: ReadContext) -> NodeDraft:
-    out = element.attributes.get("output_key", "")
+def _set_blackboard(here: ElementReader) -> NodeDraft:
+    out = here.attributes.get("output_key", "")
     key = key_of(out, "output_key") or out
     if not key:
-        reading.refuse(element, "needs `output_key`")
-    variable = where.board.variable(key)
-    entry = where.board.variables.every[variable]
-    text = element.attributes.get("value", "")
+        here.refuse("needs `output_key`")
+    variable = here.board.variable(key)
+    entry = here.board.variables.every[variable]
+    text = here.attributes.get("value", "")
     source = key_of(text, "value")
     if source is None:
         entry.texts = True
         kind = entry.type if entry.type in ("int", "float", "bool") else "str"
-        with reading.refusing(element):
-            return set_variable(variable, value_of_text(text, kind))
-    other = where.board.variable(source)
-    entry.written.append(where.board.variables.every[other].type)
-    where.board.variables.every[other].read.append("Any")
+        return set_variable(variable, here.exact(lambda: value_of_text(text, kind)))
+    other = here.board.variable(source)
+    entry.written.append(here.board.variables.every[other].type)
+    here.board.variables.every[other].read.append("Any")
     keys = {"node": "flow/compute", "with": {"expression": "a"}, "in": {"a": other}, "out": {"value": variable}}
     return NodeDraft(keys, instant=True)
 

@@ -28,7 +28,7 @@ from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
 from .document import Document, Model
 from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft
-from .element import ReadContext, Reading, Refused, reads_only
+from .element import ElementReader, ReadContext, Reading, Refused
 from .leaves import Leaves, value_of_text
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
@@ -100,68 +100,62 @@ class _Importer:
             self.reading.refuse(tree, f"needs one node inside, and has {len(tree.children)}")
         return self.reading.attempt(tree.children[0], where)
 
-    def node(self, element: Element, where: ReadContext) -> NodeDraft:
+    def node(self, here: ElementReader) -> NodeDraft:
         """Read a node, and all below it."""
         self.reading.nodes += 1
         if self.reading.nodes > MOST_NODES:
-            raise element.error(f"more than {MOST_NODES} nodes, with those of sub-trees")
-        check_attributes(self.reading, element)
-        tag = element.tag
-        name = element.attributes.get("ID", "") if tag in _EXPLICIT else tag
+            raise here.element.error(f"more than {MOST_NODES} nodes, with those of sub-trees")
+        check_attributes(here)
+        tag, id_ = here.element.tag, here.attributes.get("ID", "")
+        name = id_ if tag in (*_EXPLICIT, "SubTree") else tag
         if tag == "SubTree":
-            name = element.attributes.get("ID", "")
-            made = self._sub_tree(element, where)
+            made = self._sub_tree(here, name)
         elif name in REFUSED:
-            self.reading.refuse(element, REFUSED[name])
+            here.refuse(REFUSED[name])
         elif name in _KNOWN:
             reader, ports = _KNOWN[name]
-            wrong = reads_only(element, ports)
+            wrong = [a for a in here.attributes if a not in (*ports, "name", "ID") and not a.startswith("_")]
             if wrong:
-                self.reading.refuse(
-                    element, f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (there are: {listing(ports)})"
-                )
-            made = reader(self.reading, element, where)
+                here.refuse(f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (there are: {listing(ports)})")
+            made = reader(here)
         else:
-            made = self._leaf(element, name, where)
-        made.name = element.attributes.get("name") or name
-        return with_conditions(self.reading, element, made, where)
+            made = self._leaf(here, name)
+        made.name = here.attributes.get("name") or name
+        return with_conditions(here, made)
 
-    def _leaf(self, element: Element, name: str, where: ReadContext) -> NodeDraft:
-        said = self.document.models.get(name, Model(element.tag if element.tag in _EXPLICIT else "Action"))
-        if element.children or said.kind in ("Control", "Decorator"):
+    def _leaf(self, here: ElementReader, name: str) -> NodeDraft:
+        tag = here.element.tag
+        said = self.document.models.get(name, Model(tag if tag in _EXPLICIT else "Action"))
+        if here.element.children or said.kind in ("Control", "Decorator"):
             kind = said.kind if said.kind in ("Control", "Decorator") else "node with children"
-            self.reading.refuse(element, f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes")
-        ports = {k: v for k, v in element.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
-        with self.reading.refusing(element):
-            return NodeDraft(self.leaves.leaf(name, ports, where.board), instant=said.kind == "Condition")
-        raise AssertionError("a refusal raises")
+            here.refuse(f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes")
+        ports = {k: v for k, v in here.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
+        return NodeDraft(
+            here.exact(lambda: self.leaves.leaf(name, ports, here.board)), instant=said.kind == "Condition"
+        )
 
-    def _sub_tree(self, element: Element, where: ReadContext) -> NodeDraft:
-        name = element.attributes.get("ID", "")
-        tree = self.document.trees.get(name)
-        if tree is None:
-            trees = self.document.trees
-            self.reading.refuse(
-                element, f"there is no tree {name!r}{nearest(name, trees)} (there are: {listing(trees)})"
-            )
-        if name in where.inside:
-            self.reading.refuse(element, f"the tree {name!r} contains itself ({' > '.join((*where.inside, name))})")
+    def _sub_tree(self, here: ElementReader, name: str) -> NodeDraft:
+        trees = self.document.trees
+        if name not in trees:
+            here.refuse(f"there is no tree {name!r}{nearest(name, trees)} (there are: {listing(trees)})")
+        inside = here.where.inside
+        if name in inside:
+            here.refuse(f"the tree {name!r} contains itself ({' > '.join((*inside, name))})")
         self.used.add(name)
-        auto = element.attributes.get("_autoremap", "false") in ("true", "1", "True")
-        board = Board(self.variables, element.attributes.get("name") or name, where.board, auto)
-        inner = ReadContext(board, (*where.inside, name), where.meaning)
+        auto = here.attributes.get("_autoremap", "false") in ("true", "1", "True")
+        board = Board(self.variables, here.attributes.get("name") or name, here.board, auto)
         model_of = self.document.models.get(name)
         defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
-        for key, text in {**defaults, **element.attributes}.items():
+        for key, text in {**defaults, **here.attributes}.items():
             if key in ("ID", "name") or key.startswith("_"):
                 continue
             outer = key_of(text, key)
             if outer is not None:
-                board.names[key] = where.board.variable(outer)
+                board.names[key] = here.board.variable(outer)
             else:
                 board.names[key] = self.variables.new(f"{board.space}_{key}")
                 self.variables.every[board.names[key]].initial = text
-        return self._root(tree, inner)
+        return self._root(trees[name], ReadContext(board, (*inside, name), here.meaning))
 
     # --- the task ---
 
