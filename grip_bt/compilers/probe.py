@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import ExpressionError, UnknownNameError
 from grip_bt.base.expression import parse_expression
-from grip_bt.compilers.checks import bind_condition
+from grip_bt.compilers.binding import bind_condition
 
 from .resolve import Part
 

@@ -11,7 +11,7 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.behaviour_state import Halted, Pacer, TaskEnd
-from grip_bt.compilers.checks import answers_of, bind_condition
+from grip_bt.compilers.binding import answers_of, bind_condition
 from grip_bt.compilers.leaves import BehaviourFactory, adopter, hand_in, hand_out
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer

@@ -9,7 +9,7 @@ from typing import Any, cast
 from py_trees.behaviour import Behaviour
 
 from grip_bt.compilers.behaviour_state import Pacer, TaskEnd, drive
-from grip_bt.compilers.checks import bind_answers, bind_condition
+from grip_bt.compilers.binding import bind_answers, bind_condition
 from grip_bt.compilers.leaves import BehaviourFactory, adopter, hand_in, hand_out
 from grip_bt.nodes import control
 from grip_bt.nodes.container import KindNode, RunAnswers, container

@@ -159,11 +159,11 @@ def test_a_file_that_runs_itself_is_refused_with_the_chain() -> None:
     ("node", "why"),
     [
         ("{kind: subtask, task: ad.yaml, in: {a: n}}", "there is no such file; did you mean 'add.yaml'"),
-        ("{kind: subtask, task: add.yaml}", "needs `in: {a: <variable>}`"),
+        ("{kind: subtask, task: add.yaml}", "needs the input 'a'"),
         ("{kind: subtask, task: add.yaml, in: {a: n, b: n}}", "has no input 'b'"),
         ("{kind: subtask, task: add.yaml, with: {b: 1}, in: {a: n}}", "has no input 'b'"),
         ("{kind: subtask, task: add.yaml, in: {a: n}, out: {y: n}}", "has no output 'y'"),
-        ("{kind: subtask, task: add.yaml, in: {a: nn}}", "no variable 'nn' is declared"),
+        ("{kind: subtask, task: add.yaml, in: {a: nn}}", "bound to 'nn', which isn't declared"),
     ],
 )
 def test_a_subtask_that_does_not_fit_its_file_is_refused(node: str, why: str) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from grip_bt.base.issue import Report, ordered
+from grip_bt.base.issue import Issue, Report, ordered
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 
-from .codes import SEVERITY
+from .codes import SEVERITY, STRUCTURAL
 from .dataflow import check_dataflow
 from .expressions import check_expressions
 from .leaves import check_names, check_numbers, check_subtasks
@@ -18,7 +18,7 @@ from .subtasks import Checked, Subtasks
 from .survey import Survey
 from .variables import check_parallel, check_variables
 
-__all__ = ["SEVERITY", "survey_of", "validate"]
+__all__ = ["SEVERITY", "structural_issues", "survey_of", "validate"]
 
 
 def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:
@@ -38,6 +38,24 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
 def survey_of(task: Task, catalog: Catalog) -> Survey:
     """Return what the rules read, after all rules: with what is known of the files that the task runs."""
     return _checked(task, catalog, None, None)
+
+
+def structural_issues(task: Task, catalog: Catalog) -> list[Issue]:
+    """Return the errors without which every name of a task leads somewhere: it can be compiled, right or not."""
+
+    def inside(task: Task) -> Checked:
+        return _structural(task, catalog, known), {}
+
+    known = Subtasks(catalog, inside)
+    return _structural(task, catalog, known)
+
+
+def _structural(task: Task, catalog: Catalog, subtasks: Subtasks) -> list[Issue]:
+    survey = Survey(task, catalog, None, subtasks)
+    for rule in (check_names, check_foreign, check_subtasks, check_variables, check_expressions, check_parallel):
+        rule(survey)
+    check_outcomes(survey, None)
+    return [issue for issue in survey.issues if issue.code in STRUCTURAL]
 
 
 def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None) -> Survey:

@@ -69,6 +69,16 @@ SEVERITY: dict[str, Severity] = {
 }
 
 
+STRUCTURAL = frozenset(
+    {
+        *("unknown-node", "unknown-parameter", "missing-parameter", "unknown-input", "missing-input", "unknown-output"),
+        *("unknown-subtask", "recursive-subtask", "invalid-subtask", "unlisted-code", "bad-expression"),
+        *("unknown-type", "undeclared-variable", "unknown-outcome", "contradictory-outcome", "unknown-child"),
+        *("unknown-target", "missing-target", "misplaced-on"),
+    }
+)
+"""Errors with which a task can't be compiled; with the others it could, and would do what isn't meant."""
+
 _WRITTEN = frozenset({*BUILTINS, "list", "dict", "Any", "None"}) - {"bytes"}
 """Types of which a task file can write a value."""
 

@@ -14,8 +14,8 @@ from .possible import Possible, machine_edges, reachable
 from .survey import Spot, Survey
 
 
-def check_outcomes(survey: Survey, possible: Possible) -> None:
-    """Find ends that lead nowhere, targets that don't exist, and outcomes that nothing leads to."""
+def check_outcomes(survey: Survey, possible: Possible | None) -> None:
+    """Find ends that lead nowhere, targets that don't exist, outcomes that nothing leads to and impossible ones."""
     for spot in survey.spots:
         node = spot.node
         if node.precondition and spot.outcomes.get("failure") == "success":
@@ -87,7 +87,7 @@ def _reserved(survey: Survey, spot: Spot, outcomes: Mapping[str, str]) -> None:
             )
 
 
-def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possible) -> None:
+def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possible | None) -> None:
     for key, target in exits.items():
         child_name, _, label = key.partition(".")
         where = ("exits", key)
@@ -101,7 +101,7 @@ def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possi
                 f"exits are `child.outcome: exit`; {key!r} names no child{hint} (there are: {listing(spot.children)})",
             )
         elif check_label(survey, spot.path, where, child, label):
-            if label.partition(".")[0] not in possible.labels(child):
+            if possible is not None and label.partition(".")[0] not in possible.labels(child):
                 survey.add(
                     spot.path,
                     where,

@@ -263,7 +263,7 @@ def test_what_comes_out_is_checked_like_any_task() -> None:
         {"kind": "sequence", "outcomes": {"x": "success"}, "exits": {"a.success": "x"}, "children": {"a": STEP}}
     )
     tree.root.remove_child(tree.root.children[0])
-    with pytest.raises(InvalidTaskError, match="an exit names 'a'"):
+    with pytest.raises(InvalidTaskError, match="'a.success' names no child"):
         to_tree(to_task(tree).task, Catalog.builtin())
 
 
