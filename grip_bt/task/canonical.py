@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, to_data
 from grip_bt.base.yaml.writer import write
-from grip_bt.task import model, walking
+from grip_bt.task import model
 
 from .comments import attach_comments
 from .document import read_text
@@ -26,7 +26,7 @@ def dumps(task: model.Task) -> str:
     Raises:
         TypeError: a literal is of a type that a task file can't hold.
     """
-    tree = from_data(_task_data(task))
+    tree = from_data(file_data(task))
     assert isinstance(tree, YamlMapping)
     return write_canonical(tree)
 
@@ -101,19 +101,13 @@ def _shortest(number: Any) -> Any:
     return number
 
 
-def _task_data(task: model.Task) -> dict[str, Any]:
-    data = data_of(task, ("root",))
-    data["root"] = None
-    todo: list[tuple[Any, str, dict[str, Any]]] = [(task.root, "root", data)]
-    while todo:
-        node, key, parent = todo.pop()
-        parent[key] = mine = data_of(node, CHILDREN)
-        below = walking.children_of(node)
-        if not isinstance(node, model.Childless):
-            children: dict[str, Any] = dict.fromkeys(below)
-            mine["child" if hasattr(node, "child") else "children"] = children
-            todo.extend((child, name, children) for name, child in below.items())
-    return data
+def file_data(value: object) -> Any:
+    """Return what stands in a file for a task or a part of one."""
+    if isinstance(value, BaseModel):
+        value = data_of(value)
+    if isinstance(value, dict):
+        return {key: file_data(inner) for key, inner in value.items()}
+    return [file_data(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:

@@ -71,10 +71,13 @@ _MAKERS: dict[str, Any] = {
     "rename": lambda r, t, p, n, c: {"path": p, "name": r.choice(NAMES)},
     "set": lambda r, t, p, n, c: {
         "path": p,
-        "key": r.choice([["doc"], ["x-note"], ["with", "seconds"], ["times"]]),
+        "key": r.choice([["doc"], ["x-note"], ["with", "seconds"], ["times"], ["in", "cloud"]]),
         "value": r.choice(["a text\nof two lines", 3, 0.25, None, "#", ["a", {"b": 1}], "- x"]),
     },
-    "unset": lambda r, t, p, n, c: {"path": p, "key": r.choice([["doc"], ["x-note"], ["with"], ["exits"]])},
+    "unset": lambda r, t, p, n, c: {
+        "path": p,
+        "key": r.choice([["doc"], ["x-note"], ["with"], ["in", "cloud"], ["exits"]]),
+    },
     "connect": _connect,
     "disconnect": lambda r, t, p, n, c: {"path": p, "outcome": r.choice(["success", "failure"])},
     "wrap": _wrap,
@@ -82,7 +85,6 @@ _MAKERS: dict[str, Any] = {
     "change_kind": _change_kind,
     "declare": lambda r, t, p, n, c: {"path": r.choice(["", c]), "name": r.choice(NAMES), "variable": "int"},
     "undeclare": lambda r, t, p, n, c: {"path": r.choice(["", c]), "name": r.choice(NAMES)},
-    "bind": lambda r, t, p, n, c: {"path": p, "side": "in", "port": "cloud", "variable": r.choice(NAMES)},
     "set_meaning": lambda r, t, p, n, c: {"path": p, "outcome": "none", "meaning": r.choice(["success", "failure"])},
 }  # fmt: skip
 

@@ -6,11 +6,11 @@ from typing import Any
 
 from grip_bt.base.errors import EditError, InvalidTaskError
 from grip_bt.task import dumps, loads
-from grip_bt.task.canonical import data_of
+from grip_bt.task.canonical import data_of, file_data
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import AnyCommand, Convert, Group, Inline, Patch, apply, path_after, title_of
 from grip_bt.task.edit.documents import differences
-from grip_bt.task.edit.draft import Draft, deep
+from grip_bt.task.edit.draft import Draft
 from grip_bt.task.edit.steps import Place, Put, Rekey, Shift, Step
 from grip_bt.task.model import Task
 from grip_bt.task.shape import CHILDREN
@@ -61,9 +61,9 @@ def _conversion(command: Convert, task: Task, catalog: Catalog) -> Patch:
 def _steps(task: Task, result: Restructured) -> list[Step]:
     """Return the steps from a task to its other form: nodes are moved, not written anew."""
     moving = _Moving(task, result)
-    target = deep(data_of(loads(dumps(result.task))))  # as a file says it: nothing that only repeats a default
+    target = file_data(data_of(loads(dumps(result.task))))  # as a file says it: nothing that only repeats a default
     moving.settle(target["root"], "/", ("root",))
-    return [*moving.steps, *differences(deep(moving.draft.mapping(())), target)]
+    return [*moving.steps, *differences(file_data(moving.draft.mapping(())), target)]
 
 
 class _Moving:

@@ -12,11 +12,10 @@ from grip_bt.base.yaml.scalars import write_scalar
 from grip_bt.base.yaml.tree import YamlMapping, parse
 from grip_bt.compilers.restructure.inlining import expect_nobody_can_tell
 from grip_bt.task import read_text
-from grip_bt.task.canonical import dumps, lines_of
+from grip_bt.task.canonical import dumps, file_data, lines_of
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.edit import Extract, Patch, Set, Unset, apply_to_document, title_of
-from grip_bt.task.edit.draft import deep
 from grip_bt.task.edit.editing import Editing, slot
 from grip_bt.task.edit.steps import Assign
 from grip_bt.task.model import Task
@@ -67,7 +66,7 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     record: dict[str, Any] = {"kind": "subtask", "task": command.file}
     for key, bound in (("in", inputs), ("out", outputs)):
         record |= {key: {name: name for name in bound}} if bound else {}
-    record |= {key: deep(value) for key in _AROUND if (value := getattr(spot.node, key))}
+    record |= {key: file_data(value) for key in _AROUND if (value := getattr(spot.node, key))}
     editing = Editing(document.task)
     parent, name, container = editing.parent(command.path, "is the task already; wrap it, and take out the child")
     edit = Patch(
@@ -101,7 +100,7 @@ def _below(path: str, above: str) -> bool:
 
 def _part(command: Extract, spot: Spot, survey: Survey, catalog: Catalog) -> Task:
     """Return the part as a task whose variables are all those that were around it."""
-    root = {key: value for key, value in deep(spot.node).items() if key not in _AROUND}
+    root = {key: value for key, value in file_data(spot.node).items() if key not in _AROUND}
     types = {name: str(declared.type or "Any") for name, declared in spot.around.items()}
     outcomes = dict(spot.outcomes)
     if spot.node.precondition and "failure" not in _own_outcomes(spot, root, catalog):

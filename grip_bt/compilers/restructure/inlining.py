@@ -13,9 +13,9 @@ from typing import Any
 
 from grip_bt.base.errors import EditError, HandoverError, SubtaskError, listing
 from grip_bt.base.expression import parse_expression
+from grip_bt.task.canonical import file_data
 from grip_bt.task.catalog import Catalog, manifest_of_task
 from grip_bt.task.edit import Inline, Patch, RenameVariable, apply, title_of
-from grip_bt.task.edit.draft import deep
 from grip_bt.task.edit.editing import Editing, slot
 from grip_bt.task.edit.steps import Assign
 from grip_bt.task.model import (
@@ -181,9 +181,9 @@ class _Merging:
         for name, declared in self.inside.variables.items():
             if name in bound:
                 continue
-            found[name] = deep(declared)
+            found[name] = file_data(declared)
             if name in self.node.with_:
-                found[name] = {"type": type_of(declared), "value": deep(self.node.with_[name])}
+                found[name] = {"type": type_of(declared), "value": file_data(self.node.with_[name])}
         return found
 
     def record(self) -> dict[str, Any]:
@@ -193,7 +193,7 @@ class _Merging:
         taken = {*self.spot.around, *_declared(self.inside)}
         to = {name: name if name not in self.spot.around else _fresh(name, taken) for name in own}
         renamed = _renamed(self.inside, {**bound, **to}, self.spot.path)
-        root: dict[str, Any] = deep(renamed.root)
+        root: dict[str, Any] = file_data(renamed.root)
         root.pop("on", None)
         if own:
             root["data"] = {**{to[name]: said for name, said in own.items()}, **root.get("data", {})}
@@ -201,9 +201,9 @@ class _Merging:
         if conditions:
             root["precondition"] = " and ".join(f"({c})" for c in conditions) if len(conditions) > 1 else conditions[0]
         if self.node.on:
-            root["on"] = deep(self.node.on)
+            root["on"] = file_data(self.node.on)
         for key, value in self.node.x.items():
-            root.setdefault(key, deep(value))
+            root.setdefault(key, file_data(value))
         doc = root.get("doc") or self.node.doc or self.inside.doc
         if doc:
             root["doc"] = doc

@@ -11,7 +11,7 @@ from .comment import Comment, comment_of
 from .containers import Unwrap, Wrap
 from .documents import Edited, apply_to_document, rewrite
 from .history import History, Moment, history_path, load_history, save_history
-from .keys import Bind, Connect, Disconnect, Set, SetMeaning, Unbind, Unset
+from .keys import Connect, Disconnect, Set, SetMeaning, Unset
 from .nodes import Add, Move, Remove, Rename
 from .outcomes import RenameOutcome
 from .paste import Clip, Paste, clip_of
@@ -23,7 +23,6 @@ __all__ = [
     "AnyCommand",
     "Applied",
     "BaseCommand",
-    "Bind",
     "ChangeKind",
     "Clip",
     "Command",
@@ -47,7 +46,6 @@ __all__ = [
     "RenameVariable",
     "Set",
     "SetMeaning",
-    "Unbind",
     "Undeclare",
     "Unset",
     "Unwrap",

@@ -14,7 +14,7 @@ from .command import BaseCommand
 from .comment import Comment
 from .containers import Unwrap, Wrap
 from .editing import Editing
-from .keys import Bind, Connect, Disconnect, Set, SetMeaning, Unbind, Unset
+from .keys import Connect, Disconnect, Set, SetMeaning, Unset
 from .nodes import Add, Move, Remove, Rename
 from .outcomes import RenameOutcome
 from .paste import Paste
@@ -77,7 +77,7 @@ class Patch(BaseCommand):
 
 AnyCommand = (
     Add | Paste | Remove | Move | Rename | Set | Unset | Comment | Connect | Disconnect | Wrap | Unwrap | ChangeKind
-    | Convert | Extract | Inline | Bind | Unbind | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome
+    | Convert | Extract | Inline | SetMeaning | Declare | Undeclare | RenameVariable | RenameOutcome
     | Group | Patch
 )  # fmt: skip
 Command = Annotated[AnyCommand, Discriminator("do")]

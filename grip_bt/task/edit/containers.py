@@ -14,7 +14,6 @@ from ..walking import children_of, outcomes_of
 from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
 from .command import BaseCommand, kind_in_words, said
 from .editing import Editing, expect_free, slot
-from .nodes import child_of
 from .steps import Place
 
 _SHOWN = 3
@@ -313,7 +312,7 @@ def _give_edges(editing: Editing, node: AnyNode, place: Place, machine: StateMac
 
 def _give_exits(editing: Editing, node: AnyNode, place: Place, around: Place, name: str) -> None:
     """Let the labels of the children that left the container around it through this one leave it themselves."""
-    old = {key: exit_ for key, exit_ in editing.entries(around, "exits").items() if child_of(key) == name}
+    old = {key: exit_ for key, exit_ in editing.entries(around, "exits").items() if key.partition(".")[0] == name}
     for key in old:
         editing.drop_in(around, "exits", key)
     for child, edges in edges_of(node).items():

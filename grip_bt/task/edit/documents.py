@@ -20,8 +20,8 @@ from grip_bt.task.document import Document, read_text
 from grip_bt.task.model import Task
 from grip_bt.task.shape import CHILDREN, FREE
 
+from ..canonical import file_data
 from .commands import AnyCommand, Patch, Restore, Splice, apply
-from .draft import deep
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_record, path_after
 from .text import Text
 
@@ -171,7 +171,7 @@ def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
 
 
 def _data(document: Document) -> dict[str, Any]:
-    found = deep(data_of(document.task))
+    found = file_data(data_of(document.task))
     assert isinstance(found, dict)
     return found
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from grip_bt.base.errors import EditError
 
-from ..canonical import data_of
+from ..canonical import data_of, file_data
 from ..model import Task
 from ..shape import FREE, NotAKeyError, with_free_keys
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
@@ -66,10 +66,10 @@ class Draft:
             return step.model_copy(update={"text": ""})
         if isinstance(step, Drop):
             order = position(inside, step.at, step.key)
-            return Put(at=step.at, key=step.key, value=deep(inside.pop(step.key)), index=order)
+            return Put(at=step.at, key=step.key, value=file_data(inside.pop(step.key)), index=order)
         if isinstance(step, Assign):
             index = _index(inside, step.key)
-            before = deep(inside[index])
+            before = file_data(inside[index])
             inside[index] = step.value
             return Assign(at=step.at, key=step.key, value=before)
         if isinstance(step, Rekey):
@@ -155,15 +155,6 @@ def _closed(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _closed(inner) for key, inner in value.items()}
     return [_closed(inner) for inner in value] if isinstance(value, list | tuple) else value
-
-
-def deep(value: Any) -> Any:
-    """Return what stands in a file for a part of a task."""
-    if isinstance(value, BaseModel):
-        value = data_of(value)
-    if isinstance(value, dict):
-        return {key: deep(inner) for key, inner in value.items()}
-    return [deep(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def _said(error: Any) -> str:

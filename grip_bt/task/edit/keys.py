@@ -8,7 +8,7 @@ from pydantic import Field
 
 from grip_bt.base.errors import EditError, listing, nearest
 
-from ..model import AnyNode, Meaning, StateMachine
+from ..model import Meaning, StateMachine
 from ..shape import CHILDREN, FREE, keys_of
 from ..walking import children_of, outcomes_of
 from .command import BaseCommand, said
@@ -28,10 +28,11 @@ _IN_WORDS: dict[tuple[str, ...], str] = {
     ("in",): "inputs",
     ("out",): "outputs",
 }
+_PORTS = {"in": "reads", "out": "writes"}
 
 
 class Set(BaseCommand):
-    """A key of a node or of the task has a value: `["times"]`, `["with", "arm"]`, `["x-note"]`."""
+    """A key of a node or of the task has a value: `["times"]`, `["with", "arm"]`, `["in", "cloud"]`, `["x-note"]`."""
 
     do: Literal["set"] = "set"
     path: str
@@ -39,6 +40,8 @@ class Set(BaseCommand):
     value: Any
 
     def in_words(self) -> str:
+        if self.key[0] in _PORTS and len(self.key) == 2:
+            return f"{self.key[1]} of {said(self.path)} {_PORTS[self.key[0]]} {self.value}"
         return f"set {_key(self.path, self.key)}{_value(self.value)}"
 
     def plan(self, editing: Editing) -> None:
@@ -63,15 +66,21 @@ class Unset(BaseCommand):
     key: tuple[str, ...] = Field(min_length=1)
 
     def in_words(self) -> str:
+        if self.key[0] in _PORTS and len(self.key) == 2:
+            return f"{self.key[1]} of {said(self.path)} {_PORTS[self.key[0]]} no variable"
         return f"unset {_key(self.path, self.key)}"
 
     def plan(self, editing: Editing) -> None:
         place, *inner = _keys(editing, self.path, self.key)
         *above, last = inner
-        if len(above) == 1 and last in editing.entries(place, above[0]):
-            editing.drop_in(place, above[0], last)
-        else:
+        if len(above) != 1:
             editing.drop((*place, *above), last)
+            return
+        there = editing.entries(place, above[0])
+        if last not in there:
+            message = f"`{above[0]}` has no {last!r}{nearest(last, there)} (available: {listing(there)})"
+            raise EditError(self.path, message)
+        editing.drop_in(place, above[0], last)
 
 
 class Connect(BaseCommand):
@@ -117,44 +126,6 @@ class Disconnect(BaseCommand):
             ends = [k.removeprefix(f"{self.path.rpartition('/')[2]}.") for k in there]
             raise EditError(self.path, f"{self.outcome!r} leads nowhere (what does: {listing(ends)})")
         editing.drop_in(record, field, key)
-
-
-class Bind(BaseCommand):
-    """A port of a leaf reads from or writes to a variable."""
-
-    do: Literal["bind"] = "bind"
-    path: str
-    side: Literal["in", "out"]
-    port: str
-    variable: str
-
-    def in_words(self) -> str:
-        return f"{self.port} of {said(self.path)} {'reads' if self.side == 'in' else 'writes'} {self.variable}"
-
-    def plan(self, editing: Editing) -> None:
-        _leaf(editing, self.path, "ports")
-        editing.set_in(editing.place(self.path), self.side, self.port, self.variable)
-
-
-class Unbind(BaseCommand):
-    """A port of a leaf has no variable any more."""
-
-    do: Literal["unbind"] = "unbind"
-    path: str
-    side: Literal["in", "out"]
-    port: str
-
-    def in_words(self) -> str:
-        return f"{self.port} of {said(self.path)} {'reads' if self.side == 'in' else 'writes'} no variable"
-
-    def plan(self, editing: Editing) -> None:
-        _leaf(editing, self.path, "ports")
-        place = editing.place(self.path)
-        there = editing.entries(place, self.side)
-        if self.port not in there:
-            hint = nearest(self.port, there)
-            raise EditError(self.path, f"the port {self.port!r} isn't bound{hint} (bound are: {listing(there)})")
-        editing.drop_in(place, self.side, self.port)
 
 
 class SetMeaning(BaseCommand):
@@ -226,10 +197,3 @@ def _targets(editing: Editing, path: str) -> list[str]:
     container = editing.parent(path, "")[2]
     siblings = children_of(container) if isinstance(container, StateMachine) else ()
     return [*siblings, *outcomes_of(container)]  # type: ignore[arg-type]
-
-
-def _leaf(editing: Editing, path: str, what: str) -> AnyNode:
-    node = editing.node(path)
-    if not {"in", "out"} <= set(keys_of(type(node))):
-        raise EditError(path, f"a {kind_of(node)} has no {what}; leaves have")
-    return node

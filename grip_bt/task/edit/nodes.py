@@ -6,7 +6,6 @@ machine.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Literal
 
 from pydantic import Field
@@ -14,10 +13,10 @@ from pydantic import Field
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
 
+from ..canonical import file_data
 from ..model import AnyNode, Name, StateMachine
 from ..walking import children_of
 from .command import BaseCommand, said
-from .draft import deep
 from .editing import Editing, expect_free, expect_others, expect_room, slot
 from .steps import Assign, Place
 
@@ -61,7 +60,7 @@ class Remove(BaseCommand):
             self.path, "can't be removed; remove its children, or set another root"
         )
         expect_others(container, parent)
-        forget(editing, parent, name)
+        redirect(editing, parent, name, None)
         editing.drop((*editing.place(parent), slot(container)), name)
 
 
@@ -99,7 +98,7 @@ class Move(BaseCommand):
         expect_room(target, self.parent)
         to = self.name or name
         expect_free(target, self.parent, to)
-        forget(editing, parent, name)
+        redirect(editing, parent, name, None)
         at = (*editing.place(parent), slot(container))
         if "on" in editing.draft.mapping((*at, name)):
             editing.drop((*at, name), "on")
@@ -122,7 +121,7 @@ class Rename(BaseCommand):
         if self.name == name:
             return
         expect_free(container, parent, self.name)
-        follow(editing, parent, name, self.name)
+        redirect(editing, parent, name, self.name)
         editing.rekey((*editing.place(parent), slot(container)), name, self.name)
 
 
@@ -140,92 +139,50 @@ def _carry(editing: Editing, at: tuple[str, ...], name: str, into: tuple[str, ..
         raise EditError(name, f"choose another name than {to!r}: both containers have one of these names")
 
 
-_BY_CHILD = ("cases",)
-"""Keys of containers that hold a mapping by names of children."""
-
-_BY_END = ("exits",)
-"""Keys of containers that hold a mapping by `child.outcome`."""
+_KEYED_BY_CHILD = ("cases", "exits")
+"""Keys of containers that hold a mapping by names of children, or by `child.outcome`."""
 
 
-def forget(editing: Editing, parent: str, name: str) -> None:
-    """Take out all that is said about the child `name`, which is about to leave."""
-    container, place = editing.node(parent), editing.place(parent)
-    for field in (*_BY_CHILD, *_BY_END):
-        for key in editing.entries(place, field):
-            if (child_of(key) if field in _BY_END else key) == name:
-                editing.drop((*place, field), key)
-    if editing.draft.mapping(place).get("default") == name:
-        editing.drop(place, "default")
-    _forget_in_lists(editing, place, name)
-    for record, outcome in _edges_to(editing, container, place, name):
-        editing.drop_in(record, "on", outcome)
-    if isinstance(container, StateMachine) and container.initial == name:
-        remaining = [child for child in children_of(container) if child != name]
-        editing.set(place, "initial", remaining[0])
-
-
-def follow(editing: Editing, parent: str, name: str, to: str) -> None:
-    """Let all that is said about the child `name` be said about `to`."""
+def redirect(editing: Editing, parent: str, name: str, to: str | None) -> None:
+    """Let all that is said about the child `name` be said about `to`; take it out for None, as the child leaves."""
     container, place = editing.node(parent), editing.place(parent)
     if isinstance(container, StateMachine) and container.initial == name:
-        editing.set(place, "initial", to)
-    if editing.draft.mapping(place).get("default") == name:
-        editing.set(place, "default", to)
-    for field in _BY_CHILD:
-        if name in editing.entries(place, field):
-            editing.rekey((*place, field), name, to)
-    _follow_in_lists(editing, place, name, to)
-    follow_exits(editing, place, lambda child: to if child == name else child)
-    for record, outcome in _edges_to(editing, container, place, name):
-        editing.set((*record, "on"), outcome, to)
-
-
-def follow_exits(editing: Editing, place: Place, renamed: Callable[[str], str]) -> None:
-    """Rename the children that the keys of a container's `exits` begin with."""
-    for field in _BY_END:
+        editing.set(place, "initial", to or next(child for child in children_of(container) if child != name))
+    for field in _KEYED_BY_CHILD:
         for key in editing.entries(place, field):
             child, dot, outcome = key.partition(".")
-            editing.rekey((*place, field), key, renamed(child) + dot + outcome)
+            if child == name:
+                editing.drop((*place, field), key) if to is None else editing.rekey(
+                    (*place, field), key, to + dot + outcome
+                )
+    if editing.draft.mapping(place).get("default") == name:
+        editing.drop(place, "default") if to is None else editing.set(place, "default", to)
+    _redirect_lists(editing, place, name, to)
+    for record, outcome in _edges_to(container, (*place, slot(container)), name):
+        editing.drop_in(record, "on", outcome) if to is None else editing.set((*record, "on"), outcome, to)
 
 
-def _lists(editing: Editing, place: Place) -> tuple[list[dict[str, Any]], list[Any]]:
-    """Return the rules of a parallel, and the children that it waits for where these are named."""
+def _redirect_lists(editing: Editing, place: Place, name: str, to: str | None) -> None:
+    """Redirect the rules of a parallel, and the children that it waits for where these are named."""
     record = editing.draft.mapping(place)
-    rules, awaited = deep(record.get("rules", [])), deep(record.get("wait_for", []))
-    return rules, awaited if isinstance(awaited, list) else []
-
-
-def _forget_in_lists(editing: Editing, place: Place, name: str) -> None:
-    rules, awaited = _lists(editing, place)
-    kept = [rule for rule in rules if name not in rule.get("when", {})]
-    if len(kept) < len(rules):
-        editing.set(place, "rules", kept) if kept else editing.drop(place, "rules")
-    if name in awaited:
-        others = [child for child in awaited if child != name]
-        editing.set(place, "wait_for", others) if others else editing.drop(place, "wait_for")
-
-
-def _follow_in_lists(editing: Editing, place: Place, name: str, to: str) -> None:
-    rules, awaited = _lists(editing, place)
-    for number, rule in enumerate(rules):
-        if name in rule.get("when", {}):
+    rules, awaited = file_data(record.get("rules", [])), file_data(record.get("wait_for", []))
+    about = [number for number, rule in enumerate(rules) if name in rule.get("when", {})]
+    if to is not None:
+        for number in about:
             editing.rekey((*place, "rules", str(number), "when"), name, to)
-    for number, child in enumerate(awaited):
-        if child == name:
-            editing.take(Assign(at=(*place, "wait_for"), key=str(number), value=to))
+        for number, child in enumerate(awaited):
+            if child == name:
+                editing.take(Assign(at=(*place, "wait_for"), key=str(number), value=to))
+        return
+    for field, old, kept in (
+        ("rules", rules, [rule for number, rule in enumerate(rules) if number not in about]),
+        ("wait_for", awaited, [child for child in awaited if child != name] if name in awaited else awaited),
+    ):
+        if kept != old:
+            editing.set(place, field, kept) if kept else editing.drop(place, field)
 
 
-def child_of(key: str) -> str:
-    """Return the child that a key of `exits` is about."""
-    return key.partition(".")[0]
-
-
-def _edges_to(editing: Editing, container: AnyNode, place: Place, name: str) -> list[tuple[Place, str]]:
+def _edges_to(container: AnyNode, children: Place, name: str) -> list[tuple[Place, str]]:
     """Return the record and outcome of every edge to a child of a state machine."""
-    if not isinstance(container, StateMachine):
-        return []
-    found = []
-    for sibling, node in children_of(container).items():
-        record = (*place, slot(container), sibling)
-        found += [(record, outcome) for outcome, target in node.on.items() if target == name]
-    return found
+    below = children_of(container) if isinstance(container, StateMachine) else {}
+    return [((*children, sibling), o) for sibling, node in below.items() for o, to in node.on.items() if to == name]

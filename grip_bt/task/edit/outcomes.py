@@ -7,11 +7,11 @@ from typing import Any, Literal
 
 from grip_bt.base.errors import EditError, listing, nearest
 
+from ..canonical import file_data
 from ..model import AnyNode, Leaf, Name, StateMachine, Subtask, Task
 from ..walking import outcomes_of
 from .change_kind import STANDARD
 from .command import BaseCommand, said
-from .draft import deep
 from .editing import Editing, kind_of
 from .steps import Place
 
@@ -115,7 +115,7 @@ def _inside(editing: Editing, node: AnyNode, place: Place, command: RenameOutcom
     for key, label in editing.entries(place, "exits").items():
         if label == command.outcome:
             editing.set((*place, "exits"), key, command.to)
-    for number, rule in enumerate(deep(editing.draft.mapping(place).get("rules", []))):
+    for number, rule in enumerate(file_data(editing.draft.mapping(place).get("rules", []))):
         if rule.get("then") == command.outcome:
             editing.set((*place, "rules", str(number)), "then", command.to)
     if isinstance(node, StateMachine) and command.outcome not in node.children:
@@ -140,7 +140,7 @@ def _around(editing: Editing, command: RenameOutcome) -> None:
     above, name, _ = editing.parent(command.path, "")
     place = editing.place(above)
     _follow_keys(editing, (*place, "exits"), editing.entries(place, "exits"), f"{name}.", command)
-    for number, rule in enumerate(deep(editing.draft.mapping(place).get("rules", []))):
+    for number, rule in enumerate(file_data(editing.draft.mapping(place).get("rules", []))):
         said = rule.get("when", {}).get(name)
         if said is None:
             continue

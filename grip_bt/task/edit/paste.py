@@ -10,10 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grip_bt.base.frozen import FrozenDict
 
+from ..canonical import file_data
 from ..model import AnyNode, Name, StateMachine, Task
 from ..walking import children_of, outcomes_of
 from .command import BaseCommand, said
-from .draft import deep
 from .editing import Editing, expect_free, expect_room, slot
 from .variables import RenameVariable, declared_by, used_by
 
@@ -64,7 +64,7 @@ class Paste(BaseCommand):
         place = editing.place(self.parent)
         for old, declaration in clip.variables.items():
             if names[old] not in there:
-                editing.set_in(place, "data", names[old], deep(declaration))
+                editing.set_in(place, "data", names[old], file_data(declaration))
         if "on" in node:
             kept = {k: v for k, v in node["on"].items() if v in children_of(parent) or v in _outcomes(parent)}
             node = {k: v for k, v in node.items() if k != "on"}
@@ -82,7 +82,7 @@ def clip_of(task: Task, path: str) -> Clip:
     used = _free(node)
     variables = {name: declared for name, declared in _seen_from(task, path).items() if name in used}
     name = path.rpartition("/")[2] or "root"
-    return Clip(name=name, node=deep(node), variables=deep(variables))
+    return Clip(name=name, node=file_data(node), variables=file_data(variables))
 
 
 def _names(command: Paste, there: Mapping[str, Any]) -> dict[str, str]:
@@ -107,7 +107,7 @@ def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, Any]:
             editing = Editing(task)
             RenameVariable(path="", name=old, to=new).plan(editing)
             task = editing.draft.task(clip.name)
-    node = deep(children_of(task.root)[clip.name])
+    node = file_data(children_of(task.root)[clip.name])
     assert isinstance(node, dict)
     return node
 
@@ -118,9 +118,9 @@ def _parsed(clip: Clip) -> Task:
     Raises:
         EditError: it isn't a node.
     """
-    data: dict[str, Any] = {"grip": 1, "name": "clip", "data": deep(clip.variables)}
+    data: dict[str, Any] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
     editing = Editing(Task.model_validate({**data, "root": {"kind": "sequence", "children": {}}}))
-    editing.put(("root", "children"), clip.name, deep(clip.node))
+    editing.put(("root", "children"), clip.name, file_data(clip.node))
     return editing.draft.task(clip.name)
 
 
@@ -168,4 +168,4 @@ def _declare(seen: dict[str, Any], node: AnyNode) -> None:
 
 
 def _type(declaration: Any) -> str:
-    return declaration if isinstance(declaration, str) else str(deep(declaration)["type"])
+    return declaration if isinstance(declaration, str) else str(file_data(declaration)["type"])

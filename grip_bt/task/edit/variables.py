@@ -12,11 +12,11 @@ from pydantic import Field
 from grip_bt.base.errors import EditError, ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
 
+from ..canonical import file_data
 from ..model import AnyNode, Name, Variable
 from ..shape import DECLARING
 from ..walking import children_of, expressions_of, join
 from .command import BaseCommand, said
-from .draft import deep
 from .editing import Editing
 
 _READS = ("items",)
@@ -43,7 +43,7 @@ class Declare(BaseCommand):
         if self.name in declared_by(holder):
             raise EditError(self.path, f"the variable {self.name!r} is there already")
         place = editing.place(self.path)
-        value = deep(self.variable)
+        value = file_data(self.variable)
         if "data" in editing.draft.mapping(place):
             editing.put((*place, "data"), self.name, value, self.index)
         else:

@@ -16,14 +16,12 @@ from grip_bt.task import Leaf, StateMachine, Task
 from grip_bt.task.catalog import Catalog, InputPort, OutputPort, is_assignable, parse_type
 from grip_bt.task.edit import (
     AnyCommand,
-    Bind,
     Connect,
     Declare,
     Disconnect,
     Group,
     Remove,
     Set,
-    Unbind,
     Undeclare,
     Unset,
     apply,
@@ -140,14 +138,14 @@ def _binding(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
     fitting = [variable for variable, declared in spot.scope.items() if _fits(declared, port)]
     likely = [v for v in (*_near(said, fitting), name, *reversed(fitting)) if v in fitting]
     for variable in list(dict.fromkeys(likely))[: MOST - 1]:
-        yield f"Bind {name} to {variable}", Bind(path=issue.path, side=side, port=name, variable=variable)
+        yield f"Bind {name} to {variable}", Set(path=issue.path, key=(side, name), value=variable)
     new = said or name
     if new not in spot.scope:
-        bind = Bind(path=issue.path, side=side, port=name, variable=new)
+        bind = Set(path=issue.path, key=(side, name), value=new)
         commands = (Declare(path="", name=new, variable=port.type), *(() if said == new else (bind,)))
         yield f"Declare {new}: {port.type}", Group(title=f"declare {new}", commands=commands)
     if said:
-        yield f"Unbind {name}", Unbind(path=issue.path, side=side, port=name)
+        yield f"Unbind {name}", Unset(path=issue.path, key=(side, name))
 
 
 def _message(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
@@ -173,7 +171,7 @@ def _unused_variable(survey: Survey, spot: Spot | None, issue: Issue) -> _Found:
     """Take out a variable that nobody reads, with the bindings of those who write it."""
     name = str(issue.key[-1])
     writers = [
-        Unbind(path=other.path, side="out", port=port)
+        Unset(path=other.path, key=("out", port))
         for other in survey.spots
         if isinstance(other.node, Leaf) and name in other.scope and other.scope[name].owner == issue.path
         for port, variable in other.node.out.items()

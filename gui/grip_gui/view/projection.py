@@ -9,8 +9,8 @@ from functools import cache
 from typing import Any, Literal, TypeAlias
 
 from grip_bt.task.canonical import data_of
+from grip_bt.task.canonical import file_data as plain_data
 from grip_bt.task.catalog.manifest import Manifest
-from grip_bt.task.edit.draft import deep as plain_data
 from grip_bt.task.model import AnyNode, Leaf, StateMachine, Subtask, Task, Variable
 from grip_bt.task.walking import children_of, join, outcomes_of, walk
 from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, Transition, VariableView

@@ -16,15 +16,15 @@ FIELDS = {
     "cooldown": {"seconds": 2},
 }
 GROUPS = ["add", "remove", "move", "rename", "set", "unset", "connect", "disconnect", "wrap", "unwrap", "change_kind",
-          "bind", "unbind", "set_meaning", "declare", "undeclare", "rename_variable", "rename_outcome",
+          "set_meaning", "declare", "undeclare", "rename_variable", "rename_outcome",
           "paste", "comment"]  # fmt: skip
 
 
 def _data(node):
     """Return a node as it stands in a file."""
-    from grip_bt.task.edit.draft import deep
+    from grip_bt.task.canonical import file_data
 
-    return deep(node)
+    return file_data(node)
 
 
 @st.composite
@@ -56,6 +56,7 @@ def _set(draw, task, path, node, containers):
         st.tuples(st.just(("doc",)), texts)
         | st.tuples(st.sampled_from([("x-a",), ("x-b", "inner")]), literals)
         | st.tuples(texts.map(lambda name: ("with", name)), literals)
+        | st.tuples(st.tuples(st.sampled_from(["in", "out"]), texts), texts)
         | st.sampled_from([(("times",), 3), (("seconds",), 2.5), (("memory",), False), (("policy",), "any")])
         | st.tuples(st.just(("name",)), texts)
     )
@@ -98,16 +99,6 @@ def _wrap(draw, task, path, node, containers):
 def _change_kind(draw, task, path, node, containers):
     kind = draw(st.sampled_from(list(KINDS)))
     return {"path": draw(st.sampled_from(containers)), "kind": kind, "fields": FIELDS.get(kind, {})}
-
-
-def _bind(draw, task, path, node, containers):
-    return {"path": path, "side": draw(st.sampled_from(["in", "out"])), "port": draw(texts), "variable": draw(texts)}
-
-
-def _unbind(draw, task, path, node, containers):
-    side = draw(st.sampled_from(["in", "out"]))
-    bound = list(getattr(node, {"in": "in_"}.get(side, side), {})) or ["a"]
-    return {"path": path, "side": side, "port": draw(st.sampled_from(bound))}
 
 
 def _set_meaning(draw, task, path, node, containers):
@@ -163,8 +154,6 @@ _MAKERS = {
     "wrap": _wrap,
     "unwrap": lambda draw, task, path, node, containers: {"path": path},
     "change_kind": _change_kind,
-    "bind": _bind,
-    "unbind": _unbind,
     "set_meaning": _set_meaning,
     "declare": _declare,
     "undeclare": _undeclare,

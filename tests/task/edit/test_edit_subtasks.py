@@ -40,10 +40,10 @@ root:
             ["outputs: {got: int}", "out: {reached: got}", "while: got < limit", "in: {a: got}, out: {value: got}"],
         ),
         (
-            {"do": "bind", "path": "first", "side": "in", "port": "by", "variable": "limit"},
+            {"do": "set", "path": "first", "key": ["in", "by"], "value": "limit"},
             ["        start: limit\n        by: limit\n"],
         ),
-        ({"do": "unbind", "path": "first", "side": "out", "port": "reached"}, ["in: {start: limit}}"]),
+        ({"do": "unset", "path": "first", "key": ["out", "reached"]}, ["in: {start: limit}}"]),
         ({"do": "set", "path": "first", "key": ["with", "by"], "value": 2}, ["with: {by: 2}"]),
         ({"do": "set", "path": "first", "key": ["task"], "value": "tasks/other.yaml"}, ["task: tasks/other.yaml"]),
         ({"do": "set", "path": "", "key": ["inputs", "by"], "value": "int"}, ["inputs: {limit: int, by: int}"]),

@@ -16,8 +16,8 @@ unhurried = settings(
     deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
 )
 randoms = st.randoms(use_true_random=False)
-KEEPING = ("add", "rename", "connect", "bind", "declare", "rename_variable")
-LOCAL = ("set", "unset", "bind", "unbind", "add", "set_meaning", "declare", "undeclare", "comment")
+KEEPING = ("add", "rename", "connect", "declare", "rename_variable")
+LOCAL = ("set", "unset", "add", "set_meaning", "declare", "undeclare", "comment")
 
 
 def edited(data, task, random, kinds=None):
@@ -192,7 +192,7 @@ def test_a_key_of_a_node_in_braces_is_set_within_its_line():
 
 
 def test_a_node_in_braces_that_grows_too_long_is_spread_out_alone():
-    after = edit(TEXT, do="bind", path="take", side="out", port="held", variable="grasp")
+    after = edit(TEXT, do="set", path="take", key=["out", "held"], value="grasp")
     gone, _ = changed_lines(TEXT, after)
     assert len(gone) == 1
     assert "        take:\n          node: arm/take\n" in after
@@ -244,7 +244,7 @@ def test_odd_but_common_spellings_are_edited_in_place(text, newline):
         {"do": "set", "path": "d", "key": ["doc"], "value": "two\nlines\n"},
         {"do": "wrap", "paths": ["a", "d"], "kind": "fallback", "name": "one"},
         {"do": "wrap", "paths": ["/"], "kind": "invert", "name": "not"},
-        {"do": "bind", "path": "a", "side": "in", "port": "p", "variable": "v"},
+        {"do": "set", "path": "a", "key": ["in", "p"], "value": "v"},
         {"do": "change_kind", "path": "/", "kind": "state_machine"},
         {"do": "add", "parent": "/", "name": "n", "index": 1, "node": {"kind": "sequence", "children": {}}},
     ):

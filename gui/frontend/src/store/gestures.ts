@@ -236,7 +236,7 @@ export async function newVariableFor(path: string, side: "in" | "out", port: Por
   const taken = useRun.getState().task.variables.filter((v) => v.scope === "").map((v) => v.name);
   const name = await askText({ title: `New variable for ${port.name}`, label: "Name", initial: freshName(taken, port.name), check: nameCheck(taken), hint: `Of the type ${port.type}` });
   if (name === null) return;
-  const commands = [{ do: "declare", path: "", name, variable: port.type }, { do: "bind", path, side, port: port.name, variable: name }];
+  const commands = [{ do: "declare", path: "", name, variable: port.type }, { do: "set", path, key: [side, port.name], value: name }];
   await edit(group(`new variable ${name}`, commands));
 }
 

@@ -92,8 +92,8 @@ function Ports({ title, side, ports, bound, node, locked }: PortsProps): JSX.Ele
   };
   const set = (port: PortFace, variable: string): void => {
     if (variable === NEW) void newVariableFor(node.path, side, port);
-    else if (variable === "") void edit({ do: "unbind", path: node.path, side, port: port.name });
-    else void edit({ do: "bind", path: node.path, side, port: port.name, variable });
+    else if (variable === "") void edit({ do: "unset", path: node.path, key: [side, port.name] });
+    else void edit({ do: "set", path: node.path, key: [side, port.name], value: variable });
   };
   return (
     <>
