@@ -15,7 +15,6 @@ import numpy as np
 from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, PointCloud, Pose
-from grip_bt.ros.client.types import WHOLE, ConversionError, FieldType, check_field, field_types
 from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
 from grip_bt.task.catalog.component_parts import UNITS, PortType
 
@@ -23,6 +22,7 @@ from .client.action import ActionClient
 from .client.goal import GoalEnd
 from .client.service import ServiceClient
 from .client.topic import TopicReader, TopicWriter
+from .client.types import WHOLE, ConversionError, FieldType, InterfaceType, Message, check_field, field_types
 from .convert import from_message, to_message
 from .frames import ROOT, FrameError, FrameTree, frame_of, transformed
 
@@ -44,7 +44,7 @@ class RosComponent:
         self._meaning = list(file.meanings().items())
         self._ports: dict[type, dict[str, str]] = {}
 
-    def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+    def call(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
         """Send the inputs; the result holds the outputs as the declared values, and the `outcome` of a contract.
 
         The `outcome` in the result is an integer within the declared ones. A field that can't be converted is left out
@@ -61,7 +61,7 @@ class RosComponent:
         except FrameError as error:
             return Operation.failed(error)
 
-    def _begin(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+    def _begin(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
         client, timeouts, moves = self._client, self.file.timeouts, self.file.moves
         limit = f" (`timeouts: {{call: {timeouts.call:g}}}` in component.yaml of {self.file.name})"
         if isinstance(client, ServiceClient):
@@ -79,7 +79,7 @@ class RosComponent:
         message = self._adapter.pack(request, client.type)
         return client.publish(message, 1, timeouts.ready).then(lambda _: Operation.finished({}))
 
-    def _feedback(self, message: Any) -> Any:
+    def _feedback(self, message: Message | None) -> object:
         declared = self.file.ports.get(FEEDBACK)
         if message is None or declared is None:
             return message
@@ -88,7 +88,7 @@ class RosComponent:
         except ConversionError:
             return message  # a progress that can't be shown is no reason to give the goal up
 
-    def _unpack_end(self, end: GoalEnd) -> Operation[Mapping[str, Any]]:
+    def _unpack_end(self, end: GoalEnd) -> Operation[Mapping[str, object]]:
         if end.status == "canceled":
             raise CanceledError(f"component {self.file.name}: the goal was canceled")
         if end.status == "aborted":
@@ -98,8 +98,8 @@ class RosComponent:
             raise GoalAbortedError(f"component {self.file.name}: the server aborted the goal{said}", result=plain)
         return self._unpack(end.result)
 
-    def _unpack(self, response: Any) -> Operation[Mapping[str, Any]]:
-        result: dict[str, Any] = {}
+    def _unpack(self, response: Message) -> Operation[Mapping[str, object]]:
+        result: dict[str, object] = {}
         meaning = "success"
         if not self.file.rules:
             result["outcome"], meaning = self._outcome(response)
@@ -118,7 +118,7 @@ class RosComponent:
             self._ports[cls] = self.file.port_fields(fields)
         return self._ports[cls]
 
-    def _outcome(self, response: Any) -> tuple[int, str]:
+    def _outcome(self, response: Message) -> tuple[int, str]:
         number = getattr(response, "outcome", None)
         if not isinstance(number, int):
             raise BadReplyError(f"component {self.file.name}: the response has no integer field 'outcome'")
@@ -146,14 +146,14 @@ class Adapter:
     def __init__(self, file: ComponentFile, frames: FrameTree | None = None):
         self._file, self._frames = file, frames or FrameTree()
 
-    def pack(self, values: Mapping[str, Any], cls: Any) -> Any:
+    def pack(self, values: Mapping[str, object], cls: InterfaceType) -> Message:
         """Return a message of `cls` that holds the values of ports, and what is fixed.
 
         Raises:
             ConversionError: a value doesn't fit, with the field.
             FrameError: a frame isn't known.
         """
-        fields: dict[str, Any] = dict(self._file.fixed)
+        fields: dict[str, object] = dict(self._file.fixed)
         for port, value in values.items():
             declared = self._file.ports.get(port)
             path = declared.field if declared is not None and declared.field else port
@@ -165,7 +165,7 @@ class Adapter:
             _put(fields, path.split("."), value)
         return to_message(fields, cls)
 
-    def unpack(self, message: Any, port: str, path: str) -> Any:
+    def unpack(self, message: Message, port: str, path: str) -> object:
         """Return a port's value from its field.
 
         Raises:
@@ -179,12 +179,12 @@ class Adapter:
         if declared is None:
             return raw
         if _is_pose_in_numbers(declared, raw):
-            value: Any = _pose_from_numbers(raw, declared)
+            value: object = _pose_from_numbers(raw, declared)
         else:
             value = from_message(raw, declared.type)
         return self._inwards(value, declared, raw) if declared.adapts else value
 
-    def _outwards(self, value: Any, port: PortType, kind: FieldType) -> Any:
+    def _outwards(self, value: object, port: PortType, kind: FieldType) -> object:
         if port.frame is not None:
             value = self._into(value, port.frame)
         if port.unit is not None:
@@ -194,14 +194,14 @@ class Adapter:
             return _numbers_from_pose(value, port)
         return value
 
-    def _inwards(self, value: Any, port: PortType, raw: Any) -> Any:
+    def _inwards(self, value: object, port: PortType, raw: object) -> object:
         if port.unit is not None:
             value = scaled(value, UNITS[port.unit], port.unit)
         if port.frame is not None and not _names_a_frame(raw):
             value = _labelled(value, port.frame)
         return value
 
-    def _into(self, value: Any, frame: str) -> Any:
+    def _into(self, value: object, frame: str) -> object:
         present = frame_of(value)
         if present is None or present == frame:
             return value
@@ -213,7 +213,7 @@ class Adapter:
             raise ConversionError("", str(error)) from None
 
 
-def scaled(value: Any, factor: float, unit: str) -> Any:
+def scaled(value: object, factor: float, unit: str) -> object:
     """Return a value whose lengths, or angles, or numbers are multiplied.
 
     Args:
@@ -248,7 +248,7 @@ def nearest_whole(value: Any) -> Any:
     return np.rint(value).astype(np.int64) if isinstance(value, np.ndarray) else round(value)
 
 
-def _field_type(cls: Any, path: str) -> FieldType:
+def _field_type(cls: type, path: str) -> FieldType:
     """Return the type of a field below a message class."""
     *parents, last = path.split(".")
     for name in parents:
@@ -259,7 +259,7 @@ def _field_type(cls: Any, path: str) -> FieldType:
     return check_field(cls, last)
 
 
-def _put(fields: dict[str, Any], path: list[str], value: Any) -> None:
+def _put(fields: dict[str, Any], path: list[str], value: object) -> None:
     for name in path[:-1]:
         inner = fields.setdefault(name, {})
         if not isinstance(inner, dict):
@@ -268,7 +268,7 @@ def _put(fields: dict[str, Any], path: list[str], value: Any) -> None:
     fields[path[-1]] = value
 
 
-def _is_pose_in_numbers(port: PortType, raw: Any) -> bool:
+def _is_pose_in_numbers(port: PortType, raw: object) -> bool:
     return port.type == "Pose" and not hasattr(raw, "get_fields_and_field_types")
 
 
@@ -291,13 +291,13 @@ def _numbers_from_pose(pose: Pose, port: PortType) -> list[float]:
     return [*map(float, pose.position), *map(float, rotation)]
 
 
-def _names_a_frame(raw: Any) -> bool:
+def _names_a_frame(raw: object) -> bool:
     first = raw[0] if isinstance(raw, (list, tuple)) and raw else raw
     header = getattr(first, "header", None) or getattr(getattr(first, "pose", None), "header", None)
     return bool(getattr(header, "frame_id", ""))
 
 
-def _labelled(value: Any, frame: str) -> Any:
+def _labelled(value: object, frame: str) -> object:
     if isinstance(value, (list, tuple)):
         return [_labelled(item, frame) for item in value]
     if frame_of(value) is None:

@@ -18,38 +18,42 @@ import numpy as np
 from grip_bt.base import values
 from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
-from grip_bt.ros.client.types import ConversionError, check_field, field_types, primitive
 
 from . import convert_geometry as geometry
 from . import convert_perception as perception
-from .client.types import type_name
+from .client.types import (
+    ConversionError,
+    FieldType,
+    InterfaceType,
+    Message,
+    check_field,
+    field_types,
+    primitive,
+    type_name,
+)
 
-_TO: dict[tuple[type, str], Callable[[Any], Any]] = {
-    (Pose, "geometry_msgs/msg/Pose"): geometry.pose_to_message,
-    (Pose, "geometry_msgs/msg/PoseStamped"): geometry.pose_to_stamped,
-    (Pose, "geometry_msgs/msg/Transform"): geometry.pose_to_transform,
-    (Pose, "geometry_msgs/msg/TransformStamped"): geometry.pose_to_transform_stamped,
-    (JointState, "sensor_msgs/msg/JointState"): geometry.joints_to_message,
-    (Trajectory, "trajectory_msgs/msg/JointTrajectory"): geometry.trajectory_to_message,
-    (PointCloud, "sensor_msgs/msg/PointCloud2"): perception.cloud_to_message,
-    (Image, "sensor_msgs/msg/Image"): perception.image_to_message,
-    (DepthImage, "sensor_msgs/msg/Image"): perception.depth_to_message,
-    (CameraInfo, "sensor_msgs/msg/CameraInfo"): perception.camera_to_message,
+_CONVERSIONS: dict[tuple[type, str], tuple[Callable[[Any], Message], Callable[[Any], object] | None]] = {
+    (Pose, "geometry_msgs/msg/Pose"): (geometry.pose_to_message, geometry.pose_from_message),
+    (Pose, "geometry_msgs/msg/PoseStamped"): (geometry.pose_to_stamped, geometry.pose_from_stamped),
+    (Pose, "geometry_msgs/msg/Transform"): (geometry.pose_to_transform, geometry.pose_from_transform),
+    (Pose, "geometry_msgs/msg/TransformStamped"): (
+        geometry.pose_to_transform_stamped,
+        geometry.pose_from_transform_stamped,
+    ),
+    (JointState, "sensor_msgs/msg/JointState"): (geometry.joints_to_message, geometry.joints_from_message),
+    (Trajectory, "trajectory_msgs/msg/JointTrajectory"): (
+        geometry.trajectory_to_message,
+        geometry.trajectory_from_message,
+    ),
+    (PointCloud, "sensor_msgs/msg/PointCloud2"): (perception.cloud_to_message, perception.cloud_from_message),
+    (Image, "sensor_msgs/msg/Image"): (perception.image_to_message, perception.image_from_message),
+    (DepthImage, "sensor_msgs/msg/Image"): (perception.depth_to_message, None),  # needs the camera's geometry too
+    (CameraInfo, "sensor_msgs/msg/CameraInfo"): (perception.camera_to_message, perception.camera_from_message),
 }
-_FROM: dict[tuple[type, str], Callable[[Any], Any]] = {
-    (Pose, "geometry_msgs/msg/Pose"): geometry.pose_from_message,
-    (Pose, "geometry_msgs/msg/PoseStamped"): geometry.pose_from_stamped,
-    (Pose, "geometry_msgs/msg/Transform"): geometry.pose_from_transform,
-    (Pose, "geometry_msgs/msg/TransformStamped"): geometry.pose_from_transform_stamped,
-    (JointState, "sensor_msgs/msg/JointState"): geometry.joints_from_message,
-    (Trajectory, "trajectory_msgs/msg/JointTrajectory"): geometry.trajectory_from_message,
-    (PointCloud, "sensor_msgs/msg/PointCloud2"): perception.cloud_from_message,
-    (Image, "sensor_msgs/msg/Image"): perception.image_from_message,
-    (CameraInfo, "sensor_msgs/msg/CameraInfo"): perception.camera_from_message,
-}
+"""What has a counterpart in ROS: value, message -> to the message, from the message."""
 
 
-def to_message(value: Any, cls: Any) -> Any:
+def to_message(value: object, cls: InterfaceType) -> Message:
     """Return a message of class `cls` that holds `value`.
 
     Args:
@@ -62,9 +66,9 @@ def to_message(value: Any, cls: Any) -> Any:
     """
     if isinstance(value, cls):
         return value
-    special = _TO.get((type(value), type_name(cls)))
+    special = _CONVERSIONS.get((type(value), type_name(cls)))
     if special is not None:
-        return special(value)
+        return special[0](value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         names = [f.name for f in dataclasses.fields(value) if f.name in field_types(cls)]
         if not names:
@@ -114,14 +118,14 @@ def from_message(message: Any, declared: Any = Any) -> Any:
         if isinstance(message, wanted):
             return message
         raise ConversionError("", f"{_describe(message)} can't be made a {wanted.__name__}")
-    special = _FROM.get((wanted, type_name(type(message))))
+    _, special = _CONVERSIONS.get((wanted, type_name(type(message))), (None, None))
     try:
         return special(message) if special is not None else _dataclass(message, wanted)
     except ValueError as error:  # values check themselves
         raise ConversionError("", str(error)) from None
 
 
-def _field(kind: Any, value: Any) -> Any:
+def _field(kind: FieldType, value: object) -> Any:
     cls = kind.message
     if cls is None:
         return primitive(kind, value)
@@ -132,13 +136,13 @@ def _field(kind: Any, value: Any) -> Any:
     return _each(value, lambda item: to_message(item, cls))
 
 
-def _elements(message: Any, wanted: Any) -> list[Any]:
+def _elements(message: Any, wanted: Any) -> list[object]:
     if isinstance(message, str) or not hasattr(message, "__len__"):
         raise ConversionError("", f"a sequence expected, got {_describe(message)}")
     return _each(message, lambda item: from_message(item, wanted))
 
 
-def _each(items: Iterable[Any], turn: Callable[[Any], Any]) -> list[Any]:
+def _each(items: Iterable[object], turn: Callable[[Any], object]) -> list[object]:
     """Turn each item, and say which one can't be turned."""
     turned = []
     for index, item in enumerate(items):
@@ -149,7 +153,7 @@ def _each(items: Iterable[Any], turn: Callable[[Any], Any]) -> list[Any]:
     return turned
 
 
-def _builtin(message: Any, wanted: type) -> Any:
+def _builtin(message: Any, wanted: type) -> object:
     if list(getattr(message, "get_fields_and_field_types", dict)()) == ["data"]:
         message = message.data
     if wanted is float and isinstance(message, int) and not isinstance(message, bool):
@@ -160,11 +164,11 @@ def _builtin(message: Any, wanted: type) -> Any:
 
 
 @cache
-def _hints(cls: Any) -> dict[str, Any]:
+def _hints(cls: type) -> dict[str, Any]:
     return typing.get_type_hints(cls)
 
 
-def _dataclass(message: Any, cls: Any) -> Any:
+def _dataclass(message: Message, cls: Any) -> object:
     """Make a dataclass from the fields of the same names."""
     if not hasattr(cls, "__dataclass_fields__"):
         raise ConversionError("", f"{_describe(message)} can't be made a {cls.__name__}")
@@ -181,7 +185,7 @@ def _dataclass(message: Any, cls: Any) -> Any:
     return cls(**found)
 
 
-def _describe(value: Any) -> str:
+def _describe(value: object) -> str:
     return type_name(type(value)) if hasattr(value, "get_fields_and_field_types") else f"a {type(value).__name__}"
 
 

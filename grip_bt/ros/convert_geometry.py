@@ -8,6 +8,7 @@ import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import Point, PoseStamped, Quaternion, Transform, TransformStamped, Vector3
 from geometry_msgs.msg import Pose as PoseMessage
+from numpy.typing import NDArray
 from sensor_msgs.msg import JointState as JointStateMessage
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -97,7 +98,7 @@ def joints_from_message(message: JointStateMessage) -> JointState:
 def trajectory_to_message(trajectory: Trajectory, ahead: float = 0.0) -> JointTrajectory:
     """Convert a trajectory, whose first point is due `ahead` [s] after its beginning."""
 
-    def row(values: Any, k: int) -> list[float]:
+    def row(values: NDArray[np.float64] | None, k: int) -> list[float]:
         return [] if values is None else values[k].tolist()
 
     points = [
@@ -116,7 +117,7 @@ def trajectory_from_message(message: JointTrajectory) -> Trajectory:
     """Convert a trajectory; velocities and accelerations are kept when every point has them."""
     points = message.points
 
-    def rows(name: str) -> Any:
+    def rows(name: str) -> NDArray[np.float64] | None:
         values = [getattr(p, name) for p in points]
         return np.array(values) if values and all(len(v) for v in values) else None
 

@@ -13,8 +13,8 @@ from sensor_msgs.msg import Image as ImageMessage
 from sensor_msgs.msg import PointCloud2, PointField
 
 from grip_bt.base.values import CameraInfo, DepthImage, Image, PointCloud, Pose
-from grip_bt.ros.client.types import ConversionError
 
+from .client.types import ConversionError
 from .convert_geometry import DEFAULT_FRAME, header, seconds
 
 _FLOATS = {PointField.FLOAT32: "f4", PointField.FLOAT64: "f8"}
@@ -178,7 +178,7 @@ def _unpacked(packed: NDArray[np.uint32]) -> NDArray[np.uint8]:
     return colors
 
 
-def _coordinates(message: PointCloud2, fields: dict[str, Any]) -> NDArray[Any]:
+def _coordinates(message: PointCloud2, fields: dict[str, PointField]) -> NDArray[Any]:
     """Return x, y, z of every point, shape (n, 3); a view where nothing lies between them."""
     for name in "xyz":
         if name not in fields:

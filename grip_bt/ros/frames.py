@@ -111,7 +111,7 @@ def mounted_frames(sensors: Mapping[str, SensorConfig | CameraTopics]) -> tuple[
     return poses, broken
 
 
-def transformed(value: Any, pose: Pose) -> Any:
+def transformed(value: object, pose: Pose) -> Any:
     """Return a value that was given in a frame, as seen in the frame in which that frame has the pose `pose`.
 
     Raises:
@@ -129,7 +129,7 @@ def transformed(value: Any, pose: Pose) -> Any:
     raise TypeError(f"a {type(value).__name__} can't be transformed into another frame")
 
 
-def frame_of(value: Any) -> str | None:
+def frame_of(value: object) -> str | None:
     """Return the frame that a value is given in; None when it has none, or is an empty list."""
     if isinstance(value, (list, tuple)):
         return frame_of(value[0]) if value else None

@@ -12,11 +12,12 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.topic import Received
-from grip_bt.ros.client.types import ConversionError, check_name, load_message, load_type
 from grip_bt.ros.convert import from_message, to_message
 from grip_bt.ros.convert_geometry import seconds
 from grip_bt.ros.synchronise import Gathering
 from grip_bt.ros.transforms import Transforms
+
+from .client.types import ConversionError, Message, check_name, load_message, load_type
 
 ANSWER = 2.0
 """How long a node may take to answer about a parameter once it is there [s]."""
@@ -61,11 +62,11 @@ class RosInterface:
         """Return the last message when it is at most `max_age` [s] old, else the next."""
         return self.bus.reader(message, topic).recent(max_age, timeout).then(lambda m: _as(topic, m, value))
 
-    def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
+    def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Message]]:
         """Wait for a message of each topic, taken from now on and at most `slop` [s] apart; see `Gathering`."""
         return Gathering(self.bus, topics, slop, timeout, self._now).begin()
 
-    def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
+    def publish(self, topic: str, message: str, value: object, subscribers: int, timeout: float) -> Operation[None]:
         """Publish a value when at least `subscribers` listen; BadRequestError when it doesn't fit the message."""
         try:
             made = to_message(value, load_type(message))
@@ -82,7 +83,7 @@ class RosInterface:
         service = load_type("rcl_interfaces/srv/GetParameters")
         client = self.bus.service(service, f"{node}/get_parameters")
 
-        def value(response: Any) -> Operation[Any]:
+        def value(response: Message) -> Operation[Any]:
             (found,) = response.values or (None,)
             if found is None or found.type == 0:
                 raise BadReplyError(f"{node}: there is no parameter {name!r}, or nobody has set it", node=node)
@@ -91,7 +92,7 @@ class RosInterface:
 
         return client.call(service.Request(names=[name]), timeout + ANSWER, timeout).then(value)
 
-    def set_parameter(self, node: str, name: str, value: Any, timeout: float) -> Operation[None]:
+    def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
         """Set a parameter of a node."""
         service = load_type("rcl_interfaces/srv/SetParameters")
         client = self.bus.service(service, f"{node}/set_parameters")
@@ -101,7 +102,7 @@ class RosInterface:
             return Operation.failed(BadReplyError(f"{node}: {name}: {error.message}"))
         parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=wanted)
 
-        def check(response: Any) -> Operation[None]:
+        def check(response: Message) -> Operation[None]:
             (result,) = response.results
             if not result.successful:
                 raise BadReplyError(f"{node} refuses {name} = {value!r}: {result.reason or 'it gave no reason'}")
@@ -110,14 +111,14 @@ class RosInterface:
         return client.call(service.Request(parameters=[parameter]), timeout + ANSWER, timeout).then(check)
 
 
-def _as(topic: str, message: Any, value: str) -> Operation[Any]:
+def _as(topic: str, message: Message, value: str) -> Operation[Any]:
     try:
         return Operation.finished(from_message(message, value))
     except ConversionError as error:
         raise BadReplyError(f"{topic}: {error}") from None
 
 
-def _parameter(value: Any) -> Any:
+def _parameter(value: Any) -> Message:
     made = load_type("rcl_interfaces/msg/ParameterValue")()
     several = isinstance(value, (list, tuple))
     kinds = {type(v) for v in value} if several else {type(value)}
@@ -179,7 +180,7 @@ class RosClock:
     def _received(self, received: Received) -> None:
         self._hear(received.message)
 
-    def _hear(self, message: Any) -> None:
+    def _hear(self, message: Message) -> None:
         time = seconds(message.clock)
         self._started.set()
         if time > self._time:

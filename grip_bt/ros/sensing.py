@@ -6,18 +6,18 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import CameraInfo, RgbdFrame
-from grip_bt.ros.client.types import ConversionError
 from grip_bt.ros.process import command_of
 from grip_bt.task.catalog.ros_config import CameraTopics
 from grip_bt.task.catalog.sensors import SensorConfig
 
+from .client.types import ConversionError, Message
 from .convert import from_message
 from .convert_geometry import seconds
 from .convert_perception import camera_from_message, depth_from_message, image_from_message
@@ -35,7 +35,7 @@ def taken(
     topics: Mapping[str, str],
     slop: float,
     timeout: float,
-    made: Callable[[Mapping[str, Any]], Steps[T]],
+    made: Callable[[Mapping[str, Message]], Steps[T]],
 ) -> Steps[T]:
     """Take messages together until something can be made of them, at most for a time.
 
@@ -72,7 +72,7 @@ class TopicSensor:
         self.name, self.config, self.process = name, config, process
         self._door = door
         self._messages = {topic.topic: topic.message_type() for topic in config.topics.values()}
-        self._captures: set[Operation[Mapping[str, Any]]] = set()
+        self._captures: set[Operation[Mapping[str, object]]] = set()
         for topic, message in self._messages.items():
             door.listen(topic, message)
         if config.given_in is not None:
@@ -80,7 +80,7 @@ class TopicSensor:
         if process is not None:
             process.when_ended(self._driver_ended)
 
-    def capture(self) -> Operation[Mapping[str, Any]]:
+    def capture(self) -> Operation[Mapping[str, object]]:
         """Take one value of each output, from one moment that lies after this call.
 
         Ends with ServerTimeOutError after the sensor's time, SensorError when its driver dies or what it sent can't be
@@ -98,7 +98,7 @@ class TopicSensor:
         for capture in list(self._captures):
             capture.cancel()
 
-    def _captured(self) -> Steps[Mapping[str, Any]]:
+    def _captured(self) -> Steps[Mapping[str, object]]:
         """Take what is asked for, or say how the driver ended."""
         config = self.config
         try:
@@ -108,7 +108,7 @@ class TopicSensor:
                 raise
             raise SensorError(f"sensor {self.name}: {self.process.describe_end()}") from None
 
-    def _values(self, messages: Mapping[str, Any]) -> Steps[Mapping[str, Any]]:
+    def _values(self, messages: Mapping[str, Message]) -> Steps[Mapping[str, object]]:
         found = {}
         info = self._camera_info(messages)
         for port, topic in self.config.topics.items():
@@ -119,11 +119,11 @@ class TopicSensor:
             found[port] = yield from self._placed(value, messages[topic.topic])
         return found
 
-    def _camera_info(self, messages: Mapping[str, Any]) -> CameraInfo | None:
+    def _camera_info(self, messages: Mapping[str, Message]) -> CameraInfo | None:
         infos = [t.topic for t in self.config.topics.values() if t.type == "CameraInfo"]
         return from_message(messages[infos[0]], "CameraInfo") if infos else None
 
-    def _placed(self, value: Any, message: Any) -> Steps[Any]:
+    def _placed(self, value: object, message: Message) -> Steps[object]:
         """Bring a value into the frame that is asked for, from where its own was when the message was stamped."""
         wanted, present = self.config.given_in, frame_of(value)
         if wanted is None or present in (None, wanted):
@@ -143,7 +143,7 @@ class BrokenSensor:
         self.name, self.reason = name, reason
         self.process: Process | None = None
 
-    def capture(self) -> Operation[Mapping[str, Any]]:
+    def capture(self) -> Operation[Mapping[str, object]]:
         """End with SensorError, which says what is wrong."""
         return Operation.failed(SensorError(f"sensor {self.name}: {self.reason}"))
 
@@ -185,7 +185,7 @@ def _driver(name: str, config: SensorConfig, project: Path, domain_id: int | Non
     return Process(f"sensor {name}", command, project, env, project / ".grip" / "logs" / f"sensor-{name}.log")
 
 
-def _value(message: Any, type_: str, info: CameraInfo | None) -> Any:
+def _value(message: Message, type_: str, info: CameraInfo | None) -> object:
     if type_ == "DepthImage":
         if info is None:
             raise ConversionError("", "a DepthImage needs the camera's geometry: add a topic of type CameraInfo")
@@ -236,7 +236,7 @@ class RosCamera:
         """
         return run_steps(taken(self._door, self._topics, self._config.slop, self._config.timeout, self._frame))
 
-    def _frame(self, messages: Mapping[str, Any]) -> Steps[RgbdFrame]:
+    def _frame(self, messages: Mapping[str, Message]) -> Steps[RgbdFrame]:
         depth, given = messages[self._config.depth], messages[self._config.info]
         frame = self._config.mount.frame if self._config.mount is not None else given.header.frame_id
         pose = yield self._door.transforms.lookup(WORLD, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)

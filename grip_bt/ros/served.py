@@ -13,10 +13,9 @@ import time
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.task import Future
 
 from grip_bt.base.errors import GripError
@@ -25,10 +24,11 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera, Executor
 from grip_bt.base.values import DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.client.types import load_type
 from grip_bt.ros.convert_geometry import header, seconds
 from grip_bt.ros.convert_perception import camera_to_message, cloud_to_message, depth_to_message, image_to_message
 from grip_bt.ros.interfaces.build import provide
+
+from .client.types import Message, load_type
 
 TYPE = "sensor_msgs/msg/JointState"
 
@@ -74,7 +74,7 @@ class ServedJoints(_Published):
             except GripError:
                 return  # what measures has ended; whoever runs it says so
 
-    def _message(self) -> object:
+    def _message(self) -> Message:
         stamp, states = time.time(), [executor.state() for executor in self._executors]
         message = self._writer.type(header=header("", stamp))
         message.name = [name for state in states for name in state.names]
@@ -175,8 +175,7 @@ class ServedController:
         self._lock = threading.Lock()
         self._newest: _Goal | None = None
         self._goals: dict[bytes, _Goal] = {}
-        self._server: Any = None
-        bus.ask(self._make)
+        self._server = bus.ask(self._make)
 
     def close(self) -> None:
         """End a motion under way, and take no more goals."""
@@ -185,8 +184,8 @@ class ServedController:
 
     # --- on the bus's thread ---
 
-    def _make(self) -> None:
-        self._server = ActionServer(
+    def _make(self) -> ActionServer:
+        return ActionServer(
             self._bus.node,
             self._type,
             self.action,
@@ -196,7 +195,7 @@ class ServedController:
             cancel_callback=self._cancel,
         )
 
-    def _asked(self, goal: Any) -> GoalResponse:
+    def _asked(self, goal: Message) -> GoalResponse:
         """Reject what can't be followed."""
         points, names = goal.trajectory.points, list(goal.trajectory.joint_names)
         times = [seconds(p.time_from_start) for p in points]
@@ -205,14 +204,14 @@ class ServedController:
         fits = set(names) == set(self._executor.joint_names) and len(names) == len(set(names))
         return GoalResponse.ACCEPT if points and fits and rising and whole and times[0] >= 0 else GoalResponse.REJECT
 
-    def _accepted(self, handle: Any) -> None:
+    def _accepted(self, handle: ServerGoalHandle) -> None:
         goal = _Goal(handle, self._bus, Future(executor=self._bus.node.executor))
         self._goals[bytes(handle.goal_id.uuid)] = self._newest = goal
         handle.execute()
         # Not on this thread: the executor may have to ask another process where the joints are.
         threading.Thread(target=self._follow, args=(goal,), name="grip_follow", daemon=True).start()
 
-    async def _ended(self, handle: Any) -> Any:
+    async def _ended(self, handle: ServerGoalHandle) -> Message:
         error = await self._goals[bytes(handle.goal_id.uuid)].future
         del self._goals[bytes(handle.goal_id.uuid)]
         result = self._type.Result()
@@ -228,7 +227,7 @@ class ServedController:
         handle.abort()
         return result
 
-    def _cancel(self, handle: Any) -> CancelResponse:
+    def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         goal = self._goals.get(bytes(handle.goal_id.uuid))
         if goal is None:
             return CancelResponse.REJECT  # it has ended
@@ -258,7 +257,7 @@ class ServedController:
         while not motion.wait(TELL):
             self._tell(goal.handle, path, time.monotonic() - began)
 
-    def _tell(self, handle: Any, path: Trajectory, passed: float) -> None:
+    def _tell(self, handle: ServerGoalHandle, path: Trajectory, passed: float) -> None:
         try:
             now = self._executor.state()
         except GripError:
@@ -275,7 +274,7 @@ class ServedController:
 class _Goal:
     """A goal that was accepted, and the motion that follows it; a cancel may come before that is begun."""
 
-    def __init__(self, handle: Any, bus: Bus, future: Future):
+    def __init__(self, handle: ServerGoalHandle, bus: Bus, future: Future):
         self.handle, self._bus, self.future = handle, bus, future
         self._lock = threading.Lock()
         self._motion: Operation[JointState] | None = None
@@ -301,7 +300,7 @@ class _Goal:
         self._bus.post(lambda: self.future.done() or self.future.set_result(error))
 
 
-def _error_of(motion: Operation[Any]) -> BaseException | None:
+def _error_of(motion: Operation[JointState]) -> BaseException | None:
     try:
         motion.result()
     except GripError as error:
@@ -309,7 +308,7 @@ def _error_of(motion: Operation[Any]) -> BaseException | None:
     return None
 
 
-def continued(names: Sequence[str], points: Sequence[Any], state: JointState) -> Trajectory:
+def continued(names: Sequence[str], points: Sequence[Message], state: JointState) -> Trajectory:
     """Return a trajectory through given points that begins where the joints are, as fast as they move.
 
     Args:

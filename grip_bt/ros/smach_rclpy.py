@@ -8,7 +8,7 @@ import math
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -22,7 +22,8 @@ from grip_bt.base.operation import Operation
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
 from .client.bus import Bus
-from .client.types import type_name
+from .client.goal import GoalEnd
+from .client.types import InterfaceType, Message, type_name
 from .interfaces import build_interfaces
 from .interfaces.ament import activate
 from .smach_server import Shutdown, SimpleServer, ended
@@ -60,7 +61,7 @@ class RclpyConnection:
     def __init__(self, bus: Bus, interface_cache: Path | None = None):
         self._bus, self._cache = bus, interface_cache
         self._shutdown = Shutdown()
-        self._messages: Any = None
+        self._messages: SimpleNamespace | None = None
         logger = bus.node.get_logger()
         self.loggers = (
             lambda text: logger.info(str(text)),
@@ -91,21 +92,21 @@ class RclpyConnection:
         while (left := end - self.now()) > 0 and not self.is_shutdown():
             self._shutdown.wait(min(left, SLICE))
 
-    def subscribe(self, topic: str, type_: Any, callback: Callable[[Any], None]) -> _Topic:
+    def subscribe(self, topic: str, type_: InterfaceType, callback: Callable[[Message], None]) -> _Topic:
         """Call `callback(message)` on the bus's thread for each message."""
         node = self._bus.node
         name = self.name_of(topic, None)
         made = ended(self._bus.post(lambda: node.create_subscription(type_, name, callback, 10)))
         return _Topic(self._bus, made, node.destroy_subscription)
 
-    def advertise(self, topic: str, type_: Any) -> _Topic:
+    def advertise(self, topic: str, type_: InterfaceType) -> _Topic:
         """Return a publisher."""
         node = self._bus.node
         name = self.name_of(topic, None)
         made = ended(self._bus.post(lambda: node.create_publisher(type_, name, 10)))
         return _Topic(self._bus, made, node.destroy_publisher)
 
-    def topics_of(self, type_: Any) -> list[str]:
+    def topics_of(self, type_: InterfaceType) -> list[str]:
         """Return the topics that somebody sends messages of a type on."""
         node, wanted = self._bus.node, type_name(type_)
 
@@ -115,21 +116,21 @@ class RclpyConnection:
 
         return ended(self._bus.post(look))
 
-    def service(self, name: str, type_: Any) -> _Service:
+    def service(self, name: str, type_: InterfaceType) -> _Service:
         """Return a client."""
         return _Service(self._bus, self.name_of(name, None), type_)
 
-    def action_client(self, name: str, type_: Any) -> _ActionClient:
+    def action_client(self, name: str, type_: InterfaceType) -> _ActionClient:
         """Return a client."""
         return _ActionClient(self._bus, self.name_of(name, None), type_)
 
     def action_server(
-        self, name: str, type_: Any, execute: Callable[[Any], None], preempt: Callable[[], None]
+        self, name: str, type_: InterfaceType, execute: Callable[[Message], None], preempt: Callable[[], None]
     ) -> SimpleServer:
         """Return a server, not started."""
         return SimpleServer(self._bus, self.name_of(name, None), type_, execute, preempt)
 
-    def introspection(self) -> Any:
+    def introspection(self) -> SimpleNamespace:
         """Return smach_msgs; built once, in some 15 s, where no package of the name can be imported.
 
         Raises:
@@ -147,7 +148,7 @@ class RclpyConnection:
             )
         return self._messages
 
-    def _smach_msgs(self) -> Any:
+    def _smach_msgs(self) -> ModuleType:
         try:
             return importlib.import_module("smach_msgs.msg")
         except ImportError:
@@ -155,7 +156,7 @@ class RclpyConnection:
                 activate(built.prefix)
             return importlib.import_module("smach_msgs.msg")
 
-    def name_of(self, name: str, node: Any) -> str:
+    def name_of(self, name: str, node: Node | None) -> str:
         """Return the full name, by the user's node where there is one."""
         return str((self._bus.node if node is None else node).resolve_topic_name(name))
 
@@ -163,10 +164,10 @@ class RclpyConnection:
 class _Topic:
     """A subscription or publisher."""
 
-    def __init__(self, bus: Bus, entity: Any, destroy: Callable[[Any], Any]):
+    def __init__(self, bus: Bus, entity: Any, destroy: Callable[[Any], object]):
         self._bus, self._entity, self._destroy = bus, entity, destroy
 
-    def publish(self, message: Any) -> None:
+    def publish(self, message: Message) -> None:
         """Send a message; it is under way when this returns."""
         entity = self._entity
         if entity is not None:
@@ -180,14 +181,14 @@ class _Topic:
 
 
 class _Service:
-    def __init__(self, bus: Bus, name: str, type_: Any):
+    def __init__(self, bus: Bus, name: str, type_: InterfaceType):
         self._client = bus.service(type_, name)
 
     def wait(self, timeout: float) -> bool:
         """Tell whether there is a server within `timeout` [s]."""
         return _ready(self._client.wait_ready(timeout))
 
-    def call(self, request: Any) -> Any:
+    def call(self, request: Message) -> Message:
         """Return the answer, however long it takes; the end of the server ends it."""
         try:
             return ended(self._client.call(request, timeout=math.inf))
@@ -196,17 +197,19 @@ class _Service:
 
 
 class _ActionClient:
-    def __init__(self, bus: Bus, name: str, type_: Any):
+    def __init__(self, bus: Bus, name: str, type_: InterfaceType):
         self._client = bus.action(type_, name)
         if bus.guard is not None:
             bus.guard.knows(name)
-        self._goal: Operation[Any] | None = None
+        self._goal: Operation[GoalEnd] | None = None
 
     def wait(self, timeout: float) -> bool:
         """Tell whether there is a server within `timeout` [s]."""
         return _ready(self._client.wait_ready(timeout))
 
-    def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callable[[Any], None]) -> None:
+    def send(
+        self, goal: Message, done: Callable[[str, int, Message | None], None], feedback: Callable[[Message], None]
+    ) -> None:
         """Send a goal; noetic gives a server all the time it wants, and so does this."""
         operation = self._client.send(goal, timeout=math.inf, on_feedback=feedback, cancel_within=math.inf)
         self._goal = operation
@@ -226,7 +229,7 @@ def _ready(operation: Operation[None]) -> bool:
     return True
 
 
-def _end_of(operation: Operation[Any]) -> tuple[str, int, Any]:
+def _end_of(operation: Operation[GoalEnd]) -> tuple[str, int, Message | None]:
     """Return how a goal ended, as (ending, status, result)."""
     try:
         end = operation.result()

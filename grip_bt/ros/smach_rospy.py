@@ -6,16 +6,17 @@ import base64
 import importlib
 import threading
 from collections.abc import Callable
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
+Callback = Callable[[Any], None]
 _ENDINGS = {2: "preempted", 3: "succeeded", 4: "aborted", 5: "rejected", 9: "lost"}
 """actionlib's GoalStatus, of a goal that has ended."""
 
 
-def connect(find: Callable[[str], Any] = importlib.import_module) -> RospyConnection:
+def connect(find: Callable[[str], ModuleType] = importlib.import_module) -> RospyConnection:
     """Return the connection; the program itself calls `rospy.init_node`, as any ROS 1 program does.
 
     Args:
@@ -27,7 +28,7 @@ def connect(find: Callable[[str], Any] = importlib.import_module) -> RospyConnec
 class RospyConnection:
     """The port of `smach_ros` over rospy; see `grip_bt.smach_compat.smach_ros._port.Ros`."""
 
-    def __init__(self, find: Callable[[str], Any]):
+    def __init__(self, find: Callable[[str], ModuleType]):
         self._find = find
         self._rospy = rospy = find("rospy")
         self._actionlib = find("actionlib")
@@ -52,11 +53,11 @@ class RospyConnection:
         except self._rospy.ROSInterruptException:
             return
 
-    def subscribe(self, topic: str, type_: Any, callback: Callable[[Any], None]) -> _Closable:
+    def subscribe(self, topic: str, type_: type, callback: Callback) -> _Closable:
         """Call `callback(message)` for each message."""
         return _Closable(self._rospy.Subscriber(topic, type_, callback).unregister)
 
-    def advertise(self, topic: str, type_: Any) -> _Publisher:
+    def advertise(self, topic: str, type_: type) -> _Publisher:
         """Return a publisher."""
         return _Publisher(self._rospy.Publisher(topic, type_, queue_size=1))
 
@@ -64,21 +65,19 @@ class RospyConnection:
         """Return the topics of a message type."""
         return list(self._find("rostopic").find_by_type(type_._type))
 
-    def service(self, name: str, type_: Any) -> _Service:
+    def service(self, name: str, type_: type) -> _Service:
         """Return a client."""
         return _Service(self._rospy, name, type_)
 
-    def action_client(self, name: str, type_: Any) -> _ActionClient:
+    def action_client(self, name: str, type_: type) -> _ActionClient:
         """Return a client."""
         return _ActionClient(self._rospy, self._actionlib, name, type_)
 
-    def action_server(
-        self, name: str, type_: Any, execute: Callable[[Any], None], preempt: Callable[[], None]
-    ) -> _ActionServer:
+    def action_server(self, name: str, type_: type, execute: Callback, preempt: Callable[[], None]) -> _ActionServer:
         """Return a server, not started."""
         return _ActionServer(self._actionlib, name, type_, execute, preempt)
 
-    def introspection(self) -> Any:
+    def introspection(self) -> SimpleNamespace:
         """Return smach_msgs, with userdata as text in base64."""
         messages, header = self._find("smach_msgs.msg"), self._find("std_msgs.msg").Header
         return SimpleNamespace(
@@ -90,7 +89,7 @@ class RospyConnection:
             unpacked=base64.b64decode,
         )
 
-    def name_of(self, name: str, node: Any) -> str:
+    def name_of(self, name: str, node: object) -> str:
         """Return the name as it is: rospy resolves it."""
         return name
 
@@ -106,7 +105,7 @@ class _Publisher:
 
 
 class _Service:
-    def __init__(self, rospy: Any, name: str, type_: Any):
+    def __init__(self, rospy: ModuleType, name: str, type_: type):
         self._rospy, self._name = rospy, name
         self._proxy = rospy.ServiceProxy(name, type_)
 
@@ -118,7 +117,7 @@ class _Service:
             return False
         return True
 
-    def call(self, request: Any) -> Any:
+    def call(self, request: object) -> Any:
         """Return the answer."""
         try:
             return self._proxy(request)
@@ -127,7 +126,7 @@ class _Service:
 
 
 class _ActionClient:
-    def __init__(self, rospy: Any, actionlib: Any, name: str, type_: Any):
+    def __init__(self, rospy: ModuleType, actionlib: ModuleType, name: str, type_: type):
         self._duration = rospy.Duration
         self._client = actionlib.SimpleActionClient(name, type_)
         self._sent = threading.Event()
@@ -136,7 +135,7 @@ class _ActionClient:
         """Tell whether there is a server within `timeout` [s]; of 0 actionlib makes "for ever"."""
         return bool(self._client.wait_for_server(self._duration(max(timeout, 0.01))))
 
-    def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callable[[Any], None]) -> None:
+    def send(self, goal: object, done: Callable[[str, int, Any], None], feedback: Callback) -> None:
         """Send a goal."""
         self._client.send_goal(
             goal,
@@ -155,10 +154,10 @@ class _ActionClient:
 class _ActionServer:
     def __init__(
         self,
-        actionlib: Any,
+        actionlib: ModuleType,
         name: str,
-        type_: Any,
-        execute: Callable[[Any], None],
+        type_: type,
+        execute: Callback,
         preempt: Callable[[], None],
     ):
         self._server = actionlib.SimpleActionServer(name, type_, execute_cb=execute, auto_start=False)
@@ -168,11 +167,11 @@ class _ActionServer:
         """Take goals."""
         self._server.start()
 
-    def feedback(self, message: Any) -> None:
+    def feedback(self, message: object) -> None:
         """Send feedback."""
         self._server.publish_feedback(message)
 
-    def end(self, ending: str, result: Any = None) -> None:
+    def end(self, ending: str, result: object = None) -> None:
         """End the goal."""
         finish = {
             "succeeded": self._server.set_succeeded,

@@ -10,13 +10,14 @@ from types import FrameType
 from typing import Any, TypeVar
 
 from action_msgs.msg import GoalStatus
-from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.task import Future
 from rclpy.utilities import get_default_context
 
 from grip_bt.base.operation import Operation
 
 from .client.bus import Bus
+from .client.types import InterfaceType, Message
 
 T = TypeVar("T")
 
@@ -30,7 +31,7 @@ def ended(operation: Operation[T]) -> T:
 class _Work:
     """A goal that was accepted."""
 
-    def __init__(self, handle: Any, future: Future):
+    def __init__(self, handle: ServerGoalHandle, future: Future):
         self.handle, self.future = handle, future
 
 
@@ -40,12 +41,14 @@ class SimpleServer:
     A goal that comes while another is being worked on preempts that one, and waits for its end.
     """
 
-    def __init__(self, bus: Bus, name: str, type_: Any, execute: Callable[[Any], None], preempt: Callable[[], None]):
+    def __init__(
+        self, bus: Bus, name: str, type_: InterfaceType, execute: Callable[[Message], None], preempt: Callable[[], None]
+    ):
         self._bus, self._name, self._type = bus, name, type_
         self._execute, self._preempt = execute, preempt
         self._queue: queue.SimpleQueue[_Work] = queue.SimpleQueue()
         self._current: _Work | None = None
-        self._server: Any = None
+        self._server: ActionServer | None = None
         self._lock = threading.Lock()
 
     # --- from any thread ---
@@ -55,13 +58,13 @@ class SimpleServer:
         ended(self._bus.post(self._create))
         threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
 
-    def feedback(self, message: Any) -> None:
+    def feedback(self, message: Message) -> None:
         """Send feedback on the goal being worked on."""
         work = self._current
         if work is not None:
             self._bus.post(lambda: work.handle.is_active and work.handle.publish_feedback(message))
 
-    def end(self, ending: str, result: Any = None) -> None:
+    def end(self, ending: str, result: Message | None = None) -> None:
         """End the goal being worked on; `preempted` becomes `aborted` where its client hasn't canceled it."""
         work = self._current
         if work is not None:
@@ -103,7 +106,7 @@ class SimpleServer:
         )
         self._futures: dict[bytes, Future] = {}
 
-    def _accepted(self, handle: Any) -> None:
+    def _accepted(self, handle: ServerGoalHandle) -> None:
         future = self._futures[bytes(handle.goal_id.uuid)] = Future(executor=self._bus.node.executor)
         with self._lock:
             self._queue.put(_Work(handle, future))
@@ -112,14 +115,14 @@ class SimpleServer:
         if busy:
             self._ask()
 
-    def _canceled(self, handle: Any) -> CancelResponse:
+    def _canceled(self, handle: ServerGoalHandle) -> CancelResponse:
         with self._lock:
             current = self._current is not None and self._current.handle.goal_id == handle.goal_id
         if current:
             self._ask()
         return CancelResponse.ACCEPT
 
-    async def _ended(self, handle: Any) -> Any:
+    async def _ended(self, handle: ServerGoalHandle) -> Message:
         """Hand rclpy the result when there is one; awaited, so that the bus goes on meanwhile."""
         key = bytes(handle.goal_id.uuid)
         try:
@@ -127,7 +130,7 @@ class SimpleServer:
         finally:
             del self._futures[key]
 
-    def _end(self, work: _Work, ending: str, result: Any) -> None:
+    def _end(self, work: _Work, ending: str, result: Message | None) -> None:
         if work.future.done():
             return
         if ending == "succeeded":

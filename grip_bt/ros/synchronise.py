@@ -6,7 +6,6 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
 
 from grip_bt.base.failures import ServerTimeOutError
 from grip_bt.base.operation import Operation
@@ -14,6 +13,7 @@ from grip_bt.base.operation import Operation
 from .client.bus import Bus
 from .client.graph import MOST
 from .client.topic import Received, TopicReader
+from .client.types import Message
 from .convert_geometry import seconds
 
 OURS = 1.0
@@ -37,14 +37,14 @@ class Gathering:
     def __init__(
         self, bus: Bus, topics: Mapping[str, str], slop: float, timeout: float, now: Callable[[], float]
     ) -> None:
-        self.whole: Operation[Mapping[str, Any]] = Operation()
+        self.whole: Operation[Mapping[str, Message]] = Operation()
         self._now, self._asked, self._timeout = now, now(), timeout
         self._matcher = Synchroniser(topics, slop)
         self._readers: dict[str, TopicReader] = {t: bus.reader(m, t) for t, m in topics.items()}
         self._early: dict[str, float] = {}
         self._bus = bus
 
-    def begin(self) -> Operation[Mapping[str, Any]]:
+    def begin(self) -> Operation[Mapping[str, Message]]:
         """Listen from now on; the operation ends with the messages by topic, or with ServerTimeOutError."""
         listeners = {t: (lambda received, t=t: self._heard(t, received)) for t in self._readers}
         for topic, reader in self._readers.items():
@@ -110,9 +110,9 @@ class Synchroniser:
 
     def __init__(self, topics: Iterable[str], slop: float):
         self.slop = slop
-        self._kept: dict[str, deque[tuple[float, Any]]] = {topic: deque(maxlen=KEPT) for topic in topics}
+        self._kept: dict[str, deque[tuple[float, Message]]] = {topic: deque(maxlen=KEPT) for topic in topics}
 
-    def add(self, topic: str, stamp: float, message: Any) -> dict[str, Any] | None:
+    def add(self, topic: str, stamp: float, message: Message) -> dict[str, Message] | None:
         """Add a message; return the set that it completes, the one that lies closest together, or None.
 
         Args:

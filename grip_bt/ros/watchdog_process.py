@@ -26,9 +26,11 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import qos_profile_action_status_default
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from .client.types import Message
 from .watchdog import REPORT
 
 LIMIT = 10.0
@@ -150,7 +152,7 @@ class Reaper:
     def _hear(self, action: str) -> None:
         """Hear which goals of an action have ended."""
 
-        def told(message: Any) -> None:
+        def told(message: Message) -> None:
             for status in message.status_list:
                 goal = self._goals.get(bytes(status.goal_info.goal_id.uuid).hex())
                 if goal is not None and status.status >= GoalStatus.STATUS_SUCCEEDED:
@@ -176,7 +178,7 @@ class Reaper:
             if topic not in self._readers:
                 self._readers[topic] = self._node.create_subscription(JointState, topic, self._measured, 50)
 
-    def _measured(self, message: Any) -> None:
+    def _measured(self, message: Message) -> None:
         now = time.monotonic()
         for i, (name, position) in enumerate(zip(message.name, message.position, strict=False)):
             self._heard[name] = (now, position, message.velocity[i] if i < len(message.velocity) else 0.0)
@@ -191,7 +193,7 @@ class Reaper:
         request = CancelGoal.Request()
         request.goal_info.goal_id.uuid = list(goal.goal_id)
 
-        def answered(future: Any) -> None:
+        def answered(future: Future) -> None:
             codes, answer = CancelGoal.Response, future.result()
             if answer.goals_canceling or answer.return_code == codes.ERROR_GOAL_TERMINATED:
                 goal.over = "canceled"

@@ -19,7 +19,9 @@ from typing import Any
 import numpy as np
 from action_msgs.msg import GoalStatusArray
 from action_msgs.srv import CancelGoal
+from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from grip_bt.base.failures import UnfitServerError
@@ -32,6 +34,7 @@ from .goal import LIVE, Command, Goal, GoalEnd, GoalTimeouts, Phase, RequestCanc
 from .graph import explained
 from .server_check import GRACE, action_servers, check_action_servers
 from .service import SERVICE_QOS
+from .types import InterfaceType, Message
 
 CANCEL = 3.0
 """How long a server may take to end a goal that was canceled [s]."""
@@ -43,20 +46,20 @@ class _Entry(Request):
     """A goal with what rclpy gave for it; without a message, somebody who only waits for the server."""
 
     machine: Goal = field(kw_only=True)
-    on_feedback: Callable[[Any], None] | None = None
+    on_feedback: Callable[[Message], None] | None = None
     on_accepted: Callable[[], None] | None = None
     guard: Guard | None = None
     servers: frozenset[bytes] = field(default_factory=frozenset)
     goal_id: bytes = b""  # when it is sent
     status: int = 0  # what the server last published of it, 0 when nothing
-    result: Any = None
-    futures: list[Any] = field(default_factory=list)
+    result: Future | None = None
+    futures: list[Future] = field(default_factory=list)
 
 
 class ActionClient(ServedClient[_Entry]):
     """The client of one action; made by `Bus.action`."""
 
-    def __init__(self, bus: Connection, type_: Any, name: str):
+    def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         super().__init__(
             bus,
             type_,
@@ -80,10 +83,10 @@ class ActionClient(ServedClient[_Entry]):
 
     def send(
         self,
-        goal: Any,
+        goal: Message | None,
         timeout: float | None = None,
         wait: float | None = None,
-        on_feedback: Callable[[Any], None] | None = None,
+        on_feedback: Callable[[Message], None] | None = None,
         cancel_within: float = CANCEL,
         on_accepted: Callable[[], None] | None = None,
         moves: bool = True,
@@ -118,8 +121,7 @@ class ActionClient(ServedClient[_Entry]):
 
     def wait_ready(self, timeout: float) -> Operation[None]:
         """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
-        ready: Operation[Any] = self.send(None, timeout + 1.0, timeout)
-        return ready
+        return self.send(None, timeout + 1.0, timeout).then(lambda _: Operation.finished(None))
 
     # --- on the bus's thread ---
 
@@ -208,6 +210,7 @@ class ActionClient(ServedClient[_Entry]):
         entry.servers, entry.goal_id = self._check.servers, new_goal_id()
         if entry.guard is not None:
             entry.guard.sent(self.name, entry.goal_id)
+        assert entry.message is not None
         try:
             future = self._connection.send_goal(entry.goal_id, entry.message)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal
@@ -215,11 +218,11 @@ class ActionClient(ServedClient[_Entry]):
             return
         self._later(entry, future, self._goal_answered)
 
-    def _later(self, entry: _Entry, future: Any, then: Callable[[_Entry, Any], None]) -> None:
+    def _later(self, entry: _Entry, future: Future, then: Callable[[_Entry, Message], None]) -> None:
         """Call `then` with the future's result; futures that are given up are cancelled, and say nothing."""
         entry.futures.append(future)
 
-        def ended(_: Any) -> None:
+        def ended(_: object) -> None:
             if future in entry.futures:
                 entry.futures.remove(future)
             if future.cancelled() or entry.machine.phase is Phase.OVER:
@@ -232,17 +235,17 @@ class ActionClient(ServedClient[_Entry]):
 
         future.add_done_callback(ended)
 
-    def _goal_answered(self, entry: _Entry, response: Any) -> None:
+    def _goal_answered(self, entry: _Entry, response: Message) -> None:
         now = time.monotonic()
         if response.accepted and entry.on_accepted is not None:
             entry.on_accepted()
         self._do(entry, entry.machine.accepted(now) if response.accepted else entry.machine.rejected())
         self._advance(now)
 
-    def _resulted(self, entry: _Entry, response: Any) -> None:
+    def _resulted(self, entry: _Entry, response: Message) -> None:
         self._do(entry, entry.machine.result(response.status, response.result))
 
-    def _cancel_answered(self, entry: _Entry, response: Any) -> None:
+    def _cancel_answered(self, entry: _Entry, response: Message) -> None:
         # Its return code is 0 also for a goal that the server refused to cancel; the list is what counts. "Terminated"
         # is said of goals that end already, too.
         codes = CancelGoal.Response
@@ -252,7 +255,7 @@ class ActionClient(ServedClient[_Entry]):
         self._do(entry, entry.machine.cancel_answered(stops, known, now))
         self._advance(now)
 
-    def _progressed(self, goal_id: bytes, feedback: Any) -> None:
+    def _progressed(self, goal_id: bytes, feedback: Message) -> None:
         entry = next((e for e in self._requests if e.goal_id == goal_id), None)
         if entry is not None and entry.machine.phase in LIVE:
             entry.operation.report(feedback)
@@ -283,10 +286,10 @@ class ActionWire:
 
     def __init__(
         self,
-        node: Any,
-        type_: Any,
+        node: Node,
+        type_: InterfaceType,
         name: str,
-        on_feedback: Callable[[bytes, Any], None],
+        on_feedback: Callable[[bytes, Message], None],
         on_status: Callable[[GoalStatusArray], None],
     ):
         self._type, self._impl = type_, type_.Impl
@@ -301,10 +304,14 @@ class ActionWire:
         self._goals, self._results, self._cancels = self._services
         self._topics = [f"{name}/_action/feedback", f"{name}/_action/status"]
         self._node = node
+
+        def heard(message: Message) -> None:
+            on_feedback(bytes(message.goal_id.uuid), message.feedback)
+
         node.create_subscription(
             self._impl.FeedbackMessage,
             self._topics[0],
-            lambda message: on_feedback(bytes(message.goal_id.uuid), message.feedback),
+            heard,
             QoSProfile(depth=_FEEDBACK_DEPTH),
         )
         node.create_subscription(GoalStatusArray, self._topics[1], on_status, qos_profile_action_status_default)
@@ -315,7 +322,7 @@ class ActionWire:
             self._node.count_publishers(topic) for topic in self._topics
         )
 
-    def send_goal(self, goal_id: bytes, goal: Any) -> Any:
+    def send_goal(self, goal_id: bytes, goal: Message) -> Future:
         """Send a goal under a new id; the answer tells whether it is accepted.
 
         Raises:
@@ -325,11 +332,11 @@ class ActionWire:
             raise TypeError(f"a goal of {self._type.__name__} has to be a {self._type.__name__}.Goal, not {goal!r}")
         return self._goals.call_async(self._impl.SendGoalService.Request(goal_id=_uuid(goal_id), goal=goal))
 
-    def ask_result(self, goal_id: bytes) -> Any:
+    def ask_result(self, goal_id: bytes) -> Future:
         """Ask for the result, to be sent when there is one; at once when the server doesn't know the goal."""
         return self._results.call_async(self._impl.GetResultService.Request(goal_id=_uuid(goal_id)))
 
-    def ask_cancel(self, goal_id: bytes) -> Any:
+    def ask_cancel(self, goal_id: bytes) -> Future:
         """Ask the server to cancel a goal, whether or not its acceptance came."""
         request = CancelGoal.Request()
         request.goal_info.goal_id = _uuid(goal_id)

@@ -8,11 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
 from grip_bt.base.failures import CanceledError, ServerLostError, UnfitServerError
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
 from .server_check import STALE, ServerCheck
+from .types import InterfaceType, Message
 
 IN_FLIGHT = 8
 """Requests sent and not yet answered at once: a server keeps the last 10, and drops others without a word."""
@@ -30,7 +33,7 @@ class Request:
         operation: what its owner has.
     """
 
-    message: Any
+    message: Message | None
     began: float
     deadline: float
     wait_until: float = 0.0
@@ -48,7 +51,7 @@ class Client(ABC, Generic[R]):
         name: its full name.
     """
 
-    def __init__(self, bus: Connection, type_: Any, name: str):
+    def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         self.type, self.name, self._bus = type_, name, bus
         self._requests: list[R] = []
 
@@ -104,10 +107,10 @@ class ServedClient(Client[R]):
     def __init__(
         self,
         bus: Connection,
-        type_: Any,
+        type_: InterfaceType,
         name: str,
-        look: Callable[[], list[Any]],
-        check: Callable[[list[Any]], None],
+        look: Callable[[], list[TopicEndpointInfo]],
+        check: Callable[[list[TopicEndpointInfo]], None],
     ):
         super().__init__(bus, type_, name)
         self._check = ServerCheck(look, check, self._connected)

@@ -14,7 +14,7 @@ from .action import ActionClient
 from .connection import Connection, Polled
 from .service import ServiceClient
 from .topic import TopicReader, TopicWriter
-from .types import check_name, load_type, type_name
+from .types import InterfaceType, check_name, load_type, type_name
 
 C = TypeVar("C", ServiceClient, ActionClient, TopicReader, TopicWriter)
 
@@ -26,7 +26,7 @@ class Bus(Connection):
         self._clients: dict[tuple[type, str], ServiceClient | ActionClient | TopicReader | TopicWriter] = {}
         super().__init__(name, domain_id, guarded)
 
-    def service(self, interface: str | Any, name: str) -> ServiceClient:
+    def service(self, interface: str | InterfaceType, name: str) -> ServiceClient:
         """Return the client of a service; there is one per name.
 
         Args:
@@ -39,24 +39,24 @@ class Bus(Connection):
         """
         return self._client(ServiceClient, interface, name)
 
-    def action(self, interface: str | Any, name: str) -> ActionClient:
+    def action(self, interface: str | InterfaceType, name: str) -> ActionClient:
         """Return the client of an action, likewise."""
         return self._client(ActionClient, interface, name)
 
-    def reader(self, interface: str | Any, name: str) -> TopicReader:
+    def reader(self, interface: str | InterfaceType, name: str) -> TopicReader:
         """Return the subscription of a topic, likewise.
 
         Without an interface (empty) it is heard as what it is published as.
         """
         return self._client(TopicReader, interface, name)
 
-    def writer(self, interface: str | Any, name: str) -> TopicWriter:
+    def writer(self, interface: str | InterfaceType, name: str) -> TopicWriter:
         """Return the publisher of a topic, likewise."""
         return self._client(TopicWriter, interface, name)
 
-    def _client(self, kind: type[C], interface: str | Any, name: str) -> C:
+    def _client(self, kind: type[C], interface: str | InterfaceType, name: str) -> C:
         check_name(name)
-        type_ = load_type(interface) if isinstance(interface, str) and interface else interface or None
+        type_: Any = load_type(interface) if isinstance(interface, str) and interface else interface or None
         with self._lock:
             client = self._clients.get((kind, name))
             other = client is not None and type_ is not None and client.type is not type_

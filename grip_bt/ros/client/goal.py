@@ -19,10 +19,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Literal
+from typing import Literal
 
 from grip_bt.base.failures import CanceledError, ExpectedError, GoalRejectedError, ServerLostError, ServerTimeOutError
 from grip_bt.base.operation import STOPPED
+
+from .types import Message
 
 Status = Literal["succeeded", "aborted", "canceled"]
 STATUSES: dict[int, Status] = {4: "succeeded", 5: "canceled", 6: "aborted"}
@@ -84,7 +86,7 @@ class GoalEnd:
     """
 
     status: Status
-    result: Any
+    result: Message
 
 
 @dataclass(frozen=True)
@@ -197,7 +199,7 @@ class Goal:
             return self._over_or_tell(self._late or self._canceled("canceled, and rejected by the server"))
         return self._over_or_tell(GoalRejectedError(f"{self.name}: the server rejected the goal", server=self.name))
 
-    def result(self, status: int, result: Any) -> list[Command]:
+    def result(self, status: int, result: Message) -> list[Command]:
         """The server sent the result; a number that isn't an end means that it doesn't know the goal."""
         if self.phase not in (Phase.RUNNING, Phase.CANCELING, Phase.ORPHANED):
             return []

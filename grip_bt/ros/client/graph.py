@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from typing import Any, Literal
+from typing import Literal
 
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.node import Node
@@ -15,7 +15,7 @@ from grip_bt.base.errors import GripError, UnknownNameError, listing, nearest
 from grip_bt.base.failures import ServerLostError
 
 from .connection import Connection
-from .types import type_name
+from .types import InterfaceType, type_name
 
 LOOKING = 5.0
 """How long one look at the graph may take [s]."""
@@ -138,7 +138,7 @@ def hidden(name: str) -> bool:
     return any(part in name if part.startswith("/_") else name.endswith(part) for part in _HIDDEN)
 
 
-def explained(error: Exception, node: Node, type_: Any) -> Exception:
+def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
     """Return an error that says in vain was waited for a server with what is served instead; any other as it is.
 
     On the bus's thread.

@@ -13,12 +13,14 @@ import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from grip_bt.base.failures import UnfitServerError
+
+from .types import InterfaceType
 
 TRUST = 0.5
 """How long a check of the server holds [s]; a query per call would double the price of a call."""
@@ -45,7 +47,10 @@ class ServerCheck:
     """
 
     def __init__(
-        self, look: Callable[[], list[Any]], check: Callable[[list[Any]], None], connected: Callable[[], bool]
+        self,
+        look: Callable[[], list[TopicEndpointInfo]],
+        check: Callable[[list[TopicEndpointInfo]], None],
+        connected: Callable[[], bool],
     ):
         self._look, self._check, self._connected = look, check, connected
         self.servers: frozenset[bytes] = frozenset()
@@ -103,17 +108,17 @@ class ServerCheck:
 _ACTION_PART = re.compile(r"_(SendGoal|GetResult|FeedbackMessage)$")
 
 
-def servers_of(node: Node, name: str) -> list[Any]:
+def servers_of(node: Node, name: str) -> list[TopicEndpointInfo]:
     """Return what is known of each server of a service: endpoint of its requests, node name, type, type hash, QoS."""
     return list(node.get_subscriptions_info_by_topic(f"rq{name}Request", no_mangle=True))
 
 
-def gids_of(servers: list[Any]) -> frozenset[bytes]:
+def gids_of(servers: list[TopicEndpointInfo]) -> frozenset[bytes]:
     """Return the identities of servers; a restarted server has another one."""
     return frozenset(bytes(server.endpoint_gid) for server in servers)
 
 
-def check_servers(node: Node, service: Any, name: str, servers: list[Any]) -> None:
+def check_servers(node: Node, service: InterfaceType, name: str, servers: list[TopicEndpointInfo]) -> None:
     """Check that the servers of a name are one server that a client of type `service` can call.
 
     Raises:
@@ -124,12 +129,12 @@ def check_servers(node: Node, service: Any, name: str, servers: list[Any]) -> No
     _check_parts(name, parts, servers, "servers", "a request")
 
 
-def action_servers(node: Node, name: str) -> list[Any]:
+def action_servers(node: Node, name: str) -> list[TopicEndpointInfo]:
     """Return what is known of each server of an action, as `servers_of` does: endpoints that take its goals."""
     return servers_of(node, f"{name}/_action/send_goal")
 
 
-def check_action_servers(node: Node, action: Any, name: str, servers: list[Any]) -> None:
+def check_action_servers(node: Node, action: InterfaceType, name: str, servers: list[TopicEndpointInfo]) -> None:
     """Check that the servers of an action are one server that a client of type `action` can use.
 
     Raises:
@@ -146,7 +151,11 @@ def check_action_servers(node: Node, action: Any, name: str, servers: list[Any])
 
 
 def _check_parts(
-    name: str, parts: list[tuple[Any, list[Any], str]], servers: list[Any], kind: str, executed: str
+    name: str,
+    parts: list[tuple[InterfaceType, list[TopicEndpointInfo], str]],
+    servers: list[TopicEndpointInfo],
+    kind: str,
+    executed: str,
 ) -> None:
     for type_, endpoints, part in parts:
         for endpoint in endpoints:
@@ -159,7 +168,7 @@ def _check_parts(
         )
 
 
-def _check_endpoint(service: Any, name: str, endpoint: Any, part: str) -> None:
+def _check_endpoint(service: InterfaceType, name: str, endpoint: TopicEndpointInfo, part: str) -> None:
     """Check one half of a server; the definitions of requests and responses have hashes of their own."""
     package, kind = service.__module__.split(".")[:2]
     wanted = f"{package}::{kind}::dds_::{service.__name__}_" + (f"{part}_" if part else "")
@@ -186,7 +195,7 @@ def _check_endpoint(service: Any, name: str, endpoint: Any, part: str) -> None:
 
 
 @cache
-def type_hash(service: Any, part: str) -> str | None:
+def type_hash(service: InterfaceType, part: str) -> str | None:
     """Return the RIHS01 hash of a service's `Request` or `Response` as built here; None where it isn't installed.
 
     Args:
@@ -206,13 +215,13 @@ def type_hash(service: Any, part: str) -> str | None:
     return next((h["hash_string"] for h in hashes if h["type_name"] == wanted), None)
 
 
-def _node(endpoint: Any) -> str:
+def _node(endpoint: TopicEndpointInfo) -> str:
     """Name a server's node; names travel more slowly than endpoints."""
     name = endpoint.node_name
     return f"node {name!r}" if name and name != "_NODE_NAME_UNKNOWN_" else "a node"
 
 
-def _half(service: Any, part: str) -> str:
+def _half(service: InterfaceType, part: str) -> str:
     """Name what differs: the request of a service; the goal, the result or the feedback of an action."""
     names = {"_SendGoal": "goal", "_GetResult": "result", "_FeedbackMessage": "feedback"}
     return next((words for suffix, words in names.items() if service.__name__.endswith(suffix)), part.lower())

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.task import Future
 
 from grip_bt.base.failures import ServerTimeOutError
 from grip_bt.base.operation import Operation
@@ -19,6 +20,7 @@ from .base import Request, ServedClient
 from .connection import Connection
 from .graph import explained
 from .server_check import GRACE, check_servers, servers_of
+from .types import InterfaceType, Message
 
 SERVICE_QOS = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
@@ -32,7 +34,7 @@ SERVICE_QOS = QoSProfile(
 class _Call(Request):
     abandon: bool = True
     limit: str = ""
-    future: Any = None  # of the answer, when it is sent
+    future: Future | None = None  # of the answer, when it is sent
     servers: frozenset[bytes] = field(default_factory=frozenset)
     gone_since: float | None = None
 
@@ -40,7 +42,7 @@ class _Call(Request):
 class ServiceClient(ServedClient[_Call]):
     """The client of one service; made by `Bus.service`."""
 
-    def __init__(self, bus: Connection, type_: Any, name: str):
+    def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         super().__init__(
             bus,
             type_,
@@ -48,7 +50,7 @@ class ServiceClient(ServedClient[_Call]):
             lambda: servers_of(bus.node, name),
             lambda servers: check_servers(bus.node, type_, name, servers),
         )
-        self._client: Any = None
+        self._client: Any = None  # rclpy's, when a server was found
 
     @property
     def idle(self) -> bool:
@@ -67,12 +69,12 @@ class ServiceClient(ServedClient[_Call]):
 
     def call(
         self,
-        request: Any,
+        request: Message | None,
         timeout: float | None = None,
         wait: float | None = None,
         abandon: bool = True,
         limit: str = "",
-    ) -> Operation[Any]:
+    ) -> Operation[Message]:
         """Send a request; the result is the response. A service can't be told to stop.
 
         Args:
@@ -90,7 +92,7 @@ class ServiceClient(ServedClient[_Call]):
 
     def wait_ready(self, timeout: float) -> Operation[None]:
         """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
-        return self.call(None, timeout + 1.0, timeout)
+        return self.call(None, timeout + 1.0, timeout).then(lambda _: Operation.finished(None))
 
     # --- on the bus's thread ---
 
@@ -128,7 +130,7 @@ class ServiceClient(ServedClient[_Call]):
             return
         request.future.add_done_callback(lambda future: self._answered(request, future))
 
-    def _answered(self, call: _Call, future: Any) -> None:
+    def _answered(self, call: _Call, future: Future) -> None:
         if call not in self._requests:
             return
         self._requests.remove(call)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import CanceledError, ServerTimeOutError
@@ -21,7 +22,7 @@ from grip_bt.base.operation import Operation
 from .base import Client, Request
 from .connection import Connection
 from .graph import MOST, other_topics
-from .types import load_type, type_name
+from .types import InterfaceType, Message, load_type, type_name
 
 DEPTH = 10
 """Messages kept for a reader that is late."""
@@ -33,7 +34,7 @@ RELOOK = 0.5
 class Received:
     """A message and when it came, on this process's steady clock [s]."""
 
-    message: Any
+    message: Message
     time: float
 
 
@@ -51,10 +52,10 @@ class TopicReader(Client[Request]):
         latest: the last message, None before the first.
     """
 
-    def __init__(self, bus: Connection, type_: Any, name: str):
+    def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         super().__init__(bus, type_, name)
         self.latest: Received | None = None
-        self._subscription: Any = None
+        self._subscription: Subscription | None = None
         self._offered: tuple[bool, bool] | None = None
         self._listeners: list[Callable[[Received], None]] = []
         self._looked = float("-inf")
@@ -88,7 +89,7 @@ class TopicReader(Client[Request]):
 
         self._bus.post(stop)
 
-    def next(self, timeout: float | None = None) -> Operation[Any]:
+    def next(self, timeout: float | None = None) -> Operation[Message]:
         """Wait for the next message that comes from now on.
 
         Ends with ServerTimeOutError, which tells who publishes the topic, after `timeout` [s].
@@ -96,7 +97,7 @@ class TopicReader(Client[Request]):
         now = time.monotonic()
         return self._begin(Request(None, now, now + (self._bus.wait if timeout is None else timeout)))
 
-    def recent(self, max_age: float, timeout: float | None = None) -> Operation[Any]:
+    def recent(self, max_age: float, timeout: float | None = None) -> Operation[Message]:
         """Return the last message when it is at most `max_age` [s] old, else wait for the next."""
         latest = self.latest
         if latest is not None and time.monotonic() - latest.time <= max_age:
@@ -168,7 +169,7 @@ class TopicReader(Client[Request]):
             self.end(error)
         return self.type is not None
 
-    def _received(self, message: Any) -> None:
+    def _received(self, message: Message) -> None:
         self.latest = received = Received(message, time.monotonic())
         waits, self._requests = self._requests, []
         for wait in waits:
@@ -180,7 +181,7 @@ class TopicReader(Client[Request]):
 class TopicWriter(Client[_Message]):
     """The one publisher of a topic in this process; made by `Bus.writer`. Reliable, and keeps the last messages."""
 
-    _publisher: Any = None
+    _publisher: Any = None  # rclpy's, when something is published
 
     @property
     def idle(self) -> bool:
@@ -206,7 +207,7 @@ class TopicWriter(Client[_Message]):
         if self._publisher is None:
             self._publisher = self._bus.node.create_publisher(self.type, self.name, DEPTH)
 
-    def publish(self, message: Any, subscribers: int = 0, timeout: float | None = None) -> Operation[None]:
+    def publish(self, message: Message, subscribers: int = 0, timeout: float | None = None) -> Operation[None]:
         """Publish a message, when at least `subscribers` listen.
 
         Ends with ServerTimeOutError when they don't come within `timeout` [s].

@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, Protocol, cast
 
 import numpy as np
 from rclpy.exceptions import InvalidTopicNameException
@@ -18,8 +18,31 @@ from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError, n
 from grip_bt.ros.interfaces.ament import package_like, search_path
 
 
+class Message(Protocol):
+    """A message, a request, a goal and so on: its fields are those of its interface."""
+
+    @classmethod
+    def get_fields_and_field_types(cls) -> dict[str, str]:
+        """Return the fields and their types."""
+
+    def __getattr__(self, name: str) -> Any: ...
+
+    def __setattr__(self, name: str, value: object) -> None: ...
+
+
+class InterfaceType(type):
+    """The class of messages, or what names those of a service or an action; for annotations alone."""
+
+    def __call__(cls, **fields: object) -> Message:
+        """Make a message."""
+        raise NotImplementedError
+
+    def __getattr__(cls, name: str) -> Any:
+        raise NotImplementedError
+
+
 @cache
-def load_type(name: str) -> Any:
+def load_type(name: str) -> InterfaceType:
     """Return the class of a type such as `sensor_msgs/msg/PointCloud2` or `std_srvs/srv/Trigger`.
 
     Raises:
@@ -40,13 +63,13 @@ def load_type(name: str) -> Any:
         what = f"the interface package {package!r} of {name}{why and f' ({why})'}"
         raise MissingPartError(what, "grip interfaces build FOLDER") from None
     try:
-        return getattr(module, cls)
+        return cast(InterfaceType, getattr(module, cls))
     except AttributeError:
         known = [n for n in vars(module) if n[0].isupper()]
         raise UnknownNameError("ROS type", name, (f"{package}/{kind}/{n}" for n in known)) from None
 
 
-def load_message(name: str) -> Any:
+def load_message(name: str) -> InterfaceType:
     """Return the class of a message, as topics carry them.
 
     Raises:
@@ -72,7 +95,7 @@ def check_name(name: str) -> None:
         raise GripError(f"{name!r} can't name a topic, a service or an action: {allowed}") from None
 
 
-def type_name(cls: Any) -> str:
+def type_name(cls: type) -> str:
     """Return the name of a type's class, such as `std_srvs/srv/Trigger`."""
     package, kind = cls.__module__.split(".")[:2]
     return f"{package}/{kind}/{cls.__name__}"
@@ -118,18 +141,18 @@ class FieldType:
     size: int | None = None
 
     @property
-    def message(self) -> Any:
+    def message(self) -> InterfaceType | None:
         """The class of the elements when they are messages, else None."""
         return load_type(self.base) if "/" in self.base else None
 
 
 @cache
-def field_types(cls: Any) -> dict[str, FieldType]:
+def field_types(cls: type) -> dict[str, FieldType]:
     """Return the fields of a message class and their types."""
-    return {name: _parse(text) for name, text in cls.get_fields_and_field_types().items()}
+    return {name: _parse(text) for name, text in cast(InterfaceType, cls).get_fields_and_field_types().items()}
 
 
-def check_field(cls: Any, name: str) -> FieldType:
+def check_field(cls: type, name: str) -> FieldType:
     """Return the type of a field.
 
     Raises:

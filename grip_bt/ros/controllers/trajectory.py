@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Sequence
-from typing import Any
+from typing import TypeVar
 
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.failures import (
@@ -19,13 +19,15 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import Trajectory
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.goal import GoalEnd
-from grip_bt.ros.client.types import load_type
 from grip_bt.ros.controllers.following import Following
 from grip_bt.ros.controllers.joint_states import JointStates
 from grip_bt.ros.controllers.motion import RosExecutor
 from grip_bt.ros.convert_geometry import trajectory_to_message
 from grip_bt.ros.interfaces.build import provide
 
+from ..client.types import InterfaceType, Message, load_type
+
+T = TypeVar("T")
 ACTION = "control_msgs/action/FollowJointTrajectory"
 LATE = 60.0
 """How long a controller may take beyond the duration of a trajectory [s]."""
@@ -113,7 +115,7 @@ def follow_goal(sent: Operation[GoalEnd], judge: Callable[[GoalEnd, bool], GoalE
     return operation
 
 
-def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[GoalEnd]:
+def as_motion(sent: Operation[GoalEnd], server: str, result: InterfaceType) -> Operation[GoalEnd]:
     """Return a controller's goal as a motion: all but success and cancelling is an aborted execution.
 
     A motion that was cancelled, and then given up, is a cancelled one: a newer goal has overtaken the request to
@@ -139,7 +141,7 @@ def as_motion(sent: Operation[GoalEnd], server: str, result: Any) -> Operation[G
     return follow_goal(sent, judge)
 
 
-def _names_of(result: Any) -> Callable[[int], str]:
+def _names_of(result: InterfaceType) -> Callable[[int], str]:
     """Return what names the codes that a result class has as constants."""
     constants = {
         getattr(result, n): n.lower() for n in dir(type(result)) if n.isupper() and isinstance(getattr(result, n), int)
@@ -179,7 +181,7 @@ class ControllerManager:
     def switch(self, activate: Collection[str], deactivate: Collection[str] = ()) -> Operation[None]:
         """Activate and deactivate controllers in one step, all or none. Ends with SwitchError when it doesn't work."""
 
-        def check(answer: Any) -> Operation[None]:
+        def check(answer: Message) -> Operation[None]:
             if answer.ok:
                 return Operation.finished(None)
             asked = f"activate {', '.join(activate) or 'none'}, deactivate {', '.join(deactivate) or 'none'}"
@@ -212,12 +214,12 @@ class ControllerManager:
         if start or stop:
             self._wait_for(self.switch(start, stop))
 
-    def _ask(self, service: str, type_: str, **fields: Any) -> Operation[Any]:
+    def _ask(self, service: str, type_: str, **fields: object) -> Operation[Message]:
         cls = load_type(f"controller_manager_msgs/srv/{type_}")
         client = self._bus.service(cls, f"{self._name}/{service}")
         return client.call(cls.Request(**fields), ANSWER, self._wait)
 
-    def _wait_for(self, operation: Operation[Any]) -> Any:
+    def _wait_for(self, operation: Operation[T]) -> T:
         began = time.monotonic()
         if not operation.wait(ANSWER + self._wait + 1.0):
             raise GripError(f"{self._name} didn't answer within {time.monotonic() - began:.0f} s")

@@ -163,7 +163,7 @@ def _generate(generated: Generated, prefixes: Sequence[Path], told: Callable[[Ge
         told(generated, generator)
 
 
-def _generators() -> dict[str, Callable[[str], Any]]:
+def _generators() -> dict[str, Callable[[str], object]]:
     from rosidl_generator_c import generate_c
     from rosidl_generator_py import generate_py
     from rosidl_typesupport_c import generate_c as generate_typesupport
@@ -213,7 +213,7 @@ def _implied(kinds: set[str]) -> set[str]:
     return services | (_OF_EVERY_ACTION if "action" in kinds else set())
 
 
-def _arguments(generated: Generated, generator: str, output: Path, prefixes: Sequence[Path]) -> dict[str, Any]:
+def _arguments(generated: Generated, generator: str, output: Path, prefixes: Sequence[Path]) -> dict[str, object]:
     """Return what the generators' argument files hold (see rosidl_pycommon.generate_files)."""
     name, folder = generated.package.name, generated.folder
     idl_folder = folder / "idl" / name
@@ -237,7 +237,7 @@ def _arguments(generated: Generated, generator: str, output: Path, prefixes: Seq
 
 
 @contextlib.contextmanager
-def _argument_file(arguments: dict[str, Any]) -> Iterator[str]:
+def _argument_file(arguments: dict[str, object]) -> Iterator[str]:
     with tempfile.NamedTemporaryFile("w", suffix=".json", encoding="utf-8") as file:
         json.dump(arguments, file)
         file.flush()

@@ -9,11 +9,10 @@ from typing import Any
 from grip_bt.base.failures import BadReplyError, EmptyQueueError, NoEntryError
 from grip_bt.base.message_store import Entry
 from grip_bt.base.operation import Operation
-from grip_bt.ros.client.types import ConversionError
 
 from ..client.bus import Bus
 from ..client.topic import Received
-from ..client.types import load_type
+from ..client.types import ConversionError, Message, load_type
 from ..convert_geometry import seconds
 from ..interface import BadRequestError
 from ..interfaces.build import provide
@@ -38,7 +37,7 @@ class RosMessages:
         provide("grip_msgs")
         self._bus, self._prefix, self._timeout, self._wait = bus, prefix, timeout, wait
 
-    def put(self, store: str, name: str, value: Any, provenance: str = "") -> Operation[None]:
+    def put(self, store: str, name: str, value: object, provenance: str = "") -> Operation[None]:
         """Add or replace a message; without a name it goes to the end of the store's queue.
 
         Ends with BadRequestError when the value can't be the store's message, BadReplyError when the server refuses.
@@ -60,7 +59,7 @@ class RosMessages:
         return self._asked_for(store, name, lambda _, raw: message_of(raw))
 
     def _asked_for(self, store: str, name: str, read: Callable[[str, RawMessage], Any]) -> Operation[Entry[Any]]:
-        def refusal(answer: Any) -> Exception:
+        def refusal(answer: Message) -> Exception:
             empty = answer.code == EmptyQueueError.code
             return EmptyQueueError(store) if empty else NoEntryError(answer.message)
 
@@ -74,13 +73,13 @@ class RosMessages:
     def entries(self, store: str = "") -> Operation[tuple[Entry[None], ...]]:
         """Return what is known of the entries of a store, or of all, without their values."""
 
-        def read(answer: Any) -> Operation[tuple[Entry[None], ...]]:
+        def read(answer: Message) -> Operation[tuple[Entry[None], ...]]:
             found = (Entry(e.name, None, seconds(e.stamp), e.provenance, e.revision) for e in answer.entries)
             return Operation.finished(tuple(found))
 
         return self._ask("list", "ListMessages", NoEntryError, store=store).then(read)
 
-    def listing(self) -> Operation[Any]:
+    def listing(self) -> Operation[Message]:
         """Return the server's whole answer to `list`: entries, stores, and the lengths of their queues."""
         return self._ask("list", "ListMessages", NoEntryError, store="")
 
@@ -96,7 +95,7 @@ class RosMessages:
         """Have the server keep everything for later runs; return how many entries there are."""
         return self._ask("save", "SaveMessages", BadReplyError).then(lambda answer: Operation.finished(answer.count))
 
-    def next_of(self, topic: str, type_: str, within: float) -> Any:
+    def next_of(self, topic: str, type_: str, within: float) -> Message:
         """Wait for the next message of a topic and return it, so that it can be put; for scripts, it blocks.
 
         Args:
@@ -127,23 +126,27 @@ class RosMessages:
         reader.listen(heard).wait(self._timeout)
         return lambda: reader.ignore(heard)
 
-    def _done(self, service: str, type_: str, **fields: Any) -> Operation[None]:
+    def _done(self, service: str, type_: str, **fields: object) -> Operation[None]:
         return self._ask(service, type_, NoEntryError, **fields).then(lambda _: Operation.finished(None))
 
-    def _ask(self, service: str, type_: str, refusal: Callable[[str], Exception], **fields: Any) -> Operation[Any]:
+    def _ask(
+        self, service: str, type_: str, refusal: Callable[[str], Exception], **fields: object
+    ) -> Operation[Message]:
         return self._call(service, type_, lambda answer: refusal(answer.message), **fields)
 
-    def _call(self, service: str, type_: str, refusal: Callable[[Any], Exception], **fields: Any) -> Operation[Any]:
+    def _call(
+        self, service: str, type_: str, refusal: Callable[[Message], Exception], **fields: object
+    ) -> Operation[Message]:
         cls = load_type(f"grip_msgs/srv/{type_}")
         client = self._bus.service(cls, f"{self._prefix}/{service}")
 
-        def check(answer: Any) -> Operation[Any]:
+        def check(answer: Message) -> Operation[Message]:
             return Operation.finished(answer) if answer.success else Operation.failed(refusal(answer))
 
         return client.call(cls.Request(**fields), self._timeout, self._wait).then(check)
 
 
-def _entry(store: str, message: Any, read: Callable[[str, RawMessage], Any]) -> Operation[Entry[Any]]:
+def _entry(store: str, message: Message, read: Callable[[str, RawMessage], Any]) -> Operation[Entry[Any]]:
     try:
         value = read(store, RawMessage(message.type, bytes(message.data)))
     except (ConversionError, BadRequestError) as error:

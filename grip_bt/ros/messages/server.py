@@ -6,8 +6,8 @@ import json
 from array import array
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 
 from grip_bt.base.errors import GripError, UnknownNameError
@@ -15,7 +15,7 @@ from grip_bt.base.failures import EmptyQueueError, ExpectedError
 from grip_bt.base.message_store import Change, Entry, MessageLibrary, MessageStore, load, save
 
 from ..client.bus import Bus
-from ..client.types import load_type
+from ..client.types import Message, load_type
 from ..convert_geometry import seconds
 from ..interfaces.build import provide
 from .wire import MESSAGES, PREFIX, RawMessage, message_of, pack
@@ -47,11 +47,11 @@ class MessageServer:
 
     def __init__(self, bus: Bus, folder: Path | None = None, archive: Path | None = None, prefix: str = PREFIX):
         provide("grip_msgs")
-        self._publisher: Any = None
+        self._publisher: Publisher | None = None
         self._bus, self._folder, self._archive = bus, folder, archive
         self._types = dict(MESSAGES)
         self._library = MessageLibrary()
-        self._raw: dict[str, MessageStore[Any]] = {}
+        self._raw: dict[str, MessageStore[RawMessage]] = {}
         for name in MESSAGES:
             self._made(name)
         self._entry = load_type("grip_msgs/msg/Entry")
@@ -79,7 +79,7 @@ class MessageServer:
 
     # --- services; on the bus's thread ---
 
-    def _on_add(self, request: Any, response: Any) -> None:
+    def _on_add(self, request: Message, response: Message) -> None:
         given = request.entry
         if not given.store:
             raise ExpectedError("the entry names no store")
@@ -94,13 +94,13 @@ class MessageServer:
         )
         response.revision = entry.revision
 
-    def _on_get(self, request: Any, response: Any) -> None:
+    def _on_get(self, request: Message, response: Message) -> None:
         store = self._store(request.store)
         if not request.name and not store.queued:
             response.code = EmptyQueueError.code
         response.entry = self._message(request.store, store.entry(request.name) if request.name else store.take())
 
-    def _on_list(self, request: Any, response: Any) -> None:
+    def _on_list(self, request: Message, response: Message) -> None:
         chosen = {request.store: self._store(request.store)} if request.store else self._raw
         response.entries = [
             self._message(name, entry, data=False) for name, store in chosen.items() for entry in store.entries()
@@ -108,15 +108,15 @@ class MessageServer:
         response.stores = list(self._raw)
         response.queued = [store.queued for store in self._raw.values()]
 
-    def _on_delete(self, request: Any, response: Any) -> None:
+    def _on_delete(self, request: Message, response: Message) -> None:
         self._store(request.store).delete(request.name)
 
-    def _on_reset(self, request: Any, response: Any) -> None:
+    def _on_reset(self, request: Message, response: Message) -> None:
         if request.store:
             self._store(request.store)
         self._reset(request.store)
 
-    def _on_save(self, request: Any, response: Any) -> None:
+    def _on_save(self, request: Message, response: Message) -> None:
         file = Path(request.file) if request.file else self._archive
         if file is None:
             raise ExpectedError("this server belongs to no project; name a file")
@@ -124,13 +124,13 @@ class MessageServer:
 
     # --- stores ---
 
-    def _made(self, name: str) -> MessageStore[Any]:
+    def _made(self, name: str) -> MessageStore[RawMessage]:
         if name not in self._raw:
             self._raw[name] = MessageStore(name, "Any")
             self._watch(name, self._raw[name])
         return self._raw[name]
 
-    def _store(self, name: str) -> MessageStore[Any]:
+    def _store(self, name: str) -> MessageStore[RawMessage]:
         if name not in self._raw:
             raise UnknownNameError("store", name, self._raw)
         return self._raw[name]
@@ -145,8 +145,8 @@ class MessageServer:
                     for entry in fresh.store(key).entries():
                         store.put(entry.name, pack(key, entry.value), entry.provenance)
 
-    def _watch(self, name: str, store: MessageStore[Any]) -> None:
-        def tell(change: Change[Any]) -> None:
+    def _watch(self, name: str, store: MessageStore[RawMessage]) -> None:
+        def tell(change: Change[RawMessage]) -> None:
             if self._publisher is None or not self._publisher.get_subscription_count():
                 return  # while the stores are first filled; and nobody listens, which saves a copy of a cloud
             entry = self._entry(store=name, name=change.name, revision=change.revision)
@@ -156,7 +156,7 @@ class MessageServer:
 
         store.watch(tell)
 
-    def _message(self, store: str, entry: Entry[RawMessage], data: bool = True) -> Any:
+    def _message(self, store: str, entry: Entry[RawMessage], data: bool = True) -> Message:
         nanoseconds = round(entry.time * 1e9)
         made = self._entry(store=store, name=entry.name, type=entry.value.type, revision=entry.revision)
         made.provenance = entry.provenance
@@ -175,10 +175,10 @@ def _decode(content: bytes) -> RawMessage:
     return RawMessage(json.loads(type_), data)
 
 
-def _answering(work: Callable[[Any, Any], None]) -> Callable[[Any, Any], Any]:
+def _answering(work: Callable[[Message, Message], None]) -> Callable[[Message, Message], Message]:
     """Return a service's callback: what goes wrong is said in the answer, and the server goes on."""
 
-    def answer(request: Any, response: Any) -> Any:
+    def answer(request: Message, response: Message) -> Message:
         try:
             work(request, response)
             response.success = True

@@ -14,9 +14,8 @@ from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Messages
 from grip_bt.base.values import Grasp, JointState, Pose
-from grip_bt.ros.client.types import ConversionError
 
-from ..client.types import load_type, type_name
+from ..client.types import ConversionError, InterfaceType, Message, load_type, type_name
 from ..convert import from_message, to_message
 from ..convert_geometry import header, pose_from_message, pose_to_message
 from ..interface import BadRequestError
@@ -50,7 +49,7 @@ class RawMessage:
     data: bytes
 
 
-def pack(store: str, value: Any) -> RawMessage:
+def pack(store: str, value: object) -> RawMessage:
     """Return a value, or any message, as the store keeps it.
 
     Raises:
@@ -69,7 +68,7 @@ def pack(store: str, value: Any) -> RawMessage:
     return RawMessage(MESSAGES[store], bytes(serialize_message(message)))
 
 
-def message_of(raw: RawMessage) -> Any:
+def message_of(raw: RawMessage) -> Message:
     """Return a message from its CDR.
 
     Raises:
@@ -101,7 +100,7 @@ def unpack(store: str, raw: RawMessage) -> Any:
     return from_message(message, STANDARD[store])
 
 
-def _message(store: str, value: Any) -> Any:
+def _message(store: str, value: object) -> Message:
     cls = load_type(MESSAGES[store])
     if store == "robot_poses":
         return _robot_pose(cls, value)
@@ -111,7 +110,7 @@ def _message(store: str, value: Any) -> Any:
     return to_message(value, cls)
 
 
-def _robot_pose(cls: Any, value: Any) -> Any:
+def _robot_pose(cls: InterfaceType, value: object) -> Message:
     if not isinstance(value, Mapping) or not all(isinstance(pose, Pose) for pose in value.values()):
         raise ConversionError("", "a mapping from link names to poses is expected")
     frames = {pose.frame for pose in value.values()}
@@ -120,7 +119,7 @@ def _robot_pose(cls: Any, value: Any) -> Any:
     return cls(header=header(frames.pop()), link_names=list(value), poses=[pose_to_message(p) for p in value.values()])
 
 
-def _grasp(message: Any) -> Grasp:
+def _grasp(message: Message) -> Grasp:
     said: dict[str, Any] = {}
     for name in message.get_fields_and_field_types():
         part = getattr(message, name)
@@ -131,7 +130,7 @@ def _grasp(message: Any) -> Grasp:
     return Grasp(**said)
 
 
-def entry_rows(answer: Any) -> list[dict[str, Any]]:
+def entry_rows(answer: Message) -> list[dict[str, Any]]:
     """Return the entries of an answer to `list` as plain data; `time` in seconds of the Unix epoch."""
     return [
         {
@@ -146,17 +145,17 @@ def entry_rows(answer: Any) -> list[dict[str, Any]]:
     ]
 
 
-def text_of_entry(store: str, value: Any) -> str:
+def text_of_entry(store: str, value: object) -> str:
     """Return a value of a store as YAML: as a project's files have it, else field by field; empty for a big one."""
     return text_of(value) or text_of(message_of(pack(store, value)))
 
 
-def text_of_message(store: str, message: Any) -> str:
+def text_of_message(store: str, message: Message) -> str:
     """Return a message of a store likewise."""
     return text_of_entry(store, unpack(store, pack(store, message)))
 
 
-def plain_of_entry(store: str, value: Any) -> Any:
+def plain_of_entry(store: str, value: object) -> Any:
     """Return the fields of a value's message as plain data, None for a big one."""
     return plain_of(message_of(pack(store, value)))
 

@@ -5,8 +5,8 @@ MoveIt's error codes are the failures that tasks know; each keeps MoveIt's own n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from grip_bt.base.failures import (
     BadReplyError,
@@ -33,12 +33,14 @@ from grip_bt.base.values import Trajectory
 
 from ..client.bus import Bus
 from ..client.goal import GoalEnd
-from ..client.types import load_type
+from ..client.service import ServiceClient
+from ..client.types import Message, load_type
 from ..controllers import JointStates, RosExecutor
 from ..controllers.trajectory import LATE, follow_goal
 from ..convert_geometry import trajectory_to_message
 from ..interfaces.build import provide
 
+T = TypeVar("T")
 ANSWER = 10.0
 """How long move_group may take beyond the time that it was given [s]: to simplify a path, to time it, to answer."""
 _ALLOWED_COLLISIONS = 128
@@ -69,10 +71,9 @@ class MoveGroup:
     @property
     def scene_server(self) -> frozenset[bytes]:
         """Who answered last when a scene was sent; another value after move_group was started anew."""
-        servers: frozenset[bytes] = self._scene.servers
-        return servers
+        return self._scene.servers
 
-    def plan(self, request: Any, timeout: float) -> Operation[Any]:
+    def plan(self, request: Message, timeout: float) -> Operation[Message]:
         """Plan without executing; the result is the `MoveGroup` action's, and cancelling it stops the search.
 
         Args:
@@ -86,21 +87,21 @@ class MoveGroup:
         sent = self._plan.send(goal, timeout + ANSWER, self._wait, moves=False)
         return self._named(sent, "planning", _ended)
 
-    def plan_by_service(self, request: Any, timeout: float) -> Operation[Any]:
+    def plan_by_service(self, request: Message, timeout: float) -> Operation[Message]:
         """Plan by the service `plan_kinematic_path`, which can't be cancelled; the result is its response."""
         type_ = load_type("moveit_msgs/srv/GetMotionPlan")
         client = self._bus.service(type_, f"{self._namespace}/plan_kinematic_path")
         asked = client.call(type_.Request(motion_plan_request=request), timeout + ANSWER, self._wait)
         return self._named(asked, "planning", lambda answer: answer.motion_plan_response)
 
-    def cartesian(self, request: Any) -> Operation[Any]:
+    def cartesian(self, request: Message) -> Operation[Message]:
         """Plan straight lines; the result is the response, whose `fraction` may be less than 1."""
         client = self._service("GetCartesianPath", "compute_cartesian_path")
         return self._named(
             client.call(request, ANSWER, self._wait), "planning of a straight line", lambda answer: answer
         )
 
-    def inverse(self, request: Any) -> Operation[Any]:
+    def inverse(self, request: Message) -> Operation[Message]:
         """Look for joint positions that reach a pose; the result is the `RobotState`.
 
         Args:
@@ -112,12 +113,12 @@ class MoveGroup:
             lambda answer: Operation.finished(answer.solution)
         )
 
-    def apply(self, scene: Any) -> Operation[Any]:
+    def apply(self, scene: Message) -> Operation[Message]:
         """Apply a `PlanningScene`, or a difference; the result is the response."""
         asked = self._scene.call(self._scene.type.Request(scene=scene), ANSWER, self._wait)
         return self._named(asked, "the scene", lambda answer: answer)
 
-    def allowed_collisions(self) -> Operation[Any]:
+    def allowed_collisions(self) -> Operation[Message]:
         """Return the matrix of allowed collisions as it is now."""
         client = self._service("GetPlanningScene", "get_planning_scene")
         request = client.type.Request()
@@ -126,15 +127,15 @@ class MoveGroup:
             lambda answer: Operation.finished(answer.scene.allowed_collision_matrix)
         )
 
-    def _service(self, type_: str, name: str) -> Any:
+    def _service(self, type_: str, name: str) -> ServiceClient:
         cls = load_type(f"moveit_msgs/srv/{type_}")
         return self._bus.service(cls, f"{self._namespace}/{name}")
 
-    def _named(self, asked: Operation[Any], what: str, part: Any) -> Operation[Any]:
+    def _named(self, asked: Operation[T], what: str, part: Callable[[T], Message]) -> Operation[Message]:
         """End as `asked` does, with what MoveIt's error code means, and with PlannerLostError when nobody answers."""
         where = f"{self.name}: {what}"
 
-        def steps() -> Steps[Any]:
+        def steps() -> Steps[Message]:
             try:
                 answer = part((yield asked))
             except (ServerLostError, ServerTimeOutError) as error:
@@ -150,7 +151,7 @@ class MoveGroup:
         return run_steps(steps())
 
 
-def _ended(end: GoalEnd) -> Any:
+def _ended(end: GoalEnd) -> Message:
     """Return the result of a goal; one that was cancelled, or aborted without a reason, has none to speak of.
 
     Raises:
@@ -202,7 +203,7 @@ _FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
 }
 
 
-def failure(code: Any, what: str) -> ExpectedError | None:
+def failure(code: Message, what: str) -> ExpectedError | None:
     """Return the failure that an error code stands for; None for success.
 
     Args:
@@ -219,7 +220,7 @@ def failure(code: Any, what: str) -> ExpectedError | None:
     return kind(words, moveit=name.lower(), moveit_code=value, moveit_says=said)
 
 
-def name_of(code: Any) -> str:
+def name_of(code: Message) -> str:
     """Return the name of an error code's value, such as `NO_IK_SOLUTION`; `CODE_<n>` for one without a name."""
     constants = {
         getattr(code, name): name

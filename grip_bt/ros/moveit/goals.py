@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Point, Vector3
@@ -16,10 +15,11 @@ from shape_msgs.msg import MeshTriangle, SolidPrimitive
 
 from grip_bt.base.failures import GoalRejectedError
 from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values.goals import PathConstraint
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.description.robot import RobotDescription
 
-from ..client.types import load_type
+from ..client.types import Message, load_type
 from ..convert_geometry import header, pose_to_message
 
 JOINT_TOLERANCE = 1e-4
@@ -35,7 +35,7 @@ TURNS = 12
 _ROTATION_VECTOR = 1
 
 
-def at_joints(goal: JointState) -> Any:
+def at_joints(goal: JointState) -> Message:
     """Return the constraints of joint positions."""
     constraint = load_type("moveit_msgs/msg/JointConstraint")
     return load_type("moveit_msgs/msg/Constraints")(
@@ -52,7 +52,7 @@ def at_joints(goal: JointState) -> Any:
     )
 
 
-def at_pose(pose: Pose, free: str, mount: Mount, frame: str) -> list[Any]:
+def at_pose(pose: Pose, free: str, mount: Mount, frame: str) -> list[Message]:
     """Return the constraints of a grasp frame's pose; any of them is the goal.
 
     A free turn about an axis of the grasp frame is a tolerance where that is an axis of the link too; MoveIt knows no
@@ -79,7 +79,7 @@ def at_pose(pose: Pose, free: str, mount: Mount, frame: str) -> list[Any]:
     return [_posed(one, (TURN, TURN, TURN), mount, frame) for one in turned]
 
 
-def on_the_way(constraint: Any, mount: Mount, frame: str) -> Any:
+def on_the_way(constraint: PathConstraint, mount: Mount, frame: str) -> Message:
     """Return the path constraints of a `PathConstraint`, about the link that carries the grasp frame.
 
     Raises:
@@ -94,10 +94,11 @@ def on_the_way(constraint: Any, mount: Mount, frame: str) -> Any:
     return _constraints(positions, orientations)
 
 
-def _kept_orientation(constraint: Any, mount: Mount, frame: str) -> Any:
+def _kept_orientation(constraint: PathConstraint, mount: Mount, frame: str) -> Message:
     """Return the constraint of an orientation: tolerances are turned to the link's axes where that is exact."""
+    assert constraint.orientation is not None
     to_link = mount.frame.rotation()
-    if getattr(constraint, "axes", "own") == "world":
+    if constraint.axes == "world":
         to_link = to_link @ constraint.orientation.rotation().T
     tolerance = np.minimum(np.array(constraint.tolerance, dtype=float), ANY)
     places = np.abs(to_link)
@@ -112,22 +113,22 @@ def _kept_orientation(constraint: Any, mount: Mount, frame: str) -> Any:
     return _oriented(link, (float(tolerance[0]), float(tolerance[1]), float(tolerance[2])), mount, frame)
 
 
-def _posed(pose: Pose, tolerance: tuple[float, float, float], mount: Mount, frame: str) -> Any:
+def _posed(pose: Pose, tolerance: tuple[float, float, float], mount: Mount, frame: str) -> Message:
     oriented = _oriented(mount.link_pose(pose), tolerance, mount, frame)
     return _constraints([_at_point(pose, mount, frame)], [oriented])
 
 
-def _at_point(pose: Pose, mount: Mount, frame: str) -> Any:
+def _at_point(pose: Pose, mount: Mount, frame: str) -> Message:
     """Return the constraint that the grasp frame's origin is where it is in `pose`."""
     ball = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[REACH])
     return _within(ball, pose, mount, frame)
 
 
-def _in_box(pose: Pose, size: tuple[float, float, float], mount: Mount, frame: str) -> Any:
+def _in_box(pose: Pose, size: tuple[float, float, float], mount: Mount, frame: str) -> Message:
     return _within(SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(map(float, size))), pose, mount, frame)
 
 
-def _within(shape: SolidPrimitive, pose: Pose, mount: Mount, frame: str) -> Any:
+def _within(shape: SolidPrimitive, pose: Pose, mount: Mount, frame: str) -> Message:
     x, y, z = map(float, mount.frame.position)
     region = load_type("moveit_msgs/msg/BoundingVolume")(primitives=[shape], primitive_poses=[pose_to_message(pose)])
     return load_type("moveit_msgs/msg/PositionConstraint")(
@@ -139,7 +140,7 @@ def _within(shape: SolidPrimitive, pose: Pose, mount: Mount, frame: str) -> Any:
     )
 
 
-def _oriented(link: Pose, tolerance: tuple[float, float, float], mount: Mount, frame: str) -> Any:
+def _oriented(link: Pose, tolerance: tuple[float, float, float], mount: Mount, frame: str) -> Message:
     message: PoseMessage = pose_to_message(link)
     x, y, z = tolerance
     return load_type("moveit_msgs/msg/OrientationConstraint")(
@@ -154,7 +155,7 @@ def _oriented(link: Pose, tolerance: tuple[float, float, float], mount: Mount, f
     )
 
 
-def _constraints(positions: list[Any], orientations: list[Any]) -> Any:
+def _constraints(positions: list[Message], orientations: list[Message]) -> Message:
     kind = load_type("moveit_msgs/msg/Constraints")
     return kind(position_constraints=positions, orientation_constraints=orientations)
 
@@ -208,7 +209,7 @@ class Mount:
 ADD, REMOVE = b"\x00", b"\x01"
 
 
-def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Any:
+def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Message:
     """Return the message that adds or replaces an object.
 
     Args:
@@ -237,7 +238,7 @@ def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Any:
     return message
 
 
-def removed(name: str) -> Any:
+def removed(name: str) -> Message:
     """Return the message that removes an object."""
     return load_type("moveit_msgs/msg/CollisionObject")(id=name, operation=REMOVE)
 
@@ -282,7 +283,7 @@ def _square(axis: int, side: int) -> NDArray[np.float64]:
     return corners
 
 
-def _mesh(points: NDArray[np.float64], triangles: Iterable[Any]) -> MeshMessage:
+def _mesh(points: NDArray[np.float64], triangles: Iterable[NDArray[np.int32]]) -> MeshMessage:
     return MeshMessage(
         vertices=[Point(x=x, y=y, z=z) for x, y, z in points.tolist()],
         triangles=[MeshTriangle(vertex_indices=np.asarray(t, np.uint32)) for t in triangles],

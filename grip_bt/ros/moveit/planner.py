@@ -6,7 +6,6 @@ import time
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -38,7 +37,7 @@ from grip_bt.commanders.planning.requests import (
 )
 from grip_bt.commanders.planning.service import Search
 
-from ..client.types import load_type
+from ..client.types import Message, load_type
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
 from .client import MoveGroup
 from .goals import Mount, at_joints, at_pose, on_the_way
@@ -189,7 +188,7 @@ class MoveGroupPlanner:
 
     # --- requests and replies ---
 
-    def _plan_request(self, situation: Situation, mount: Mount) -> Any:
+    def _plan_request(self, situation: Situation, mount: Mount) -> Message:
         settings = situation.settings
         return load_type("moveit_msgs/msg/MotionPlanRequest")(
             start_state=_state(situation.start),
@@ -202,7 +201,7 @@ class MoveGroupPlanner:
             max_acceleration_scaling_factor=settings.acceleration or settings.speed,
         )
 
-    def _line_request(self, situation: Situation, start: JointState, poses: tuple[Pose, ...], mount: Mount) -> Any:
+    def _line_request(self, situation: Situation, start: JointState, poses: tuple[Pose, ...], mount: Mount) -> Message:
         settings = situation.settings
         asked = load_type("moveit_msgs/srv/GetCartesianPath").Request(
             start_state=_state(start),
@@ -219,7 +218,7 @@ class MoveGroupPlanner:
         asked.header.frame_id = self.robot.base_link
         return asked
 
-    def _goals(self, request: PlanTo, mount: Mount) -> list[Any]:
+    def _goals(self, request: PlanTo, mount: Mount) -> list[Message]:
         """Return the goals, any of which will do; joints that a goal doesn't name stay where they are."""
         if request.hints:  # these reach the pose, and what comes after it
             return [at_joints(JointState(mount.joints, hint.ordered(mount.joints))) for hint in request.hints]
@@ -248,7 +247,7 @@ class MoveGroupPlanner:
             reason = f"wherever {request.goal} is reached, the robot touches something"
             raise GoalInCollisionError(reason, **error.data) from None
 
-    def _trajectory(self, found: Any, mount: Mount) -> Trajectory:
+    def _trajectory(self, found: Message, mount: Mount) -> Trajectory:
         message = found.joint_trajectory
         if set(message.joint_names) != set(mount.joints):
             names = ", ".join(message.joint_names) or "nothing"
@@ -265,7 +264,7 @@ class MoveGroupPlanner:
         return Pose(pose.position, pose.quaternion, self.robot.base_link)
 
 
-def _state(joints: JointState) -> Any:
+def _state(joints: JointState) -> Message:
     """Return a robot state in which only the joints are other than in move_group's scene."""
     return load_type("moveit_msgs/msg/RobotState")(joint_state=joints_to_message(joints), is_diff=True)
 

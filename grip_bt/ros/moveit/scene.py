@@ -15,7 +15,7 @@ from grip_bt.base.steps import Steps
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.scene import ANYTHING, SceneObject, SceneSnapshot
 
-from ..client.types import load_type
+from ..client.types import Message, load_type
 from .client import MoveGroup
 from .goals import REMOVE, Mount, collision_object, removed
 
@@ -71,8 +71,8 @@ class SceneMirror:
         self._sent = scene
         self._server = self._server or self._move_group.scene_server
 
-    def _apply(self, diff: Any) -> Operation[None]:
-        def check(answer: Any) -> Operation[None]:
+    def _apply(self, diff: Message) -> Operation[None]:
+        def check(answer: Message) -> Operation[None]:
             if answer.success:
                 return Operation.finished(None)
             names = [o.id for o in diff.world.collision_objects]
@@ -81,7 +81,7 @@ class SceneMirror:
 
         return self._move_group.apply(diff).then(check)
 
-    def _difference(self, scene: SceneSnapshot) -> Any:
+    def _difference(self, scene: SceneSnapshot) -> Message:
         """Return what turns the scene that was sent into `scene`."""
         before, now = self._sent.objects, scene.objects
         gone = [before[name] for name in before if name not in now]
@@ -104,7 +104,7 @@ class SceneMirror:
             diff.allowed_collision_matrix = with_allowed(self._baseline, sorted(scene.allowed), names)
         return diff
 
-    def _attached(self, item: SceneObject) -> Any:
+    def _attached(self, item: SceneObject) -> Message:
         mount = self._mounts[item.hand]
         return load_type("moveit_msgs/msg/AttachedCollisionObject")(
             link_name=mount.link,
@@ -112,7 +112,7 @@ class SceneMirror:
             touch_links=list(mount.hand_links),
         )
 
-    def _detached(self, item: SceneObject) -> Any:
+    def _detached(self, item: SceneObject) -> Message:
         """Return what takes an object off its hand; MoveIt puts it into the world then, to be replaced or removed."""
         kind = load_type("moveit_msgs/msg/AttachedCollisionObject")
         message = kind(link_name=self._mounts[item.hand].link)
@@ -120,7 +120,7 @@ class SceneMirror:
         return message
 
 
-def with_allowed(baseline: Any, pairs: Iterable[tuple[str, str]], names: Iterable[str]) -> Any:
+def with_allowed(baseline: Message, pairs: Iterable[tuple[str, str]], names: Iterable[str]) -> Message:
     """Return a matrix that allows `pairs` besides what `baseline` does.
 
     Args:
