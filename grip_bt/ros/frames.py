@@ -19,7 +19,7 @@ import numpy as np
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
-from grip_bt.commanders.description.roles import quaternion_of
+from grip_bt.base.values.pose import quaternion_of
 from grip_bt.task.catalog.ros_config import CameraTopics
 from grip_bt.task.catalog.sensors import Mount, SensorConfig
 
@@ -143,7 +143,7 @@ def _origin(joint: ET.Element, parent: str) -> Pose:
     given = {} if origin is None else origin.attrib
     xyz = [float(v) for v in given.get("xyz", "0 0 0").split()]
     roll, pitch, yaw = (float(v) for v in given.get("rpy", "0 0 0").split())
-    return Pose(xyz, quaternion_of((roll, pitch, yaw)), parent)
+    return Pose(xyz, quaternion_of(roll, pitch, yaw), parent)
 
 
 def _mount_pose(mount: Mount) -> Pose:

@@ -7,9 +7,11 @@ from grip_bt.app.project.config import ProjectFile
 from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.files import noting_files
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.moveit_package import read_package
 from grip_bt.commanders.description.packages import Packages
+from grip_bt.commanders.description.xacro_files import expand
 from grip_bt.commanders.kinematics.model import RobotModel
 
 
@@ -242,3 +244,13 @@ def test_a_continuous_joint_turns_once_to_both_sides_and_a_driving_base_is_held(
     inspected = inspect_robot(RobotConfig(urdf="r.urdf", srdf="r.srdf"), tmp_path)
     assert [f.code for f in inspected.findings] == ["held-joint", "held-joint"]
     assert RobotModel(inspected.description).limits("manipulator").upper[0] == pytest.approx(2 * np.pi)
+
+
+def test_an_expanded_file_tells_which_files_it_was_made_of(tmp_path):
+    xmlns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    (tmp_path / "inner.xacro").write_text(f'<robot {xmlns}><link name="${{1 + 1}}"/></robot>')
+    outer = tmp_path / "outer.xacro"
+    outer.write_text(f'<robot name="r" {xmlns}><xacro:include filename="inner.xacro"/></robot>')
+    with noting_files() as files:
+        assert '<link name="2"/>' in expand(outer, {}, Packages())
+    assert {file.name for file in files} == {"outer.xacro", "inner.xacro"}

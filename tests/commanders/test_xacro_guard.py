@@ -7,14 +7,8 @@ from pathlib import Path
 import pytest
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.commanders.description import xacro_files
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.description.xacro_files import expand
-
-
-@pytest.fixture(autouse=True)
-def _nothing_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(xacro_files, "kept_expansion", lambda request: None)
 
 
 def made(folder: Path, value: str) -> str:

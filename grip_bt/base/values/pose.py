@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import isfinite, sqrt
+from math import cos, isfinite, sin, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -121,6 +121,17 @@ class Pose(ComparesArrays):
     def __repr__(self) -> str:
         p, q = (np.array2string(a, precision=4, suppress_small=True) for a in (self.position, self.quaternion))
         return f"Pose({p}, wxyz={q}, frame={self.frame!r})"
+
+
+def quaternion_of(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
+    """Return w, x, y, z of turns about the fixed x, then y, then z axis [rad]."""
+    (cr, sr), (cp, sp), (cy, sy) = ((cos(angle / 2), sin(angle / 2)) for angle in (roll, pitch, yaw))
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
 
 
 def check_frame(pose: Pose, frame: str) -> None:

@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from grip_bt.base.errors import DocumentError
+from grip_bt.base.values import Pose
 
 from .xml import line_of, numbers, read_xml
 
 VELOCITY, EFFORT = 2.0, 2.0
 """Limits of every joint [rad/s, N m]; MJCF has none."""
-_IDENTITY = "1 0 0 0"
 _KINDS = {"hinge": "revolute", "slide": "prismatic"}
 _REFUSED = ("euler", "axisangle", "xyaxes", "zaxis", "fromto")
 
@@ -119,7 +119,7 @@ class _Conversion:
         joint = ET.SubElement(self.urdf, "joint", name=values.get("name", f"{name}_fixed"), type=str(kind))
         ET.SubElement(joint, "parent", link=parent)
         ET.SubElement(joint, "child", link=name)
-        _origin(joint, self._numbers(body, "pos", 3, "0 0 0"), self._numbers(body, "quat", 4, _IDENTITY))
+        _origin(joint, self._place(body))
         if joints:
             ET.SubElement(joint, "axis", xyz=values.get("axis", "0 0 1"))
             if "range" not in values:
@@ -131,8 +131,7 @@ class _Conversion:
         if (inertial := body.find("inertial")) is None:
             return
         element = ET.SubElement(link, "inertial")
-        place = self._numbers(inertial, "pos", 3, "0 0 0"), self._numbers(inertial, "quat", 4, _IDENTITY)
-        _origin(element, *place)
+        _origin(element, self._place(inertial))
         ET.SubElement(element, "mass", value=inertial.get("mass", ""))
         moments = self._numbers(inertial, "diaginertia", 3, "")
         zero = dict.fromkeys(("ixy", "ixz", "iyz"), "0")
@@ -143,17 +142,17 @@ class _Conversion:
         element = ET.Element(geom.tag, values)
         collides = values.get("contype", "1") != "0" or values.get("conaffinity", "1") != "0"
         kind = values.get("type", "sphere")
-        place = np.array(self._numbers(element, "pos", 3, "0 0 0"))
-        turn = self._numbers(element, "quat", 4, _IDENTITY)
+        place = self._place(element)
         size = [float(word) for word in values.get("size", "").split()]
-        shapes: list[tuple[str, dict[str, str], np.ndarray]] = []
+        shapes: list[tuple[str, dict[str, str], Pose]] = []
         if kind == "box" and len(size) == 3:
             shapes = [("box", {"size": " ".join(repr(2 * s) for s in size)}, place)]
         elif kind == "sphere" and size:
             shapes = [("sphere", {"radius": repr(size[0])}, place)]
         elif kind in ("cylinder", "capsule") and len(size) >= 2:
             shapes = [("cylinder", {"radius": repr(size[0]), "length": repr(2 * size[1])}, place)]
-            ends = [place + sign * size[1] * _rotation(turn)[:, 2] for sign in (1, -1)] if kind == "capsule" else []
+            half = size[1] * place.rotation()[:, 2]
+            ends = (place.moved(half), place.moved(-half)) if kind == "capsule" else ()
             shapes += [("sphere", {"radius": repr(size[0])}, end) for end in ends]
         elif kind == "mesh" and values.get("mesh") in self.meshes:
             file, scale = self.meshes[values["mesh"]]
@@ -162,8 +161,14 @@ class _Conversion:
             self._refuse(f"a geom of type {kind!r} and this size isn't converted", geom)
         for tag, attributes, where in shapes:
             body = ET.SubElement(link, "collision" if collides else "visual")
-            _origin(body, where, turn)
+            _origin(body, where)
             ET.SubElement(ET.SubElement(body, "geometry"), tag, attributes)
+
+    def _place(self, element: ET.Element) -> Pose:
+        position, turn = self._numbers(element, "pos", 3, "0 0 0"), self._numbers(element, "quat", 4, "1 0 0 0")
+        if not any(turn):
+            self._refuse(f"quat of <{element.tag}> is no rotation: its four numbers are zero", element)
+        return Pose(position, turn)
 
     def _numbers(self, element: ET.Element, attribute: str, count: int, default: str) -> tuple[float, ...]:
         return numbers(element, attribute, count, default, str(self.path))
@@ -172,20 +177,9 @@ class _Conversion:
         raise DocumentError(message, str(self.path), line_of(element))
 
 
-def _origin(element: ET.Element, place: object, quaternion: tuple[float, ...]) -> None:
-    xyz = " ".join(repr(float(v)) for v in place)  # type: ignore[attr-defined]
-    ET.SubElement(element, "origin", xyz=xyz, rpy=" ".join(repr(v) for v in _rpy(_rotation(quaternion))))
-
-
-def _rotation(quaternion: tuple[float, ...]) -> np.ndarray:
-    w, x, y, z = np.array(quaternion) / np.linalg.norm(quaternion)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+def _origin(element: ET.Element, place: Pose) -> None:
+    xyz, rpy = (" ".join(map(repr, values)) for values in (place.position.tolist(), _rpy(place.rotation())))
+    ET.SubElement(element, "origin", xyz=xyz, rpy=rpy)
 
 
 def _rpy(r: np.ndarray) -> tuple[float, float, float]:

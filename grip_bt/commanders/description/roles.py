@@ -6,11 +6,11 @@ doesn't say is told from the tree.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from grip_bt.base.values import Pose
+from grip_bt.base.values.pose import quaternion_of
 
 from .config import FrameConfig, RobotConfig
 from .robot import EndEffector, GraspFrame
@@ -49,18 +49,7 @@ def roles(tree: Tree, srdf: Srdf, groups: Mapping[str, tuple[str, ...]], config:
 
 def frame_of(config: FrameConfig) -> GraspFrame:
     """Return a configured frame as a value."""
-    return GraspFrame(config.link, Pose(config.xyz, quaternion_of(config.rpy), config.link))
-
-
-def quaternion_of(rpy: tuple[float, float, float]) -> tuple[float, float, float, float]:
-    """Return fixed-axis roll, pitch and yaw [rad] as a quaternion w x y z."""
-    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in rpy)
-    return (
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    )
+    return GraspFrame(config.link, Pose(config.xyz, quaternion_of(*config.rpy), config.link))
 
 
 class _Roles:

@@ -1,65 +1,18 @@
-"""xacro files, expanded by the `xacro` package in a process with limits.
-
-Expanded ones are kept in the user's cache: expanding one takes up to a second, and a task is checked at every edit.
-"""
+"""xacro files, expanded by the `xacro` package in a process with limits."""
 
 from __future__ import annotations
 
-import hashlib
 import json
-import os
 import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.base.files import replace_text
 from grip_bt.base.interpreter import python_command
 
-from .files import as_they_were, note, stamps_of
+from .files import note
 from .packages import Packages
 from .xml import Element, parse_xml, read_xml
-
-MOST = 64
-"""Expansions that are kept; beyond that, those go that were made first."""
-
-_SEARCHED = ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH")
-
-
-def kept_expansion(request: Mapping[str, Any]) -> str | None:
-    """Return the text that a request gave, where no file that it read has changed since."""
-    try:
-        entry = json.loads(_place(request).read_text(encoding="utf-8"))
-        text, stamps = str(entry["text"]), [tuple(stamp) for stamp in entry["stamps"]]
-        if not as_they_were(stamps):
-            return None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-    note(*(Path(stamp[0]) for stamp in stamps))
-    return text
-
-
-def keep_expansion(request: Mapping[str, Any], text: str, files: list[str]) -> None:
-    """Keep what a request gave, with the files that it read; where nothing can be written, nothing is kept."""
-    note(*map(Path, files))
-    place = _place(request)
-    try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        replace_text(place, json.dumps({"text": text, "stamps": stamps_of(files)}))
-        for old in sorted(place.parent.glob("*.json"), key=lambda p: p.stat().st_mtime_ns)[:-MOST]:
-            old.unlink(missing_ok=True)
-    except OSError:
-        return
-
-
-def _place(request: Mapping[str, Any]) -> Path:
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    searched = [request, sys.prefix, *(os.environ.get(name, "") for name in _SEARCHED)]
-    name = hashlib.sha256(json.dumps(searched, sort_keys=True).encode()).hexdigest()[:32]
-    return base / "grip" / "xacro" / f"{name}.json"
-
 
 TIME = 30.0
 """After so long a file won't end any more [s]; large robots take one or two."""
@@ -83,8 +36,6 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
         "arguments": {name: _word(value) for name, value in arguments.items()},
         "packages": {name: str(folder) for name, folder in packages.given.items()},
     }
-    if (text := kept_expansion(request)) is not None:
-        return text
     try:
         done = subprocess.run(
             python_command("-m", MODULE), input=json.dumps(request), capture_output=True, text=True, timeout=TIME
@@ -96,7 +47,7 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
         raise DocumentError("xacro ended without a result: it took too much time or memory", str(path)) from None
     if "error" in reply:
         raise DocumentError(f"xacro: {reply['error']}", str(path))
-    keep_expansion(request, str(reply["text"]), reply["files"])
+    note(*map(Path, reply["files"]))
     return str(reply["text"])
 
 

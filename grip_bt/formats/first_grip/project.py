@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
@@ -12,6 +11,7 @@ from typing import Any
 from ruamel.yaml import YAML
 
 from grip_bt.base.errors import DocumentError
+from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.formats.generated_files import generated_by
 from grip_bt.formats.imported import Issues
@@ -194,7 +194,7 @@ def _mount(name: str, frame: str, pose: Mapping[str, Any], found: Configuration)
         if "w" in turn:
             quaternion = [float(turn[axis]) for axis in "wxyz"]
         else:
-            quaternion = quaternion_of(*(float(turn[axis]) for axis in "rpy"))
+            quaternion = list(quaternion_of(*(float(turn[axis]) for axis in "rpy")))
     except (KeyError, TypeError, ValueError) as error:
         found.issues.add("incomplete", name, f"its pose can't be read ({error}); add `mount`")
         return None
@@ -204,17 +204,6 @@ def _mount(name: str, frame: str, pose: Mapping[str, Any], found: Configuration)
         "position": position,
         "quaternion": quaternion,
     }
-
-
-def quaternion_of(roll: float, pitch: float, yaw: float) -> list[float]:
-    """Return w, x, y, z of turns about the fixed x, then y, then z axis [rad]."""
-    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(angle / 2), math.sin(angle / 2)) for angle in (roll, pitch, yaw))
-    return [
-        cr * cp * cy + sr * sp * sy,
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-    ]
 
 
 MARK = generated_by("grip")
