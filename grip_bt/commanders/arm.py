@@ -5,24 +5,24 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExecutionAbortedError, OutOfLimitsError
 from grip_bt.base.operation import Operation
-from grip_bt.base.ports import Executor
+from grip_bt.base.ports import FREEDOMS, Executor
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 from grip_bt.base.values.joints import MOVE_GROUP
 
 from .joined import require_joints
-from .kinematics.target import FREE
 from .planning.requests import (
     CheckTogether,
     CheckTrajectory,
     ChooseGrasp,
     ChosenGrasp,
+    PlanningService,
     PlanServoStep,
     PlanStraight,
     PlanThrough,
@@ -30,20 +30,29 @@ from .planning.requests import (
     Request,
     Situation,
 )
-from .planning.service import PlanningService
 from .scene import PlanningScene
 from .settings import PlanningSettings
 from .steered_motion import SteeredMotion, Twist, velocity_of
 from .steering import HOLD, approaching, bounded, jogged, lasting
 from .taught import TaughtStates
-from .trajectory.limits import refuse_beyond_limits
-
-if TYPE_CHECKING:
-    from .kinematics.model import RobotModel
+from .trajectory.limits import Limits, refuse_beyond_limits
 
 END_TOLERANCE = 0.05
 """A motion that ends further than this [rad] from its last point did not succeed."""
 _REMEMBERED = 8
+
+
+class RobotGeometry(Protocol):
+    """What an arm asks of the robot's model; see `kinematics.model.RobotModel`."""
+
+    def grasp_pose(self, *states: JointState, group: str = "") -> Pose:
+        """Return where the grasp frame of a group is in world."""
+
+    def limits_of(self, names: tuple[str, ...]) -> Limits | None:
+        """Return what joints may do; None where nobody knows."""
+
+    def named_states_of(self, group: str) -> Mapping[str, JointState]:
+        """Return the states that the robot's description names."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +91,7 @@ class ArmCommander:
     def __init__(
         self,
         setup: ArmSetup,
-        model: RobotModel,
+        model: RobotGeometry,
         planner: PlanningService,
         executor: Executor,
         scene: PlanningScene,
@@ -129,8 +138,8 @@ class ArmCommander:
         Raises:
             UnknownNameError: there is no such named state, or no such freedom.
         """
-        if free not in FREE:
-            raise UnknownNameError("freedom of a pose", free, FREE, where=f"arm {self._name!r}")
+        if free not in FREEDOMS:
+            raise UnknownNameError("freedom of a pose", free, FREEDOMS, where=f"arm {self._name!r}")
         goal = self._goal(goal)
         hints = () if isinstance(goal, JointState) else self._known_ways_to(goal)
         return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))
@@ -200,8 +209,9 @@ class ArmCommander:
         """
         try:
             require_joints(plan.trajectory.names, self._executor.joint_names, self._name)
-            if plan.planner != MOVE_GROUP:
-                refuse_beyond_limits(plan.trajectory, self._model.limits_of(plan.trajectory.names))
+            limits = None if plan.planner == MOVE_GROUP else self._model.limits_of(plan.trajectory.names)
+            if limits is not None:
+                refuse_beyond_limits(plan.trajectory, limits)
         except (OutOfLimitsError, UnknownNameError) as error:
             return Operation.failed(error)
         return self._executor.execute(plan.trajectory).then(lambda measured: _verified(plan, measured))
@@ -215,7 +225,7 @@ class ArmCommander:
         self._executor.stop()
 
     def _described_states(self) -> Mapping[str, JointState]:
-        return {**self._more_states, **self._model.description.named_states.get(self._group, {})}
+        return {**self._more_states, **self._model.named_states_of(self._group)}
 
     def _goal(self, goal: JointState | Pose | str) -> JointState | Pose:
         if not isinstance(goal, str):

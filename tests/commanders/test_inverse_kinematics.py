@@ -7,11 +7,12 @@ from ik_search import nearest, solve
 from table_top import named, robot_model
 
 from grip_bt.base.errors import UnfitSolverError, UnknownNameError
+from grip_bt.base.ports import FREEDOMS
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.kinematics.damped_least_squares import TOLERANCE, solve_from
 from grip_bt.commanders.kinematics.ik import SOLVERS, solver
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.kinematics.target import FREE, Target
+from grip_bt.commanders.kinematics.target import Target
 
 FITS = [(name, robot) for name in SOLVERS for robot in ("panda_allegro", "ur10_allegro")]
 FITS.remove(("analytic", "panda_allegro"))  # seven joints
@@ -43,7 +44,7 @@ class TestEverySolver:
             assert q is None or (chain.within_limits(q) and target.distance(chain, q) < TOLERANCE)
         assert solved == 60
 
-    @pytest.mark.parametrize("free", FREE)
+    @pytest.mark.parametrize("free", FREEDOMS)
     def test_partial_targets_are_reached_and_leave_the_rest_free(self, chains, name, robot, free):
         chain = chains[robot]
         pose = chain.grasp_pose(configurations(chain, 1, seed=5)[0])
@@ -90,7 +91,7 @@ def test_a_descent_near_its_end_stays_near(chain):
     assert np.abs(solve_from(chain, Target(near), home) - home).max() < 0.1
 
 
-@pytest.mark.parametrize("free", FREE)
+@pytest.mark.parametrize("free", FREEDOMS)
 def test_the_error_of_a_target_has_the_derivative_that_it_says(chain, free):
     q, step = configurations(chain, 2, seed=4), 1e-6
     target = Target(chain.grasp_pose(q[0] + 0.2 * (q[1] - q[0])), free)

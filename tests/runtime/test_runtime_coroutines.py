@@ -129,9 +129,9 @@ def test_an_arm_is_moved_by_awaiting_its_plan_and_its_motion() -> None:
             await arm.execute(await arm.plan("there"))
 
     clock = ManualClock()
-    arm = FakeArm(schedule=OnClock(clock))
-    home = arm.named_states()["home"]
-    arm._states["there"] = there = type(home)(home.names, home.position + 0.5)
+    home = FakeArm().state()
+    there = type(home)(home.names, home.position + 0.5)
+    arm = FakeArm(schedule=OnClock(clock), states={"there": there})
     run = run_of(Moves, to_tree, RunContext(clock, RunParts(arms={"right": arm}, pausable=[arm]))).start()
     wait_for(lambda: arm._gantry.executed)
     clock.advance(100.0)

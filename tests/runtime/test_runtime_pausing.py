@@ -68,11 +68,10 @@ def test_a_wall_clock_leaves_pauses_out(time_passes: Passing) -> None:
 
 def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() -> None:
     clock = ManualClock()
-    arm = FakeArm(schedule=OnClock(clock))
+    home = FakeArm().state()
+    arm = FakeArm(schedule=OnClock(clock), states={"there": type(home)(home.names, home.position + 0.5)})
     context = RunContext(clock, RunParts(arms={"right": arm}, pausable=[arm]))
     root = {"node": "arm/move_to", "with": {"state": "there"}}
-    there = arm.named_states()["home"]
-    arm._states["there"] = type(there)(there.names, there.position + 0.5)
     task = Task.model_validate({"grip": 1, "name": "t", "root": root})
     runner = Runner(to_tree(task, Catalog.builtin()), context, poll=0.001)
     results: list[Any] = []
@@ -82,7 +81,7 @@ def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() ->
         time.sleep(0.001)
     clock.advance(0.4)
     half = arm.state().position
-    assert 0 < np.abs(half - there.position).max() < 0.5
+    assert 0 < np.abs(half - home.position).max() < 0.5
     runner.pause()
     clock.advance(1.0)
     held = arm.state().position
@@ -91,12 +90,12 @@ def test_a_paused_run_holds_the_arm_in_the_middle_of_its_motion_and_goes_on() ->
     assert (arm.state().position == held).all()
     runner.resume()
     clock.advance(0.1)
-    assert np.abs(arm.state().position - there.position).max() < 0.5
+    assert np.abs(arm.state().position - home.position).max() < 0.5
     assert not results
     clock.advance(2.0)
     thread.join(120)
     assert results[0].status == "success"
-    assert arm.state().position == pytest.approx(there.position + 0.5)
+    assert arm.state().position == pytest.approx(home.position + 0.5)
 
 
 @both

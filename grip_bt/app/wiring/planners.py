@@ -13,12 +13,13 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
+    PlanningService,
     PlanStraight,
     PlanThrough,
     PlanTo,
     Request,
+    Searcher,
 )
-from grip_bt.commanders.planning.service import PlanningService, Searcher
 from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 

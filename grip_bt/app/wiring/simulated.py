@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from grip_bt.base.values import Pose
-from grip_bt.commanders.planning.service import PlanningService
+from grip_bt.commanders.planning.requests import PlanningService
 from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_sim import start_simulation, table_world
 

@@ -127,6 +127,10 @@ class RobotModel:
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
             return Pose.from_matrix(self.data.oMf[frame].homogeneous)
 
+    def named_states_of(self, group: str) -> Mapping[str, JointState]:
+        """Return the named states of a group, as the robot's description has them."""
+        return self.description.named_states.get(group, {})
+
     def hulls(self, *states: JointState) -> list[Array]:
         """Return points of each collision shape, shape (k, 3) in world [m], whose convex hull contains the shape."""
         with self._lock:

@@ -13,8 +13,6 @@ from grip_bt.base.ports.motion import FREEDOMS, Free
 
 from .model import Chain
 
-FREE = FREEDOMS
-
 
 @dataclass(frozen=True, slots=True)
 class Target:
@@ -33,8 +31,8 @@ class Target:
     free: Free = "none"
 
     def __post_init__(self) -> None:
-        if self.free not in FREE:
-            raise UnknownNameError("freedom of a pose", self.free, FREE)
+        if self.free not in FREEDOMS:
+            raise UnknownNameError("freedom of a pose", self.free, FREEDOMS)
 
     def error(self, chain: Chain, q: Array) -> tuple[Array, Array]:
         """Return what is missing to the target, and how that changes with the joints.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
+from grip_bt.base.operation import Operation
 from grip_bt.base.ports.motion import Free
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
@@ -143,3 +145,21 @@ class ChosenGrasp:
 
 
 Request = PlanTo | PlanStraight | PlanThrough | PlanServoStep | CheckTrajectory | ChooseGrasp | CheckTogether
+
+
+class PlanningService(Protocol):
+    """Answers planning requests without blocking."""
+
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
+        """Ask; the operation ends with the answer, or with the `ExpectedError` that says why there is none."""
+
+
+Search = PlanTo | PlanStraight | ChooseGrasp
+"""The requests that ask for a way or a grasp. The others are about motions that are given, and ask for no planner."""
+
+
+class Searcher(Protocol):
+    """Answers the requests that search for something."""
+
+    def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
+        """Ask; see `PlanningService`."""

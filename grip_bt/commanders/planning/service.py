@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import IO, Any, Protocol
+from typing import IO, Any
 
 from grip_bt.base.failures import CanceledError, PlannerLostError
 from grip_bt.base.interpreter import how_ended, python_command
@@ -17,29 +17,11 @@ from grip_bt.base.values import Plan
 
 from ..description.robot import RobotDescription
 from .process import read_frame, write_frame
-from .requests import ChooseGrasp, ChosenGrasp, PlanStraight, PlanTo, Request
+from .requests import ChosenGrasp, Request
 
 PROGRAM = "grip_bt.commanders.planning.process"
 CANCEL_GRACE = 0.04
 """A cancelled request has this long [s] to end by itself; then the process is replaced."""
-
-
-class PlanningService(Protocol):
-    """Answers planning requests without blocking."""
-
-    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
-        """Ask; the operation ends with the answer, or with the `ExpectedError` that says why there is none."""
-
-
-Search = PlanTo | PlanStraight | ChooseGrasp
-"""The requests that ask for a way or a grasp. The others are about motions that are given, and ask for no planner."""
-
-
-class Searcher(Protocol):
-    """Answers the requests that search for something."""
-
-    def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
-        """Ask; see `PlanningService`."""
 
 
 @dataclass

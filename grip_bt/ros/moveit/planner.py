@@ -33,9 +33,9 @@ from grip_bt.commanders.planning.requests import (
     ChosenGrasp,
     PlanStraight,
     PlanTo,
+    Search,
     Situation,
 )
-from grip_bt.commanders.planning.service import Search
 
 from ..client.types import Message, load_type
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
