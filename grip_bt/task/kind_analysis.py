@@ -6,11 +6,13 @@ from collections import deque
 from collections.abc import Callable, Mapping
 
 from .edges import Edges
-from .exploration import START, UNKNOWN, Labels, TooManyError, Way, answered, explore, graph
-from .kinds.base import End, Ended, Kind, Run
+from .exploration import START, UNKNOWN, Labels, Oracle, TooManyError, Way, answered, explore, graph
+from .kinds.base import End, Ended, Kind, Next, Run, Step
+from .parts import Meaning
 
 _PLAIN = frozenset({"true", "false", "after", "before", "next", "none", "again", "enough"})
 """Answers that don't say which child is run."""
+_MEANINGS: tuple[Meaning, ...] = ("success", "failure")
 
 
 def edges_of(kind: Kind) -> tuple[Edges, Edges]:
@@ -100,6 +102,45 @@ def following(kind: Kind, names: list[str], child: str, meaning: str) -> str:
     return steps[0].outcome if len(steps) == 1 and type(steps[0]) is End else meaning
 
 
+def surely_first(kind: Kind) -> str:
+    """Return the child with which a container begins, whatever its questions are answered; empty where that depends."""
+    labels = _plain(kind)
+    if not labels.names:
+        return ""
+    steps = [step for step, _ in answered(labels, lambda q: kind.begin(None, q))]
+    alone = [step.children[0] for step in steps if type(step) is Run and len(step.children) == 1]
+    return labels.names[alone[0]] if steps and len(set(alone)) == 1 and len(alone) == len(steps) else ""
+
+
+def derived_edges(kind: Kind) -> dict[str, dict[Meaning, tuple[str, bool]]]:
+    """Return where an end of a child leads by itself, where it doesn't end the container with its own meaning.
+
+    Returns:
+        Child -> the meaning of its end -> a child that may run then, or an outcome; whether it is an outcome. Nothing
+        where children run at the same time, or say themselves where they lead.
+    """
+    if kind.by_edges or kind.concurrent:
+        return {}
+    labels = _plain(kind)
+    found: dict[str, dict[Meaning, tuple[str, bool]]] = {}
+    for child, name in enumerate(labels.names):
+        for meaning in _MEANINGS:
+            end = Ended(name, meaning, meaning)
+
+            def after(q: Oracle, child: int = child, end: Ended = end) -> Step:
+                step = kind.ended(UNKNOWN, child, end, q)
+                return kind.begin(step.state, q) if type(step) is Next else step
+
+            steps = [step for step, _ in answered(labels, after)]
+            runs = [labels.names[step.children[0]] for step in steps if type(step) is Run]
+            ends = [step.outcome for step in steps if type(step) is End]
+            if runs:
+                found.setdefault(name, {})[meaning] = (runs[0], False)
+            elif ends and ends[0] != meaning:
+                found.setdefault(name, {})[meaning] = (ends[0], True)
+    return found
+
+
 Drawn = dict[tuple[str, str, bool], list[str]]
 """(child or empty, child or outcome, whether it is an outcome) -> labels."""
 
@@ -133,7 +174,7 @@ def _label(outcome: str, code: str | None) -> str:
 
 
 def _plain(kind: Kind) -> Labels:
-    return Labels({name: [("success", "success"), ("failure", "failure")] for name in kind.below}, Edges(), Edges())
+    return Labels({name: [(meaning, meaning) for meaning in _MEANINGS] for name in kind.below}, Edges(), Edges())
 
 
 def _starts(kind: Kind) -> dict[str, list[str]]:

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Path, WebSocket
 from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_gui.editing.document_store import EditDesk
+from grip_gui.editing.palette import kind_views
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.from_here import mocks_before
 from grip_gui.runs.journal import JournalRuns
@@ -43,7 +44,12 @@ def make_router(
     @api.get("/project")
     def project() -> ProjectView:
         return ProjectView(
-            name=folder.name, folder=str(folder.folder), tasks=folder.tasks(), robots=robots(), selected=selected
+            name=folder.name,
+            folder=str(folder.folder),
+            tasks=folder.tasks(),
+            kinds=kind_views(),
+            robots=robots(),
+            selected=selected,
         )
 
     @api.get("/task")

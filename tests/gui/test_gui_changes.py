@@ -85,7 +85,7 @@ def follower(page: TestClient) -> Follower:
 
 def test_an_edit_sends_the_nodes_that_changed_and_no_others(follower: Follower) -> None:
     change = follower.edit(do="add", parent="/", name="coffee", node={"node": "flow/succeed"})
-    assert {node["path"] for node in change["task"]["nodes"]} == {"/", "coffee"}
+    assert {node["path"] for node in change["task"]["nodes"]} == {"/", "machine", "coffee"}
     assert change["task"]["variables"] is None
     assert follower.document == follower.whole()
     assert len(change["splice"]["new"]) < len(TASK)

@@ -380,9 +380,12 @@ def test_the_palette_has_every_node_and_kind(page: TestClient) -> None:
 
     catalog = page.get("/api/catalog").json()
     assert [node["id"] for node in catalog["nodes"]] == list(Catalog.builtin().ids())
-    assert [kind["kind"] for kind in catalog["kinds"]] == list(KINDS)
-    retry = next(kind for kind in catalog["kinds"] if kind["kind"] == "retry")
-    assert retry["children"] == "one"
+    kinds = {kind["kind"]: kind for kind in page.get("/api/project").json()["kinds"]}
+    assert list(kinds) == list(KINDS)
+    retry = kinds["retry"]
+    assert (retry["holds"], retry["needs_child"], retry["edges"]) == ("one", True, False)
+    assert (kinds["state_machine"]["edges"], kinds["parallel"]["concurrent"]) == (True, True)
+    assert {f["key"]: f["type"] for f in kinds["switch"]["fields"]}["cases"] == "cases"
     assert {"key": "times", "type": "int", "required": True} == {
         k: retry["fields"][-1][k] for k in ("key", "type", "required")
     }

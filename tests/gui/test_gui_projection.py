@@ -53,6 +53,54 @@ def test_edges_of_a_machine_say_whether_they_leave_it() -> None:
     assert not nodes["next_object/attempt/pick/close"].initial
 
 
+DERIVED = """\
+grip: 1
+name: derived
+root:
+  kind: sequence
+  children:
+    a: {node: flow/succeed}
+    either:
+      kind: fallback
+      children:
+        b: {node: flow/succeed}
+        c: {node: flow/succeed}
+    again: {kind: retry, times: 3, child: {d: {node: flow/succeed}}}
+    inverted: {kind: invert, child: {e: {node: flow/succeed}}}
+    failing: {kind: force, as: failure, child: {f: {node: flow/succeed}}}
+    both:
+      kind: parallel
+      children:
+        g: {node: flow/succeed}
+        h: {node: flow/succeed}
+    chosen:
+      kind: switch
+      on_value: "1"
+      cases: {i: 0, j: 1}
+      children:
+        i: {node: flow/succeed}
+        j: {node: flow/succeed}
+"""
+
+
+def test_what_follows_from_a_kind_is_said_at_the_child() -> None:
+    nodes = project_task(loads(DERIVED), "x.yaml", find).nodes
+    leads = {n.name: [(e.outcome, e.target, e.ends) for e in n.derived] for n in nodes if n.derived}
+    assert leads == {
+        "a": [("success", "either", False)],
+        "either": [("success", "again", False)],
+        "again": [("success", "inverted", False)],
+        "inverted": [("success", "failing", False)],
+        "failing": [("success", "both", False)],
+        "both": [("success", "chosen", False)],
+        "b": [("failure", "c", False)],
+        "d": [("failure", "d", False)],
+        "e": [("success", "failure", True), ("failure", "success", True)],
+        "f": [("success", "failure", True)],
+    }
+    assert {n.name for n in nodes if n.initial} == {"a", "b", "d", "e", "f"}
+
+
 def test_exits_are_shown_at_the_child_they_belong_to() -> None:
     nodes = {node.path: node for node in project_task(load(EXAMPLE), "x.yaml", find).nodes}
     assert [(e.outcome, e.target, e.ends) for e in nodes["next_object/attempt/todo"].on] == [

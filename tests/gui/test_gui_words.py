@@ -7,7 +7,7 @@ from pathlib import Path
 
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import KINDS
-from grip_gui.editing.palette import catalog_view
+from grip_gui.editing.palette import kind_views
 
 SRC = Path(__file__).parents[2] / "gui" / "frontend" / "src"
 ROWS = {"rules", "cases", "wait_for"}
@@ -28,12 +28,15 @@ def test_every_node_of_the_catalogue_is_in_a_group_with_a_word_and_a_drawing() -
     assert not lost, f"say in words.ts and icons.tsx how the groups of {lost} are called and drawn"
 
 
-def test_every_kind_of_node_has_a_word_and_a_drawing() -> None:
-    assert set(KINDS) | {"leaf"} <= keys_of("KINDS")
+def test_every_kind_of_node_has_a_title_and_a_drawing_of_its_own() -> None:
+    views = kind_views()
+    assert [view.kind for view in views] == list(KINDS)
+    assert all(view.icon for view in views)
+    assert len({view.icon for view in views}) == len({view.title for view in views}) == len(views)
 
 
 def test_every_setting_of_a_container_has_a_label() -> None:
     labels = keys_of("LABELS", "view/edit/ContainerForm.tsx")
-    kinds = (kind for kind in catalog_view(Catalog.builtin()).kinds if kind.kind not in ("subtask", "foreign"))
+    kinds = (kind for kind in kind_views() if kind.kind not in ("subtask", "foreign"))
     lost = {field.key for kind in kinds for field in kind.fields} - labels - ROWS
     assert not lost, f"say in ContainerForm.tsx how {sorted(lost)} are called"

@@ -186,6 +186,7 @@ class Kind(BaseNode):
 
     Attributes:
         rank: kinds are listed in its order.
+        title: what it is called on the page, where that isn't what stands in the document.
         sign: stands for the kind in text.
         icon: stands for it in pictures: an SVG path in a square of 16.
         example: the fields with which an editor inserts one.
@@ -204,6 +205,7 @@ class Kind(BaseNode):
     """
 
     rank: ClassVar[int] = 1000
+    title: ClassVar[str] = ""
     sign: ClassVar[str] = ""
     icon: ClassVar[str] = ""
     example: ClassVar[Mapping[str, Any]] = {}

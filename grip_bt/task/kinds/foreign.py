@@ -17,6 +17,7 @@ class Foreign(Kind):
     """Somebody's own behaviour of py_trees; it ends with `success` or `failure`, and knows no variables."""
 
     rank: ClassVar[int] = 130
+    title: ClassVar[str] = "py_trees behaviour"
     sign: ClassVar[str] = "⇲"
     icon: ClassVar[str] = "M13.500 8.500v5h-11v-11h5M9.500 2.500h4v4M13.500 2.500L7.500 8.500"
     example: ClassVar[Mapping[str, Any]] = {"behaviour": "py_trees.behaviours:Success"}

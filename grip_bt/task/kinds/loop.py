@@ -17,7 +17,7 @@ class Loop(Decorator):
 
     rank: ClassVar[int] = 110
     sign: ClassVar[str] = "↻"
-    icon: ClassVar[str] = "M13.5 8a5.5 5.5 0 1 1-2-4.2M11.5 .8v3.200h-3.2"
+    icon: ClassVar[str] = "M3 7V6a2 2 0 0 1 2-2h7M10 2l2 2-2 2M13 9v1a2 2 0 0 1-2 2H4M6 14l-2-2 2-2"
     codes: ClassVar[tuple[str, ...]] = ("loop_limit",)
     conditions: ClassVar[tuple[str, ...]] = ("while_",)
     kind: Literal["loop"]

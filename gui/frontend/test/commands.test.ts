@@ -27,7 +27,6 @@ const CATALOG: CatalogView = {
       codes: [],
     },
   ],
-  kinds: [{ kind: "sequence", doc: "", children: "many", fields: [], blank: {} }],
 };
 
 describe("where something new goes", () => {

@@ -28,22 +28,22 @@ describe("a container as a flow chart", () => {
     ]);
   });
 
-  it("derives the edges of a sequence and of a fallback, with success and failure changed round", () => {
-    const children = [node("a"), node("b")];
-    expect(lines(chart("sequence", children))).toEqual([`${START}. ~ a`, "a.success ~ b", `a.failure ~ ${endId("failure")}`, `b.success ~ ${endId("success")}`, `b.failure ~ ${endId("failure")}`]);
-    expect(lines(chart("fallback", children))).toContain("a.failure ~ b");
-    expect(lines(chart("fallback", children))).toContain(`a.success ~ ${endId("success")}`);
+  it("shows edges that follow from the kind, as the server says; other ends end the container with their meaning", () => {
+    const leads = (meaning: string): NodeView[] => [node("a", { initial: true, derived: [{ outcome: meaning, target: "b", ends: false }] }), node("b")];
+    expect(lines(chart("sequence", leads("success")))).toEqual([`${START}. ~ a`, "a.success ~ b", `a.failure ~ ${endId("failure")}`, `b.success ~ ${endId("success")}`, `b.failure ~ ${endId("failure")}`]);
+    expect(lines(chart("fallback", leads("failure")))).toContain("a.failure ~ b");
+    expect(lines(chart("fallback", leads("failure")))).toContain(`a.success ~ ${endId("success")}`);
   });
 
   it("shows exits as stored, a retry as a loop, an inversion crossed, and nothing where edges can't say it", () => {
     const a = node("a", { on: [{ outcome: "failure", target: "lost", ends: true }] });
     expect(lines(chart("sequence", [a], { outcomes: { success: "success", failure: "failure", lost: "failure" } }))).toContain(`a.failure - ${endId("lost")}`);
-    expect(lines(chart("retry", [node("a")], { fields: { times: 3 } }))).toEqual([`a.success ~ ${endId("success")}`, "a.failure ~ a"]);
-    expect(lines(chart("invert", [node("a")]))).toContain(`a.success ~ ${endId("failure")}`);
+    expect(lines(chart("retry", [node("a", { initial: true, derived: [{ outcome: "failure", target: "a", ends: false }] })], { label: "at most 3 attempts" }))).toEqual([`a.success ~ ${endId("success")}`, "a.failure ~ a"]);
+    expect(lines(chart("invert", [node("a", { derived: [{ outcome: "success", target: "failure", ends: true }] })]))).toContain(`a.success ~ ${endId("failure")}`);
     const parallel = chart("parallel", [node("a"), node("b")]);
     expect(lines(parallel)).toEqual([]);
     expect(parallel.items.flatMap((item) => item.ports.filter((port) => !port.led))).toEqual([]);
-    expect(chart("sequence", [node("a")], { fields: { memory: false } }).strip).toMatch(/every tick/);
+    expect(chart("sequence", [node("a")], { label: "asks again on every tick" }).strip).toMatch(/every tick/);
   });
 });
 
@@ -94,10 +94,11 @@ describe("the layout", () => {
 });
 
 describe("a chart with containers open in it", () => {
-  const inner = [node("g/x", { parent: "g" }), node("g/y", { parent: "g" })];
-  const group = node("g", { kind: "retry", fields: { times: 2 }, children: inner.map((each) => each.path) });
+  const lead = (outcome: string, target: string): Partial<NodeView> => ({ derived: [{ outcome, target, ends: false }] });
+  const inner = ["x", "y"].map((name) => node(`g/${name}`, { parent: "g", ...lead("failure", name) }));
+  const group = node("g", { kind: "retry", fields: { times: 2 }, children: inner.map((each) => each.path), ...lead("success", "b") });
   const root = node("/", { kind: "sequence", children: ["a", "g", "b"] });
-  const whole = task([root, node("a"), group, ...inner, node("b")]);
+  const whole = task([root, node("a", { initial: true, ...lead("success", "g") }), group, ...inner, node("b")]);
   const { byPath } = new TaskIndex(whole);
   const drawn = (opened: string[]) => chartOf(whole, byPath, "/", new Set(opened), {});
 

@@ -1,7 +1,8 @@
 /** Small tasks and random ones for the tests of the model. */
 import fc from "fast-check";
 
-import type { NodeView, RunEvent, TaskView, Transition } from "../src/protocol/generated";
+import { setKinds } from "../src/model/kinds";
+import type { KindView, NodeView, RunEvent, SettingView, TaskView, Transition } from "../src/protocol/generated";
 
 export function node(path: string, part: Partial<NodeView> = {}): NodeView {
   const parent = path === "/" ? null : path.includes("/") ? path.slice(0, path.lastIndexOf("/")) : "/";
@@ -16,6 +17,7 @@ export function node(path: string, part: Partial<NodeView> = {}): NodeView {
     outcomes: { success: "success", failure: "failure" },
     initial: false,
     on: [],
+    derived: [],
     inputs: {},
     outputs: {},
     parameters: {},
@@ -27,6 +29,21 @@ export function node(path: string, part: Partial<NodeView> = {}): NodeView {
 export function task(nodes: NodeView[], part: Partial<TaskView> = {}): TaskView {
   return { path: "tasks/t.yaml", name: "t", doc: "", outcomes: {}, nodes, variables: [], problems: [], ...part };
 }
+
+function kind(name: string, part: Partial<KindView> = {}): KindView {
+  const same = { title: name.replace("_", " "), icon: "M0 0", doc: "", needs_child: false, edges: false, concurrent: false, declares: true, fields: [], blank: {} };
+  return { kind: name, holds: "many", ...same, ...part };
+}
+
+const initial: SettingView = { key: "initial", type: "child", doc: "", required: true, default: null, choices: [] };
+setKinds([
+  kind("sequence"),
+  kind("fallback"),
+  kind("parallel", { concurrent: true }),
+  kind("state_machine", { edges: true, needs_child: true, fields: [initial], blank: { initial: "", outcomes: { success: "success" } } }),
+  kind("switch", { needs_child: true, fields: [{ ...initial, key: "cases", type: "cases" }], blank: { on_value: "0" } }),
+  ...["retry", "invert"].map((name) => kind(name, { holds: "one", needs_child: true })),
+]);
 
 /** A sequence of a leaf, and a retry around a sequence of two leaves. */
 export const SMALL = task(

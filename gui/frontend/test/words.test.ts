@@ -1,16 +1,15 @@
 import { expect, test } from "vitest";
 
 import { settingsOf } from "../src/model/values";
-import { eventText, GROUPS, groupOf, KINDS, processNotices, runText } from "../src/model/words";
+import { eventText, GROUPS, groupOf, processNotices, runText } from "../src/model/words";
 import type { SessionView } from "../src/protocol/generated";
-import { GROUP_SHAPES, KIND_SHAPES } from "../src/view/icons";
+import { GROUP_SHAPES } from "../src/view/icons";
 import { node } from "./tasks";
 
-test("every kind has a word and a drawing of its own, and so has every group of leaves", () => {
-  expect(Object.keys(KIND_SHAPES).sort()).toEqual(Object.keys(KINDS).sort());
+test("every group of leaves has a word and a drawing of its own", () => {
   const lists = ["containers", "tasks"];
   expect(Object.keys(GROUP_SHAPES).sort()).toEqual(Object.keys(GROUPS).filter((name) => !lists.includes(name)).sort());
-  const shapes = [...Object.values(KIND_SHAPES), ...Object.values(GROUP_SHAPES)].map((shape) => JSON.stringify(shape.props));
+  const shapes = Object.values(GROUP_SHAPES).map((shape) => JSON.stringify(shape.props));
   expect(new Set(shapes).size).toBe(shapes.length);
 });
 

@@ -6,17 +6,19 @@ import types
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from annotated_types import MinLen
 from pydantic.fields import FieldInfo
 
 from grip_bt.base.errors import SubtaskError
-from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest, manifest_of_task
-from grip_gui.wire.editing import CatalogView, FieldFace, FieldType, KindFace, NodeFace, ParameterFace, PortFace
+from grip_bt.task.model import KINDS, Kind
+from grip_gui.wire.editing import CatalogView, NodeFace, ParameterFace, PortFace
+from grip_gui.wire.task import FieldType, KindView, SettingView
 
-_ELSEWHERE = {"doc", "on", "x", "data", "outcomes", "children", "child", "exits", "kind"}
+_ELSEWHERE = set("doc on x data outcomes children child exits kind with in out meaning".split())
 """Keys that have places of their own on the page."""
-_CHILDREN = {"initial", "default"}
-"""Keys that name a child."""
+_CHILDREN: dict[str, FieldType] = {"initial": "child", "default": "child", "cases": "cases"}
+"""Keys that name children."""
 
 
 def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), trouble: str = "") -> CatalogView:
@@ -29,7 +31,6 @@ def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), trouble: str = "")
     """
     return CatalogView(
         nodes=[_node(manifest) for manifest in catalog],
-        kinds=[_kind(name, kind) for name, kind in model.KINDS.items()],
         tasks=[face for file in tasks if (face := _subtask(catalog, file)) is not None],
         trouble=trouble,
     )
@@ -59,22 +60,33 @@ def _node(manifest: Manifest) -> NodeFace:
     )
 
 
-def _kind(name: str, kind: type[model.Kind]) -> KindFace:
+def kind_views() -> list[KindView]:
+    """Return the kinds of containers."""
+    return [_kind(kind) for kind in KINDS.values()]
+
+
+def _kind(kind: type[Kind]) -> KindView:
     fields = kind.model_fields
-    holds: Literal["none", "one", "many"] = "one" if "child" in fields else "many" if "children" in fields else "none"
-    return KindFace(
-        kind=name,
+    children = fields.get("child") or fields.get("children")
+    return KindView(
+        kind=kind.kind_name(),
+        title=kind.title or kind.kind_name().replace("_", " "),
+        icon=kind.icon,
         doc=(kind.__doc__ or "").strip(),
-        children=holds,
+        holds="none" if children is None else "one" if "child" in fields else "many",
+        needs_child=children is not None and any(isinstance(each, MinLen) for each in children.metadata),
+        edges=kind.by_edges,
+        concurrent=kind.concurrent,
+        declares="data" in fields,
         fields=[_field(kind, name, info) for name, info in fields.items() if (info.alias or name) not in _ELSEWHERE],
         blank=dict(kind.example),
     )
 
 
-def _field(kind: type[model.Kind], name: str, info: FieldInfo) -> FieldFace:
+def _field(kind: type[Kind], name: str, info: FieldInfo) -> SettingView:
     type_, choices = _type(kind, name, info.annotation)
     default = None if info.is_required() or not isinstance(info.default, bool | int | float | str) else info.default
-    return FieldFace(
+    return SettingView(
         key=info.alias or name,
         type=type_,
         doc=info.description or "",
@@ -84,13 +96,13 @@ def _field(kind: type[model.Kind], name: str, info: FieldInfo) -> FieldFace:
     )
 
 
-def _type(kind: type[model.Kind], name: str, annotation: Any) -> tuple[FieldType, list[str]]:
+def _type(kind: type[Kind], name: str, annotation: Any) -> tuple[FieldType, list[str]]:
     if name in ("precondition", *kind.conditions, *kind.values):
         return "expression", []
     if name in kind.reads:
         return "variable", []
     if name in _CHILDREN:
-        return "child", []
+        return _CHILDREN[name], []
     parts = _members(annotation)
     if parts and all(get_origin(part) is Literal for part in parts):
         return "choice", [str(value) for part in parts for value in get_args(part)]

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from grip_bt.base.errors import GripError, UnknownNameError
-from grip_gui.wire.task import Meaning, NodeView, TaskView
-
-_CHOOSERS = {"switch": "chooses by its own conditions"}
+from grip_bt.task.model import KINDS
+from grip_gui.wire.task import NodeView, TaskView
 
 
 class NotFromHereError(GripError):
     """Nothing leads to a node but the run itself."""
 
     def __init__(self, node: str, why: str):
-        super().__init__(f"a run can't begin at {node}: {why}; begin at its container, or hold there with a breakpoint")
+        super().__init__(f"cannot start at {node}: {why}; start at its container, or set a breakpoint")
 
 
 def mocks_before(task: TaskView, node: str) -> dict[str, str]:
@@ -48,40 +47,31 @@ def mocks_before(task: TaskView, node: str) -> dict[str, str]:
 
 
 def _way(container: NodeView, child: NodeView, by_path: Mapping[str, NodeView]) -> dict[str, str]:
-    earlier = [by_path[path] for path in container.children[: container.children.index(child.path)]]
-    match container.kind:
-        case "sequence":
-            return {each.path: _outcome(each, "success", child) for each in earlier}
-        case "fallback":
-            return {each.path: _outcome(each, "failure", child) for each in earlier}
-        case "state_machine":
-            return _transitions(container, child, by_path)
-        case kind if kind in _CHOOSERS:
-            raise NotFromHereError(child.path, f"{container.path} {_CHOOSERS[kind]}")
-    return {}
-
-
-def _outcome(node: NodeView, meaning: Meaning, target: NodeView) -> str:
-    """Return an outcome of a node that means this."""
-    fitting = [name for name, means in node.outcomes.items() if means == meaning]
-    if not fitting:
-        raise NotFromHereError(target.path, f"{node.path} before it has no outcome that means {meaning}")
-    return meaning if meaning in fitting else fitting[0]
-
-
-def _transitions(machine: NodeView, target: NodeView, by_path: Mapping[str, NodeView]) -> dict[str, str]:
-    """Return the outcomes on the shortest way from the initial state."""
-    states = {by_path[path].name: by_path[path] for path in machine.children}
-    first = next((state for state in states.values() if state.initial), None)
-    ways: dict[str, dict[str, str]] = {} if first is None else {first.name: {}}
+    """Return the outcomes on the shortest way from the child with which a container begins."""
+    children = {by_path[path].name: by_path[path] for path in container.children}
+    first = next((each for each in children.values() if each.initial), None)
+    if len(children) == 1 or KINDS[container.kind].concurrent:
+        return {}
+    if first is None:
+        raise NotFromHereError(child.path, f"{container.path} chooses by its own conditions")
+    ways: dict[str, dict[str, str]] = {first.name: {}}
     queue = deque(ways)
     while queue:
         name = queue.popleft()
-        if name == target.name:
+        if name == child.name:
             return ways[name]
-        state = states[name]
-        for edge in state.on:
-            if not edge.ends and edge.target in states and edge.target not in ways:
-                ways[edge.target] = {**ways[name], state.path: edge.outcome}
-                queue.append(edge.target)
-    raise NotFromHereError(target.path, f"no way leads there from the initial state of {machine.path}")
+        for outcome, target in _leads(children[name]):
+            if target in children and target not in ways:
+                ways[target] = {**ways[name], children[name].path: outcome}
+                queue.append(target)
+    raise NotFromHereError(child.path, f"no way leads there from {first.path}, with which {container.path} begins")
+
+
+def _leads(node: NodeView) -> Iterator[tuple[str, str]]:
+    """Yield each outcome after which a sibling may run, and the sibling."""
+    yield from ((edge.outcome, edge.target) for edge in node.on if not edge.ends)
+    taken = {edge.outcome for edge in node.on}
+    for edge in node.derived:
+        fitting = [name for name, means in node.outcomes.items() if means == edge.outcome and name not in taken]
+        if fitting and not edge.ends:
+            yield (edge.outcome if edge.outcome in fitting else fitting[0]), edge.target

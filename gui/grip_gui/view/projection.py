@@ -11,7 +11,8 @@ from typing import Any, Literal, TypeAlias
 from grip_bt.task.canonical import data_of
 from grip_bt.task.canonical import file_data as plain_data
 from grip_bt.task.catalog.manifest import Manifest
-from grip_bt.task.model import AnyNode, Leaf, StateMachine, Subtask, Task, Variable
+from grip_bt.task.kind_analysis import derived_edges, surely_first
+from grip_bt.task.model import AnyNode, Kind, Leaf, Subtask, Task, Variable
 from grip_bt.task.walking import children_of, join, outcomes_of, walk
 from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
@@ -98,11 +99,15 @@ def _nodes(task: Task, find: Faces, before: Drawn | None) -> list[NodeView]:
             for child in view.children:
                 keep(child)
             return
+        if isinstance(node, Leaf):
+            return
         olds = children_of(old) if old is not None else {}
-        for name, below in children_of(node).items():
+        first, derived = surely_first(node), derived_edges(node)
+        for name, below in node.below.items():
             place = join(path, name)
-            initial = isinstance(node, StateMachine) and node.initial == name
-            shown = _node(place, path, name, below, find, _edges_below(node, name, below), initial)
+            shown = _node(place, path, name, below, find, _edges_below(node, name, below))
+            if first == name or name in derived:
+                shown = shown.model_copy(update={"initial": first == name, "derived": _derived(derived.get(name, {}))})
             draw(place, below, shown, olds.get(name))
 
     root = _node("/", None, task.name, task.root, find, _edges(task.root.on, ends=task.outcomes))
@@ -117,9 +122,8 @@ def _node(
     node: AnyNode,
     find: Faces,
     edges: list[Transition],
-    initial: bool = False,
 ) -> NodeView:
-    common: dict[str, Any] = {"path": path, "parent": parent, "name": name, "on": edges, "initial": initial}
+    common: dict[str, Any] = {"path": path, "parent": parent, "name": name, "on": edges}
     if isinstance(node, Leaf):
         manifest = find(node.node)
         return NodeView(
@@ -127,7 +131,7 @@ def _node(
             kind="leaf",
             label=node.node,
             doc=node.doc or (manifest.doc if manifest else ""),
-            outcomes=_leaf_outcomes(node, manifest),
+            outcomes=_outcomes_of(manifest, node.meaning),
             inputs=dict(node.in_),
             outputs=dict(node.out),
             parameters=dict(node.with_),
@@ -139,7 +143,7 @@ def _node(
         label=node.settings(),
         doc=node.doc,
         children=[join(path, child) for child in children_of(node)],
-        outcomes=_subtask_outcomes(node, find(node.task)) if isinstance(node, Subtask) else outcomes_of(node),
+        outcomes=_outcomes_of(find(node.task), node.meaning) if isinstance(node, Subtask) else outcomes_of(node),
         inputs=dict(getattr(node, "in_", {})),
         outputs=dict(getattr(node, "out", {})),
         parameters=dict(getattr(node, "with_", {})),
@@ -147,10 +151,10 @@ def _node(
     )
 
 
-def _subtask_outcomes(node: Subtask, face: Manifest | None) -> dict[str, Meaning]:
+def _outcomes_of(face: Manifest | None, meaning: Mapping[str, Meaning]) -> dict[str, Meaning]:
     if face is not None:
-        return face.outcomes_for(dict(node.meaning))
-    return {"success": "success", "failure": "failure", **node.meaning}
+        return face.outcomes_for(dict(meaning))
+    return {"success": "success", "failure": "failure", **meaning}
 
 
 def _fields(node: AnyNode) -> dict[str, Any]:
@@ -160,18 +164,15 @@ def _fields(node: AnyNode) -> dict[str, Any]:
     return {key: plain_data(value) for key, value in data_of(node).items() if key not in _SHOWN}
 
 
-def _leaf_outcomes(node: Leaf, manifest: Manifest | None) -> dict[str, Meaning]:
-    if manifest is not None:
-        return manifest.outcomes_for(dict(node.meaning))
-    return {"success": "success", "failure": "failure", **node.meaning}
+def _derived(leads: Mapping[Meaning, tuple[str, bool]]) -> list[Transition]:
+    return [Transition(outcome=meaning, target=target, ends=ends) for meaning, (target, ends) in leads.items()]
 
 
-def _edges_below(parent: AnyNode, name: str, child: AnyNode) -> list[Transition]:
+def _edges_below(parent: Kind, name: str, child: AnyNode) -> list[Transition]:
     """Return where a child's outcomes lead: its `on` in a state machine, else its parent's `exits`."""
-    if isinstance(parent, StateMachine):
+    if parent.by_edges:
         return _edges(child.on, ends=parent.outcomes)
-    exits: Mapping[str, str] = getattr(parent, "exits", {})
-    own = {key.removeprefix(f"{name}."): target for key, target in exits.items() if key.startswith(f"{name}.")}
+    own = {key.removeprefix(f"{name}."): target for key, target in parent.exits.items() if key.startswith(f"{name}.")}
     return [Transition(outcome=outcome, target=target, ends=True) for outcome, target in own.items()]
 
 

@@ -13,7 +13,6 @@ TaskPath = Annotated[str, Field(max_length=1024)]
 View = Literal["flow", "tree"]
 Form = Literal["tree", "machine"]
 Change = Literal["", "changed", "deleted"]
-FieldType = Literal["bool", "int", "float", "choice", "text", "expression", "variable", "child", "json"]
 
 # --- what can be put into a task --------------------------------------------------------------------------------------
 
@@ -49,33 +48,10 @@ class NodeFace(Wire):
     codes: list[str]
 
 
-class FieldFace(Wire):
-    """A setting of a container."""
-
-    key: str
-    type: FieldType
-    doc: str
-    required: bool
-    default: Any = None
-    choices: list[str] = []
-
-
-class KindFace(Wire):
-    """A kind of container."""
-
-    kind: str
-    doc: str
-    children: Literal["none", "one", "many"]
-    fields: list[FieldFace]
-    blank: dict[str, Any]
-    """Settings that a new one needs."""
-
-
 class CatalogView(Wire):
     """Everything that the palette offers."""
 
     nodes: list[NodeFace]
-    kinds: list[KindFace]
     tasks: list[NodeFace] = []
     """Task files of the project, as subtasks see them; their id is the file."""
     trouble: str = ""

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict
 
 Meaning = Literal["success", "failure"]
+FieldType = Literal["bool", "int", "float", "choice", "text", "expression", "variable", "child", "cases", "json"]
 
 
 class Wire(BaseModel):
@@ -47,8 +48,11 @@ class NodeView(Wire):
     outcomes: dict[str, Meaning] = {}
     """Every outcome and what it means to the parent."""
     initial: bool = False
-    """Whether a state machine starts with it."""
+    """Whether its container begins with it, whatever happens."""
     on: list[Transition] = []
+    derived: list[Transition] = []
+    """Where its ends lead by the kind of its container, by their meaning; one that isn't here ends the container with
+    that meaning."""
     inputs: dict[str, str] = {}
     """Input port -> variable."""
     outputs: dict[str, str] = {}
@@ -118,12 +122,46 @@ class TaskEntry(Wire):
     name: str
 
 
+class SettingView(Wire):
+    """A setting of a container."""
+
+    key: str
+    type: FieldType
+    doc: str
+    required: bool
+    default: Any = None
+    choices: list[str] = []
+
+
+class KindView(Wire):
+    """A kind of container: what the page has to know to draw and to edit one."""
+
+    kind: str
+    title: str
+    icon: str
+    """An SVG path in a square of 16."""
+    doc: str
+    holds: Literal["none", "one", "many"]
+    """How many children."""
+    needs_child: bool
+    edges: bool
+    """Whether its children's outcomes say who is next."""
+    concurrent: bool
+    """Whether its children run at the same time."""
+    declares: bool
+    """Whether it has variables and outcomes of its own."""
+    fields: list[SettingView]
+    blank: dict[str, Any]
+    """Settings that a new one needs."""
+
+
 class ProjectView(Wire):
     """What the page knows about the project when it opens."""
 
     name: str
     folder: str
     tasks: list[TaskEntry]
+    kinds: list[KindView]
     robots: list[str]
     """What a run may be started on."""
     selected: str | None = None

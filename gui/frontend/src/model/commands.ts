@@ -1,5 +1,6 @@
 /** Edits as the server understands them (docs/editing.md), made from what a person points at. */
 import type { CatalogView, NodeFace, NodeView, Part, TaskView } from "../protocol/generated";
+import { hasEdges, kindOf, newContainer, settingsFor } from "./kinds";
 
 export type Command = Record<string, unknown> & { readonly do: string };
 type Nodes = ReadonlyMap<string, NodeView>;
@@ -9,9 +10,6 @@ export interface Spot {
   readonly parent: string;
   readonly index: number;
 }
-
-/** Containers that take another child. */
-const MANY = new Set(["sequence", "fallback", "parallel", "state_machine", "switch"]);
 
 export function join(parent: string, name: string): string {
   return parent === "/" ? name : `${parent}/${name}`;
@@ -26,8 +24,9 @@ export function nameOf(path: string): string {
   return path.slice(path.lastIndexOf("/") + 1);
 }
 
+/** Whether it is a container that takes another child. */
 export function takesChildren(node: NodeView | undefined): boolean {
-  return node !== undefined && MANY.has(node.kind);
+  return node !== undefined && kindOf(node.kind)?.holds === "many";
 }
 
 export function group(title: string, commands: readonly Command[]): Command {
@@ -87,22 +86,6 @@ export function newLeaf(face: NodeFace, variables: ReadonlyMap<string, string>):
   return made;
 }
 
-/** An empty container as it stands in a file. Those that need a child begin with one that does nothing. */
-export function newContainer(catalog: CatalogView, kind: string): Record<string, unknown> {
-  const face = catalog.kinds.find((each) => each.kind === kind);
-  const made: Record<string, unknown> = { kind, ...face?.blank };
-  const nothing = { node: "flow/succeed" };
-  if (kind === "state_machine") {
-    made["initial"] = "start";
-    made["children"] = { start: { ...nothing, on: { success: "success" } } };
-  } else if (kind === "switch") {
-    made["cases"] = { case: 0 };
-    made["children"] = { case: nothing };
-  } else if (face?.children === "one") made["child"] = { step: nothing };
-  else if (face?.children === "many") made["children"] = {};
-  return made;
-}
-
 /** Add a leaf or a container of the palette at a spot. */
 export function addNew(task: TaskView, nodes: Nodes, catalog: CatalogView, what: string, spot: Spot): { command: Command; path: string } {
   const file = catalog.tasks.find((face) => face.id === what);
@@ -110,7 +93,7 @@ export function addNew(task: TaskView, nodes: Nodes, catalog: CatalogView, what:
   const wanted = file ? nameOf(what).replace(/\.ya?ml$/, "") : leaf ? nameOf(what) : what;
   const name = freshName(childNames(nodes, spot.parent), wanted);
   const { node: _, ...bound } = leaf ? newLeaf(leaf, visibleVariables(task, spot.parent)) : { node: "" };
-  const node = file ? { kind: "subtask", task: file.id, ...bound } : leaf ? { node: leaf.id, ...bound } : newContainer(catalog, what);
+  const node = file ? { kind: "subtask", task: file.id, ...bound } : leaf ? { node: leaf.id, ...bound } : newContainer(what);
   return { command: { do: "add", parent: spot.parent, name, node, index: spot.index }, path: join(spot.parent, name) };
 }
 
@@ -162,7 +145,7 @@ export function pasting(nodes: Nodes, parts: readonly Part[], spot: Spot): { com
   }
   const path = (part: Part): string => join(spot.parent, renamed.get(part.name) as string);
   const commands: Command[] = parts.map((clip, i) => ({ do: "paste", parent: spot.parent, clip, name: renamed.get(clip.name), index: spot.index + i }));
-  if (parent?.kind === "state_machine") {
+  if (hasEdges(parent)) {
     for (const part of parts) {
       for (const [outcome, target] of Object.entries((part.node["on"] ?? {}) as Record<string, string>)) {
         if (renamed.has(target)) commands.push({ do: "connect", path: path(part), outcome, target: renamed.get(target) });
@@ -175,7 +158,7 @@ export function pasting(nodes: Nodes, parts: readonly Part[], spot: Spot): { com
 /** Lead every outcome of a state machine's children that leads nowhere: success to the next one, the rest to an end alike. */
 export function connectingFree(nodes: Nodes, path: string): Command | null {
   const machine = nodes.get(path);
-  if (machine?.kind !== "state_machine") return null;
+  if (machine === undefined || !hasEdges(machine)) return null;
   const ends = Object.entries(machine.outcomes);
   const commands: Command[] = [];
   machine.children.forEach((child, i) => {
@@ -193,12 +176,9 @@ export function connectingFree(nodes: Nodes, path: string): Command | null {
 }
 
 /** What wraps: settings that the container needs, with the name that it gets. */
-export function wrapping(catalog: CatalogView, nodes: Nodes, paths: readonly string[], kind: string): { command: Command; path: string } {
+export function wrapping(nodes: Nodes, paths: readonly string[], kind: string): { command: Command; path: string } {
   const parent = parentOf(paths[0] as string);
-  const face = catalog.kinds.find((each) => each.kind === kind);
-  const fields: Record<string, unknown> = { ...face?.blank };
-  if (kind === "state_machine") fields["initial"] = nameOf(paths[0] as string);
-  if (kind === "switch") fields["cases"] = { [nameOf(paths[0] as string)]: 0 };
+  const fields = settingsFor(kind, paths.map(nameOf));
   const name = parent === null ? "task" : freshName(childNames(nodes, parent), kind);
   const path = parent === null ? "/" : join(parent, name);
   return { command: { do: "wrap", paths, kind, name, fields }, path };

@@ -1,6 +1,7 @@
 /** The inside of a container as a flow chart: its children with their outcomes as ports, its ends, and what leads where. */
 import type { NodeView, TaskView } from "../protocol/generated";
-import { join, nameOf } from "./commands";
+import { join, nameOf, takesChildren } from "./commands";
+import { hasEdges, kindOf, kindTitle } from "./kinds";
 
 export const FLOW_WIDTH = 208;
 export const PORT_HEIGHT = 20;
@@ -58,17 +59,18 @@ export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, co
   const around = byPath.get(container);
   if (!around) return { items: [], edges: [], strip: "", machine: false };
   const children = around.children.map((path) => byPath.get(path)).filter((node) => node !== undefined);
-  const machine = around.kind === "state_machine";
-  const edges = machine ? storedEdges(children, around, within) : derivedEdges(children, around, within);
+  const machine = hasEdges(around);
+  const concurrent = kindOf(around.kind)?.concurrent ?? false;
+  const edges = machine ? storedEdges(children, around, within) : derivedEdges(children, around, within, concurrent);
   const led = new Set(edges.map((edge) => `${edge.source}\n${edge.outcome}`));
-  const items: FlowItem[] = children.map((node) => item(node, led, around.kind === "parallel"));
+  const items: FlowItem[] = children.map((node) => item(node, led, concurrent));
   const used = new Set(edges.map((edge) => edge.target));
   const ends = Object.entries(container === "/" && children.length === 0 ? task.outcomes : around.outcomes);
   for (const [outcome, meaning] of ends) {
     const id = endId(outcome, within);
     if (machine || used.has(id)) items.push({ id, kind: "end", outcome, meaning, ports: [], ...END_SIZE });
   }
-  const first = machine ? children.find((node) => node.initial) : ORDERED.has(around.kind) ? children[0] : undefined;
+  const first = takesChildren(around) ? children.find((node) => node.initial) : undefined;
   if (first) {
     const id = within + START;
     items.unshift({ id, kind: "start", ports: [], ...START_SIZE });
@@ -100,56 +102,30 @@ function storedEdges(children: readonly NodeView[], around: NodeView, within: st
   return edges;
 }
 
-const ORDERED = new Set(["sequence", "fallback"]);
-
-/** What the order and the kind of a container say, as edges; exits stand in the file and come first. */
-function derivedEdges(children: readonly NodeView[], around: NodeView, within: string): FlowEdge[] {
+/** What follows from the kind of a container, as edges; exits stand in the file and come first. */
+function derivedEdges(children: readonly NodeView[], around: NodeView, within: string, concurrent: boolean): FlowEdge[] {
   const edges: FlowEdge[] = [];
-  children.forEach((node, i) => {
+  for (const node of children) {
     const exits = new Map(node.on.map((edge) => [edge.outcome, edge.target]));
     for (const [outcome, target] of exits) {
       edges.push({ id: `${node.path}.${outcome}`, source: node.path, target: endId(target, within), outcome, derived: false, label: "" });
     }
     for (const [outcome, meaning] of Object.entries(node.outcomes)) {
-      if (exits.has(outcome)) continue;
-      const lead = byKind(around, children, i, meaning, within);
-      if (lead) edges.push({ id: `${node.path}.${outcome}`, source: node.path, outcome, derived: true, ...lead });
+      if (exits.has(outcome) || concurrent) continue;
+      const lead = node.derived.find((edge) => edge.outcome === meaning) ?? { target: meaning, ends: true };
+      const target = lead.ends ? endId(lead.target, within) : join(around.path, lead.target);
+      const label = target === node.path ? ["again", around.label].filter(Boolean).join(", ") : "";
+      edges.push({ id: `${node.path}.${outcome}`, source: node.path, target, outcome, derived: true, label });
     }
-  });
+  }
   return edges;
 }
 
-function byKind(around: NodeView, children: readonly NodeView[], i: number, meaning: string, within: string): { target: string; label: string } | null {
-  const self = children[i]?.path as string;
-  const next = children[i + 1]?.path;
-  const end = (outcome: string): { target: string; label: string } => ({ target: endId(outcome, within), label: "" });
-  switch (around.kind) {
-    case "sequence":
-      return meaning === "success" && next ? { target: next, label: "" } : end(meaning);
-    case "fallback":
-      return meaning === "failure" && next ? { target: next, label: "" } : end(meaning);
-    case "retry":
-      return meaning === "failure" ? { target: self, label: `again, at most ×${String(around.fields["times"])}` } : end(meaning);
-    case "repeat":
-    case "loop":
-    case "for_each":
-      return meaning === "success" ? { target: self, label: "again" } : end(meaning);
-    case "invert":
-      return end(meaning === "success" ? "failure" : "success");
-    case "force":
-      return end(String(around.fields["as"] ?? meaning));
-    case "parallel":
-      return null;
-    default:
-      return end(meaning);
-  }
-}
-
 function stripOf(around: NodeView): string {
-  if (ORDERED.has(around.kind) && around.fields["memory"] === false) return "Re-checked from the first child on every tick: this has no edges.";
-  if (around.kind === "parallel") return `All at once: ${around.label || "every child has to succeed"}.`;
-  if (around.kind === "state_machine") return "";
-  return `Dotted edges follow from the ${around.kind}; ${around.label || "its order decides"}.`;
+  const face = kindOf(around.kind);
+  if (face?.edges) return "";
+  if (face?.concurrent) return `All at once: ${around.label || "every child has to succeed"}.`;
+  return `Dotted edges follow from the ${kindTitle(around.kind)}; ${around.label || "its order decides"}.`;
 }
 
 /** The name under which an item is known as a target of an edge. */

@@ -1,6 +1,6 @@
 /** What a search looks through: one entry a node, with everything that it says. */
 import type { TaskView } from "../protocol/generated";
-import { KINDS } from "./words";
+import { kindTitle } from "./kinds";
 
 export interface Finding {
   readonly value: string;
@@ -20,7 +20,7 @@ export function findings(task: TaskView): Finding[] {
     value: node.path,
     label: node.path === "/" ? task.name : node.path,
     detail: [node.label, said(node.parameters), pairs(node.inputs, "←"), pairs(node.outputs, "→"), said(node.fields), node.doc].filter(Boolean).join(" · "),
-    mark: KINDS[node.kind] ?? node.kind,
+    mark: kindTitle(node.kind),
   }));
   return [...nodes, ...variables];
 }

@@ -12,26 +12,6 @@ const PHASES: Record<Phase, string> = {
   error: "error",
 };
 
-export const KINDS: Record<string, string> = {
-  leaf: "leaf",
-  sequence: "sequence",
-  fallback: "fallback",
-  parallel: "parallel",
-  state_machine: "state machine",
-  retry: "retry",
-  repeat: "repeat",
-  timeout: "timeout",
-  invert: "invert",
-  force: "force",
-  guard: "guard",
-  cooldown: "cooldown",
-  switch: "switch",
-  loop: "loop",
-  for_each: "for each",
-  subtask: "subtask",
-  foreign: "py_trees behaviour",
-};
-
 /** Groups of the palette: what stands before the first `/` of a node's name, and what isn't a node. */
 export const GROUPS: Record<string, string> = {
   containers: "Containers",

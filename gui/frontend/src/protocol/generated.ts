@@ -18,7 +18,6 @@ export interface BreakpointsWish {
 /** Everything that the palette offers. */
 export interface CatalogView {
   nodes: NodeFace[];
-  kinds: KindFace[];
   tasks: NodeFace[];
   trouble: string;
 }
@@ -160,16 +159,6 @@ export interface ExpressionWish {
   text: string;
 }
 
-/** A setting of a container. */
-export interface FieldFace {
-  key: string;
-  type: "bool" | "int" | "float" | "choice" | "text" | "expression" | "variable" | "child" | "json";
-  doc: string;
-  required: boolean;
-  default: unknown;
-  choices: string[];
-}
-
 /** A field of a component's answer. */
 export interface FieldResult {
   name: string;
@@ -298,12 +287,18 @@ export interface JointView {
   mimic: MimicView | null;
 }
 
-/** A kind of container. */
-export interface KindFace {
+/** A kind of container: what the page has to know to draw and to edit one. */
+export interface KindView {
   kind: string;
+  title: string;
+  icon: string;
   doc: string;
-  children: "none" | "one" | "many";
-  fields: FieldFace[];
+  holds: "none" | "one" | "many";
+  needs_child: boolean;
+  edges: boolean;
+  concurrent: boolean;
+  declares: boolean;
+  fields: SettingView[];
   blank: Record<string, unknown>;
 }
 
@@ -435,6 +430,7 @@ export interface NodeView {
   outcomes: Record<string, "success" | "failure">;
   initial: boolean;
   on: Transition[];
+  derived: Transition[];
   inputs: Record<string, string>;
   outputs: Record<string, string>;
   parameters: Record<string, unknown>;
@@ -538,6 +534,7 @@ export interface ProjectView {
   name: string;
   folder: string;
   tasks: TaskEntry[];
+  kinds: KindView[];
   robots: string[];
   selected: string | null;
 }
@@ -699,6 +696,16 @@ export interface SessionView {
   zombies: string[];
   rest: string;
   unconfirmed: string[];
+}
+
+/** A setting of a container. */
+export interface SettingView {
+  key: string;
+  type: "bool" | "int" | "float" | "choice" | "text" | "expression" | "variable" | "child" | "cases" | "json";
+  doc: string;
+  required: boolean;
+  default: unknown;
+  choices: string[];
 }
 
 /** One value of the form, to be put into the text; nothing is written. */

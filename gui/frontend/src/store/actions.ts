@@ -1,12 +1,11 @@
 /** Every action by name and key: for the keyboard, the buttons, and the list of commands. */
 import { findings } from "../model/search";
-import { KINDS } from "../model/words";
+import { kinds } from "../model/kinds";
 import { allFolded } from "../model/visibility";
 import { PAGE } from "../protocol/client";
 import { askChoice, askText } from "./ask";
 import { askConversion, extract, inline, openSubtask } from "./converting";
 import { callMe } from "./desk";
-import { useDocument } from "./document";
 import { redo, save, undo } from "./editing";
 import { connectOutcome, enterSelected, leaveContainer, toggleInPlace } from "./flowing";
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
@@ -112,10 +111,10 @@ export function actionFor(event: KeyboardEvent): Action | undefined {
 }
 
 async function chooseAction(): Promise<void> {
-  const wraps = useDocument.getState().catalog.kinds.filter((face) => face.children !== "none");
+  const wraps = kinds().filter((face) => face.holds !== "none");
   const options = [
     ...ACTIONS.filter((action) => action.id !== "commands").map((action) => ({ value: action.id, label: action.title, mark: keyText(action) })),
-    ...wraps.map((face) => ({ value: `wrap:${face.kind}`, label: `Wrap in ${KINDS[face.kind] ?? face.kind}` })),
+    ...wraps.map((face) => ({ value: `wrap:${face.kind}`, label: `Wrap in ${face.title}` })),
   ];
   const id = await askChoice({ title: "Commands", label: "Type to find a command", options });
   if (id?.startsWith("wrap:")) await wrap(id.slice(5));

@@ -1,6 +1,6 @@
 /** Conversion to the other form: looked at, compared, and only then done, as one edit. */
 import { type Command, nameOf } from "../model/commands";
-import { KINDS } from "../model/words";
+import { hasEdges, kindTitle } from "../model/kinds";
 import { server } from "../protocol/client";
 import type { ConversionView, NodeView } from "../protocol/generated";
 import { askChoice, askText, type Option } from "./ask";
@@ -77,9 +77,9 @@ async function askForm(name: string, kind: string): Promise<string | null> {
     { value: "tree", label: "To a behaviour tree", detail: "State machines in it become sequences, fallbacks and loops, where they have a structure" },
     { value: "machine", label: "To a state machine", detail: "Sequences, fallbacks and loops in it become states and edges" },
   ];
-  if (kind !== "state_machine") options.reverse();
+  if (!hasEdges({ kind })) options.reverse();
   options.push({ value: ROUGHLY, label: "To a state machine, roughly", detail: "Also what asks again on every tick, as one that remembers: a counterexample shows the difference" });
-  return askChoice({ title: `Convert ${name} (${KINDS[kind] ?? kind})`, label: "Form", options });
+  return askChoice({ title: `Convert ${name} (${kindTitle(kind)})`, label: "Form", options });
 }
 
 function leadOf(found: ConversionView): string {

@@ -30,7 +30,7 @@ export interface DocumentStore {
 
 export const useDocument = create<DocumentStore>()((set) => ({
   document: null,
-  catalog: { nodes: [], kinds: [], tasks: [], trouble: "" },
+  catalog: { nodes: [], tasks: [], trouble: "" },
   forms: null,
   conflict: null,
   said: "",

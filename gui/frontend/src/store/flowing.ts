@@ -1,11 +1,11 @@
 /** What is done in a flow chart: connect, disconnect, begin elsewhere, go in and out. What could mean two things is asked. */
 import { type Command, group, join, nameOf, parentOf, wrapping } from "../model/commands";
-import { KINDS } from "../model/words";
+import { hasEdges, kindTitle } from "../model/kinds";
 import type { NodeView } from "../protocol/generated";
 import { askChoice, type Option } from "./ask";
 import { useDocument } from "./document";
 import { edit } from "./editing";
-import { kindFields } from "./gestures";
+import { withEdges } from "./gestures";
 import { usePage } from "./page";
 import { useRun } from "./run";
 import { goUp, openSubtask } from "./converting";
@@ -40,7 +40,7 @@ export async function connect(path: string, outcome: string, target: string): Pr
   const parent = parentOf(path);
   const around = parent === null ? undefined : nodes().get(parent);
   const toSibling = around !== undefined && around.children.includes(join(around.path, target));
-  if (!toSibling || around.kind === "state_machine") {
+  if (!toSibling || hasEdges(around)) {
     await edit({ do: "connect", path, outcome, target }, path, `${nameOf(path)}.${outcome} leads to ${target}`);
     return;
   }
@@ -48,7 +48,7 @@ export async function connect(path: string, outcome: string, target: string): Pr
   const way = await askChoice({
     title: `${nameOf(path)}.${outcome} to ${target}?`,
     label: "What is meant",
-    lead: `${around.name} is a ${KINDS[around.kind]}: its order decides, and there are no edges between its children.`,
+    lead: `${around.name} is a ${kindTitle(around.kind)}: its order decides, and there are no edges between its children.`,
     options: ways,
   });
   const command = ways.find((each) => each.value === way)?.command;
@@ -77,16 +77,15 @@ function meanings(around: NodeView, path: string, outcome: string, target: strin
   const failed = nodes().get(path)?.outcomes[outcome.split(".")[0] as string] === "failure";
   const kind = failed ? "fallback" : "sequence";
   if (around.children[at + 1] === to && around.kind !== kind) {
-    const { command } = wrapping(useDocument.getState().catalog, nodes(), [path, to], kind);
-    ways.push({ value: kind, label: `${KINDS[kind]}(${nameOf(path)}, ${target})`, detail: `${target} runs when ${nameOf(path)} ends with ${failed ? "failure" : "success"}; both become one step of ${around.name}`, command });
+    const { command } = wrapping(nodes(), [path, to], kind);
+    ways.push({ value: kind, label: `${kindTitle(kind)}(${nameOf(path)}, ${target})`, detail: `${target} runs when ${nameOf(path)} ends with ${failed ? "failure" : "success"}; both become one step of ${around.name}`, command });
   }
   if (to === path) {
     const kind = failed ? "retry" : "repeat";
-    const { command } = wrapping(useDocument.getState().catalog, nodes(), [path], kind);
-    ways.push({ value: kind, label: `${KINDS[kind]}(${nameOf(path)})`, detail: `${nameOf(path)} runs again when it ends with ${failed ? "failure" : "success"}, as often as the ${kind} says`, command });
+    const { command } = wrapping(nodes(), [path], kind);
+    ways.push({ value: kind, label: `${kindTitle(kind)}(${nameOf(path)})`, detail: `${nameOf(path)} runs again when it ends with ${failed ? "failure" : "success"}, as often as the ${kind} says`, command });
   }
-  const machine: Command = { do: "change_kind", path: around.path, kind: "state_machine", fields: kindFields("state_machine", around) };
-  const connected = group(`${around.name} as a state machine`, [machine, { do: "connect", path, outcome, target }]);
+  const connected = group(`${around.name} as a state machine`, [withEdges(around), { do: "connect", path, outcome, target }]);
   ways.push({ value: "machine", label: `Make ${around.name} a state machine`, detail: `The order of its ${around.children.length} children becomes edges, and ${outcome} leads to ${target}`, command: connected });
   return ways;
 }
@@ -102,10 +101,10 @@ export async function disconnect(path: string, outcome: string, derived: boolean
   const answer = await askChoice({
     title: "This edge comes from the order of the children",
     label: "What to do",
-    lead: `${around.name} is a ${KINDS[around.kind]}; only the edges of a state machine can be removed one by one.`,
+    lead: `${around.name} is a ${kindTitle(around.kind)}; only the edges of a state machine can be removed one by one.`,
     options: [{ value: "machine", label: `Make ${around.name} a state machine`, detail: "Its order becomes edges, which can be changed" }],
   });
-  if (answer) await edit({ do: "change_kind", path: around.path, kind: "state_machine", fields: kindFields("state_machine", around) });
+  if (answer) await edit(withEdges(around));
 }
 
 export async function beginWith(path: string): Promise<void> {

@@ -1,8 +1,8 @@
 /** What a person does to the selected nodes; each gesture is one edit, or one question and then one edit. */
-import { addNew, childNames, connectingFree, freshName, group, join, moving, nameOf, parentOf, pasting, removal, type Spot, spotFor, takesChildren, topmost, wrapping } from "../model/commands";
-import { KINDS } from "../model/words";
+import { addNew, childNames, type Command, connectingFree, freshName, group, join, moving, nameOf, parentOf, pasting, removal, type Spot, spotFor, takesChildren, topmost, wrapping } from "../model/commands";
+import { edgedKind, hasEdges, kindOf, kinds, kindTitle, settingsFor } from "../model/kinds";
 import { server } from "../protocol/client";
-import type { NodeFace, NodeView, Part, PortFace } from "../protocol/generated";
+import type { KindView, NodeFace, NodeView, Part, PortFace } from "../protocol/generated";
 import { askChoice, askText, type Option } from "./ask";
 import { useDocument } from "./document";
 import { edit } from "./editing";
@@ -27,7 +27,7 @@ export function paletteOptions(): Option[] {
   return [
     ...catalog.nodes.map((face) => ({ value: face.id, label: face.id, detail: first(face.doc), mark: "leaf" })),
     ...subtasks().map((face) => ({ value: face.id, label: face.id, detail: first(face.doc), mark: "subtask" })),
-    ...catalog.kinds.filter((face) => face.kind !== "subtask").map((face) => ({ value: face.kind, label: KINDS[face.kind] ?? face.kind, detail: first(face.doc), mark: "container" })),
+    ...kinds().filter((face) => face.kind !== "subtask").map((face) => ({ value: face.kind, label: face.title, detail: first(face.doc), mark: "container" })),
   ];
 }
 
@@ -114,25 +114,18 @@ export async function duplicate(): Promise<void> {
   if (await copy()) await paste();
 }
 
-const WRAPPERS = ["sequence", "fallback", "parallel", "retry", "repeat", "timeout", "guard", "invert", "force", "loop", "cooldown", "for_each", "state_machine", "switch"];
-
 export async function wrap(kind?: string): Promise<void> {
   const paths = selection();
   if (paths.length === 0) return;
-  const offered = WRAPPERS.filter((each) => paths.length === 1 || !isDecorator(each));
+  const offered = kinds().filter((face) => face.holds === "many" || (face.holds === "one" && paths.length === 1));
   const chosen = kind ?? (await askChoice({ title: `Wrap ${paths.length === 1 ? paths[0] : `${paths.length} nodes`} in`, label: "Container", options: offered.map(kindOption) }));
   if (chosen === null) return;
-  const { command, path } = wrapping(useDocument.getState().catalog, nodes(), paths, chosen);
-  await edit(command, path, `wrapped in a ${KINDS[chosen]}`);
+  const { command, path } = wrapping(nodes(), paths, chosen);
+  await edit(command, path, `wrapped in a ${kindTitle(chosen)}`);
 }
 
-function isDecorator(kind: string): boolean {
-  return useDocument.getState().catalog.kinds.find((face) => face.kind === kind)?.children === "one";
-}
-
-function kindOption(kind: string): Option {
-  const face = useDocument.getState().catalog.kinds.find((each) => each.kind === kind);
-  return { value: kind, label: KINDS[kind] ?? kind, detail: face?.doc.split("\n")[0] ?? "" };
+function kindOption(face: KindView): Option {
+  return { value: face.kind, label: face.title, detail: face.doc.split("\n")[0] ?? "" };
 }
 
 export async function unwrap(): Promise<void> {
@@ -156,21 +149,21 @@ export async function changeKind(path = usePage.getState().selected): Promise<vo
     if (id !== null) await edit({ do: "set", path, key: ["node"], value: id }, path);
     return;
   }
-  const now = catalog.kinds.find((face) => face.kind === node.kind);
-  const fitting = catalog.kinds.filter((face) => face.kind !== node.kind && face.children === now?.children);
-  const kind = await askChoice({ title: `Make ${node.name} another kind`, label: "Kind", options: fitting.map((face) => kindOption(face.kind)) });
-  if (kind !== null) await edit({ do: "change_kind", path, kind, fields: kindFields(kind, node) }, path, `now a ${KINDS[kind]}`);
+  const fitting = kinds().filter((face) => face.kind !== node.kind && face.holds === kindOf(node.kind)?.holds);
+  const kind = await askChoice({ title: `Make ${node.name} another kind`, label: "Kind", options: fitting.map(kindOption) });
+  if (kind !== null) await edit({ do: "change_kind", path, kind, fields: kindFields(kind, node) }, path, `now a ${kindTitle(kind)}`);
 }
 
-/** Settings that the new kind needs. */
+/** Settings that a node needs to be of another kind; it keeps its outcomes. */
 export function kindFields(kind: string, node: NodeView): Record<string, unknown> {
-  const blank = { ...useDocument.getState().catalog.kinds.find((face) => face.kind === kind)?.blank };
-  if (kind === "state_machine") {
-    const first = node.children[0];
-    delete blank["outcomes"];
-    return { ...blank, initial: first ? nameOf(first) : "" };
-  }
-  return blank;
+  const { outcomes: _, ...fields } = settingsFor(kind, node.children.map(nameOf));
+  return fields;
+}
+
+/** Make a container one whose edges say who is next. */
+export function withEdges(around: NodeView): Command {
+  const kind = edgedKind();
+  return { do: "change_kind", path: around.path, kind, fields: kindFields(kind, around) };
 }
 
 /** Move the selected nodes among their siblings, or out of and into containers. */
@@ -217,7 +210,7 @@ export async function dropAt(paths: readonly string[], spot: Spot): Promise<void
 export async function connectFree(path?: string): Promise<void> {
   const { selected, container } = usePage.getState();
   const candidates = [path, selected, selected === null ? null : parentOf(selected), container];
-  const machine = candidates.find((each) => each && nodes().get(each)?.kind === "state_machine");
+  const machine = candidates.find((each) => each && hasEdges(nodes().get(each)));
   const command = machine ? connectingFree(nodes(), machine) : null;
   if (command === null) return trouble(machine ? "Every outcome leads somewhere." : "Select a state machine, or a node in one.");
   await edit(command, undefined, "free outcomes connected");

@@ -1,6 +1,7 @@
 /** Task files of the project: the list, and new ones. */
 import { create } from "zustand";
 
+import { setKinds } from "../model/kinds";
 import { optionsAt } from "../model/shapes";
 import { server } from "../protocol/client";
 import type { ProjectView } from "../protocol/generated";
@@ -14,6 +15,7 @@ export const useProject = create<{ readonly project: ProjectView | null }>()(() 
 
 export async function loadProject(): Promise<ProjectView> {
   const project = await server.project();
+  setKinds(project.kinds);
   useProject.setState({ project });
   return project;
 }

@@ -1,7 +1,8 @@
 /** The same tree as an ARIA tree: one tab stop, arrow keys, statuses as text. */
 import { type JSX, type KeyboardEvent, useEffect, useMemo, useRef } from "react";
 
-import { KINDS, statusText } from "../model/words";
+import { kindTitle } from "../model/kinds";
+import { statusText } from "../model/words";
 import { IDLE } from "../model/status";
 import { outlineKey, type Row, visibleRows } from "../model/visibility";
 import { selectedBy } from "../model/others";
@@ -114,7 +115,7 @@ function OutlineRow({ row, isClosed, isTabStop }: { row: Row; isClosed: boolean;
       <KindIcon kind={node.kind} id={node.label} />
       <span className="row-name">
         {node.name}
-        <span className="hidden">{`${KINDS[node.kind] ?? node.kind},`}</span>
+        <span className="hidden">{`${kindTitle(node.kind)},`}</span>
       </span>
       <HoldMark path={node.path} />
       <ProblemMark path={node.path} />

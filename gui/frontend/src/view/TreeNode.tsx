@@ -4,12 +4,13 @@ import type { JSX } from "react";
 
 import { IDLE } from "../model/status";
 import { settingsOf } from "../model/values";
-import { KINDS, statusText } from "../model/words";
+import { hasEdges, kindTitle } from "../model/kinds";
+import { statusText } from "../model/words";
 import type { NodeView, Transition } from "../protocol/generated";
 import { usePage } from "../store/page";
 import { useRun } from "../store/run";
 import { OthersRing } from "./Presence";
-import { BriefSettings, useBriefSettings } from "./edit/ContainerForm";
+import { BriefSettings, briefSettings } from "./edit/ContainerForm";
 import { useForm } from "./edit/EditBar";
 import { Parameters, useFace } from "./edit/LeafForm";
 import { useDropTarget } from "./hooks";
@@ -22,6 +23,7 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
   const selected = usePage((s) => s.marked.has(node.path));
   const lens = usePage((s) => s.lens);
   const closed = usePage((s) => s.closed.has(node.path));
+  const inMachine = useRun((s) => hasEdges(s.index.byPath.get(node.parent ?? "")));
   const form = useForm(node.path);
   const target = useDropTarget(node.path);
   const said = status.phase === "idle" ? "" : (status.message ?? "");
@@ -39,7 +41,7 @@ export function TreeNode({ data }: NodeProps): JSX.Element {
         {node.children.length > 0 && <Fold node={node} />}
         <KindIcon kind={node.kind} id={node.label} />
         <span className="node-name">{node.name}</span>
-        {node.initial && <span className="initial">start</span>}
+        {node.initial && inMachine && <span className="initial">start</span>}
         <HoldMark path={node.path} />
         <ProblemMark path={node.path} />
         {lensMark(node, lens)}
@@ -91,7 +93,7 @@ function Fold({ node }: { node: NodeView }): JSX.Element {
 
 function subtitle(node: NodeView): string {
   if (node.kind === "leaf") return node.label;
-  const kind = KINDS[node.kind] ?? node.kind;
+  const kind = kindTitle(node.kind);
   return node.label ? `${kind}, ${node.label}` : kind;
 }
 
@@ -132,7 +134,7 @@ export function NodeSub({ node, what, said = "" }: { node: NodeView; what: strin
 function NearFields({ node }: { node: NodeView }): JSX.Element | null {
   const face = useFace(node);
   const locked = useRun((s) => s.record !== null);
-  const fields = useBriefSettings(node);
+  const fields = briefSettings(node);
   const ports = node.kind === "leaf" || node.kind === "subtask";
   if (ports ? !face?.parameters.length : fields.length === 0) return null;
   return (

@@ -1,28 +1,11 @@
-/** Small drawings for kinds and statuses. Each has a shape of its own, so that none is told by colour alone. */
+/** Small drawings for groups of leaves and for statuses; the server has those of kinds. Each has a shape of its own, so that none is told by colour alone. */
 import type { JSX } from "react";
 
+import { kindOf } from "../model/kinds";
 import type { Phase } from "../model/status";
 import { groupOf } from "../model/words";
 
-export const KIND_SHAPES: Record<string, JSX.Element> = {
-  leaf: <circle cx="8" cy="8" r="3.2" fill="currentColor" stroke="none" />,
-  sequence: <path d="M2 8h11M9 4l4 4-4 4" />,
-  fallback: <path d="M5 5.6a3 3 0 1 1 4.3 2.7c-.9.5-1.3 1-1.3 2M8 13v.4" />,
-  parallel: <path d="M2 5h10M9.5 2.5 12 5 9.5 7.5M2 11h10M9.5 8.5 12 11 9.5 13.5" />,
-  state_machine: <path d="M2 4.5h4v7H2zM10 4.5h4v7h-4zM6 6.5h4M10 9.5H6" />,
-  retry: <path d="M12.5 5.5A5 5 0 1 0 13 9M13 2.5v3.3H9.7" />,
-  repeat: <path d="M3 7V6a2 2 0 0 1 2-2h7M10 2l2 2-2 2M13 9v1a2 2 0 0 1-2 2H4M6 14l-2-2 2-2" />,
-  timeout: <path d="M8 3a5.5 5.5 0 1 0 .01 0M8 5.5V9l2 1.5M6.5 1h3" />,
-  invert: <path d="M5 2v11M2 10.5 5 13.5l3-3M11 14V3M8 5.5l3-3 3 3" />,
-  force: <path d="M8 2v8M8 13v.5M3 2h10" />,
-  guard: <path d="M8 2 3 4v4c0 3 2 5 5 6 3-1 5-3 5-6V4z" />,
-  cooldown: <path d="M8 2v12M2.8 5l10.4 6M13.2 5 2.8 11" />,
-  switch: <path d="M2 8h4l4-4h3.5M6 8l4 4h3.5M11.5 2l2 2-2 2M11.5 10l2 2-2 2" />,
-  loop: <path d="M13 8a5 5 0 1 1-1.5-3.5M12 1.5v3.3H8.7" />,
-  for_each: <path d="M2 4h6M2 8h6M2 12h6M11 3v10M9 11l2 2 2-2" />,
-  subtask: <path d="M3 2h7l3 3v9H3zM10 2v3h3M5.5 9h5M8.5 7l2 2-2 2" />,
-  foreign: <path d="M5 3 1.5 8 5 13M11 3l3.5 5-3.5 5" />,
-};
+const DOT = <circle cx="8" cy="8" r="3.2" fill="currentColor" stroke="none" />;
 
 /** Leaves by their group; those of groups that a project makes up have the dot of a leaf. */
 export const GROUP_SHAPES: Record<string, JSX.Element> = {
@@ -39,12 +22,12 @@ export const GROUP_SHAPES: Record<string, JSX.Element> = {
   ros: <path d="M3 3.500v.01M3 8v.01M3 12.500v.01M8 3.500v.01M8 8v.01M8 12.500v.01M13 3.500v.01M13 8v.01M13 12.500v.01" strokeWidth="3" strokeLinecap="round" />,
 };
 
-/** @param id of a leaf: its group decides. */
+/** A kind as the server draws it; a leaf by its group. */
 export function KindIcon({ kind, id = "" }: { kind: string; id?: string }): JSX.Element {
-  const shape = kind === "leaf" ? GROUP_SHAPES[groupOf(id)] : KIND_SHAPES[kind];
+  const icon = kindOf(kind)?.icon;
   return (
     <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
-      {shape ?? KIND_SHAPES["leaf"]}
+      {icon ? <path d={icon} /> : (GROUP_SHAPES[groupOf(id)] ?? DOT)}
     </svg>
   );
 }

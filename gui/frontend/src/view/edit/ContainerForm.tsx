@@ -2,8 +2,8 @@
 import type { JSX } from "react";
 
 import { nameOf, visibleVariables } from "../../model/commands";
-import type { FieldFace, KindFace, NodeView } from "../../protocol/generated";
-import { useDocument } from "../../store/document";
+import { kindOf } from "../../model/kinds";
+import type { SettingView, NodeView } from "../../protocol/generated";
 import { edit } from "../../store/editing";
 import { useRun } from "../../store/run";
 import { CasesForm, RulesForm, WaitForm } from "./RulesForm";
@@ -11,34 +11,27 @@ import { VariablesForm } from "./TaskForm";
 import { ChoiceField, expressionCheck, ValueField } from "./fields";
 
 export function ContainerForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
-  const face = useDocument((s) => s.catalog.kinds.find((each) => each.kind === node.kind));
-  const fields = fieldsOf(face, node);
+  const face = kindOf(node.kind);
   return (
     <>
       {face && <p className="hint">{face.doc.split("\n\n")[0]}</p>}
-      {fields.map((field) => {
+      {face?.fields.map((field) => {
         const Rows = ROWS[field.key];
         return Rows ? <Rows key={field.key} field={field} node={node} locked={locked} /> : <Setting key={field.key} field={field} node={node} locked={locked} />;
       })}
-      {node.kind !== "foreign" && node.kind !== "subtask" && <VariablesForm scope={node.path} locked={locked} />}
+      {face?.declares && <VariablesForm scope={node.path} locked={locked} />}
     </>
   );
 }
 
-const PORTS = new Set(["with", "in", "out", "meaning"]);
-
-function fieldsOf(face: KindFace | undefined, node: NodeView): FieldFace[] {
-  return (face?.fields ?? []).filter((field) => node.kind !== "subtask" || !PORTS.has(field.key));
-}
-
 /** The settings of a container that take a line each and that somebody has set, or must. */
-export function useBriefSettings(node: NodeView): readonly FieldFace[] {
-  const face = useDocument((s) => s.catalog.kinds.find((each) => each.kind === node.kind));
-  return fieldsOf(face, node).filter((field) => ROWS[field.key] === undefined && (field.required || node.fields[field.key] !== undefined));
+export function briefSettings(node: NodeView): readonly SettingView[] {
+  const fields = kindOf(node.kind)?.fields ?? [];
+  return fields.filter((field) => ROWS[field.key] === undefined && (field.required || node.fields[field.key] !== undefined));
 }
 
 /** Settings without what they mean. */
-export function BriefSettings({ node, fields, locked }: { node: NodeView; fields: readonly FieldFace[]; locked: boolean }): JSX.Element {
+export function BriefSettings({ node, fields, locked }: { node: NodeView; fields: readonly SettingView[]; locked: boolean }): JSX.Element {
   return (
     <>
       {fields.map((field) => (
@@ -50,7 +43,7 @@ export function BriefSettings({ node, fields, locked }: { node: NodeView; fields
 
 interface SettingProps {
   readonly brief?: boolean;
-  readonly field: FieldFace;
+  readonly field: SettingView;
   readonly node: NodeView;
   readonly locked: boolean;
 }

@@ -2,7 +2,8 @@
 import type { JSX } from "react";
 
 import { nameOf, parentOf } from "../../model/commands";
-import { KINDS, seconds, statusText } from "../../model/words";
+import { hasEdges, kindTitle } from "../../model/kinds";
+import { seconds, statusText } from "../../model/words";
 import { IDLE } from "../../model/status";
 import type { NodeView } from "../../protocol/generated";
 import { ACTIONS, actionTitle } from "../../store/actions";
@@ -37,7 +38,7 @@ function NodeForms({ node, count }: { node: NodeView; count: number }): JSX.Elem
   const locked = useRun((s) => s.record !== null);
   const problems = useRun((s) => s.task.problems);
   const here = problems.filter((problem) => problem.path === node.path);
-  const kind = node.kind === "leaf" ? node.label : (KINDS[node.kind] ?? node.kind);
+  const kind = node.kind === "leaf" ? node.label : (kindTitle(node.kind));
   return (
     <>
       <p className="node-title">
@@ -85,7 +86,7 @@ const FOR_ALL = ["rename", "wrap", "unwrap", "copy", "cut", "paste", "up", "down
 
 function Actions({ node }: { node: NodeView }): JSX.Element {
   const parent = useRun((s) => s.index.byPath.get(parentOf(node.path) ?? ""));
-  const machine = node.kind === "state_machine" || parent?.kind === "state_machine";
+  const machine = hasEdges(node) || hasEdges(parent);
   const not = new Set([
     ...(node.path === "/" ? ["cut", "remove", "up", "down", "extract"] : []),
     ...(node.kind === "leaf" ? ["unwrap", "convert"] : []),

@@ -2,15 +2,13 @@
 import type { JSX } from "react";
 
 import { nameOf, parentOf } from "../../model/commands";
+import { hasEdges, kindOf } from "../../model/kinds";
 import type { NodeView } from "../../protocol/generated";
 import { edit } from "../../store/editing";
 import { askChoice, askText } from "../../store/ask";
 import { connect, disconnect } from "../../store/flowing";
 import { nameCheck, renameOutcome } from "../../store/gestures";
 import { useRun } from "../../store/run";
-
-/** Kinds that may declare outcomes of their own. */
-const NONE = new Set(["leaf", "foreign", "subtask"]);
 
 export function OutcomesForm({ node, locked }: { node: NodeView; locked: boolean }): JSX.Element {
   const own = (node.fields["outcomes"] ?? {}) as Record<string, string>;
@@ -31,7 +29,7 @@ export function OutcomesForm({ node, locked }: { node: NodeView; locked: boolean
           ))}
         </tbody>
       </table>
-      {!locked && !NONE.has(node.kind) && <button onClick={() => void addOutcome(node)}>New outcome</button>}
+      {!locked && kindOf(node.kind)?.declares && <button onClick={() => void addOutcome(node)}>New outcome</button>}
     </>
   );
 }
@@ -55,7 +53,7 @@ function OutcomeRow({ node, outcome, locked, declared }: RowProps): JSX.Element 
   const target = node.on.find((edge) => edge.outcome === outcome)?.target ?? "";
   const base = outcome.split(".")[0] as string;
   const meaning = node.outcomes[base];
-  const machine = parent?.kind === "state_machine";
+  const machine = hasEdges(parent);
   const targets = parent === undefined ? Object.keys(ends) : [...(machine ? parent.children.map(nameOf) : []), ...Object.keys(parent.outcomes)];
   const fixed = outcome !== base || (node.kind !== "leaf" && !declared);
   return (

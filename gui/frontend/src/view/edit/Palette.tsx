@@ -1,7 +1,8 @@
 /** What a task can be made of: found by typing, added by a press, dragged to a place. */
 import { type JSX, useMemo, useState } from "react";
 
-import { groupOf, GROUPS, KINDS } from "../../model/words";
+import { kinds } from "../../model/kinds";
+import { groupOf, GROUPS } from "../../model/words";
 import { matching } from "../../model/search";
 import { useDocument } from "../../store/document";
 import { add } from "../../store/gestures";
@@ -24,7 +25,7 @@ export function Palette(): JSX.Element {
   const [text, setText] = useState("");
   const groups = useMemo(() => {
     const entries: Entry[] = [
-      ...catalog.kinds.filter((face) => face.kind !== "subtask").map((face) => ({ id: face.kind, label: KINDS[face.kind] ?? face.kind, detail: face.doc, mark: "containers", kind: face.kind })),
+      ...kinds().filter((face) => face.kind !== "subtask").map((face) => ({ id: face.kind, label: face.title, detail: face.doc, mark: "containers", kind: face.kind })),
       ...catalog.nodes.map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: groupOf(face.id), kind: "leaf" })),
       ...catalog.tasks.filter((face) => face.id !== path).map((face) => ({ id: face.id, label: face.id, detail: face.doc, mark: "tasks", kind: "subtask" })),
     ];
@@ -54,7 +55,7 @@ export function Palette(): JSX.Element {
             </ul>
           </details>
         ))}
-        {groups.size === 0 && !catalog.trouble && <p className="hint padded">{catalog.kinds.length === 0 ? "Looking for nodes ..." : "Nothing is called like this."}</p>}
+        {groups.size === 0 && !catalog.trouble && <p className="hint padded">{catalog.nodes.length === 0 ? "Looking for nodes ..." : "Nothing is called like this."}</p>}
       </div>
     </section>
   );

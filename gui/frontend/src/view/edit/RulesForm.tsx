@@ -3,7 +3,7 @@ import { type JSX, useEffect, useRef, useState } from "react";
 
 import { join, nameOf } from "../../model/commands";
 import { counting, labelsOf, literalsText, parseLiterals, type Rule, rulesOf, shifted, type Wait, waitOf, withLabels } from "../../model/rows";
-import type { FieldFace, NodeView } from "../../protocol/generated";
+import type { SettingView, NodeView } from "../../protocol/generated";
 import { askChoice } from "../../store/ask";
 import { edit, settingNow } from "../../store/editing";
 import { useRun } from "../../store/run";
@@ -183,7 +183,7 @@ function waitedFor(value: unknown): readonly string[] {
   return Array.isArray(value) ? (value as string[]) : [];
 }
 
-export function WaitForm({ field, node, locked }: { field: FieldFace; node: NodeView; locked: boolean }): JSX.Element {
+export function WaitForm({ field, node, locked }: { field: SettingView; node: NodeView; locked: boolean }): JSX.Element {
   const value = node.fields["wait_for"];
   const children = node.children.map(nameOf);
   const wait = waitOf(value);

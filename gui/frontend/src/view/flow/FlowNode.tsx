@@ -4,7 +4,8 @@ import type { JSX } from "react";
 
 import type { FlowItem } from "../../model/flow";
 import type { Point } from "../../model/flowLayout";
-import { KINDS, statusText } from "../../model/words";
+import { kindTitle } from "../../model/kinds";
+import { statusText } from "../../model/words";
 import { IDLE } from "../../model/status";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
@@ -22,7 +23,7 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
   const lens = usePage((s) => s.lens);
   const form = useForm(node.path);
   const open = usePage((s) => s.opened.has(node.path));
-  const kind = node.kind === "leaf" ? node.label : [KINDS[node.kind], node.label].filter(Boolean).join(", ");
+  const kind = node.kind === "leaf" ? node.label : [kindTitle(node.kind), node.label].filter(Boolean).join(", ");
   return (
     <div className={`node flow-node${open ? " open" : ""} kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`} data-path={node.path} title={node.doc}>
       <OthersRing path={node.path} folded={!open} />

@@ -5,6 +5,7 @@ import { Decoration, type DecorationSet, EditorView } from "@codemirror/view";
 
 import { nameOf } from "../../model/commands";
 import { server } from "../../protocol/client";
+import { kinds } from "../../model/kinds";
 import { useDocument } from "../../store/document";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
@@ -26,7 +27,7 @@ export function complete(context: CompletionContext): CompletionResult | null {
 function optionsAfter(lead: string): Completion[] {
   const { catalog } = useDocument.getState();
   if (/\bnode:\s*$/.test(lead)) return catalog.nodes.map((face) => ({ label: face.id, type: "function", detail: face.doc.split("\n")[0] ?? "" }));
-  if (/\bkind:\s*$/.test(lead)) return catalog.kinds.map((face) => ({ label: face.kind, type: "class", detail: face.doc.split("\n")[0] ?? "" }));
+  if (/\bkind:\s*$/.test(lead)) return kinds().map((face) => ({ label: face.kind, type: "class", detail: face.doc.split("\n")[0] ?? "" }));
   if (/\b(in|out):\s*\{[^}]*\w+:\s*$/.test(lead) || /\bitems:\s*$/.test(lead)) return variables();
   if (/\b(in|out|with):\s*\{([^}]*,\s*)?$/.test(lead)) return ports(lead);
   const given = parameterValues(lead);
@@ -38,7 +39,7 @@ function optionsAfter(lead: string): Completion[] {
 }
 
 function keys(): string[] {
-  const fields = useDocument.getState().catalog.kinds.flatMap((face) => face.fields.map((field) => field.key));
+  const fields = kinds().flatMap((face) => face.fields.map((field) => field.key));
   return [...new Set([...NODE_KEYS, ...fields])];
 }
 
