@@ -110,6 +110,6 @@ def test_a_fake_arm_refuses_ends_that_break_it(end):
     low = Pose((0.3, 0, 0.1))
     box = PathConstraint(box=low if end == "start" else arm.grasp_pose(), size=(0.1, 0.1, 0.1))
     failure = arm.plan(low, constraint=box)
-    with pytest.raises(Exception, match=f"the {end} breaks") as caught:
+    with pytest.raises(Exception, match=f"the {end} violates") as caught:
         failure.result()
     assert caught.value.code == "constraint_broken"

@@ -20,7 +20,7 @@ from grip_bt.base.values import JointState, Pose
 
 from ..description.robot import RobotDescription
 from ..trajectory.limits import Limits
-from .outline import Outline, corners, outlined, radii, shape_reaches
+from .reach import corners, radii, shape_reaches
 from .shapes import simplified
 
 GRASP_FRAME = "grasp"
@@ -61,14 +61,9 @@ class Chain:
         self.links = tuple(links)
 
     @cached_property
-    def outline(self) -> Outline:
-        """The collision shapes with each hand as one hull."""
-        return outlined(self.geometry, self.hand)
-
-    @cached_property
-    def outline_reaches(self) -> Array:
-        """How far each joint can move each shape of the outline; see `outline.shape_reaches`."""
-        return shape_reaches(self.model, self.outline.geometry.geometryObjects)
+    def shape_reaches(self) -> Array:
+        """How far each joint can move each shape; see `reach.shape_reaches`."""
+        return shape_reaches(self.model, self.geometry.geometryObjects)
 
     @cached_property
     def radii(self) -> Array:
