@@ -16,8 +16,7 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.app.project.launching import launch_file_of, project_members
 from grip_bt.base.errors import GripError
 from grip_bt.ros.launch import read_arguments
-from grip_bt.ros.launch.group import Member, ProcessGroup
-from grip_bt.ros.launch.model import LaunchEvent
+from grip_bt.ros.launch.group import LaunchEvent, Member, ProcessGroup
 from grip_bt.ros.launch.run import Follower, is_launch_file, members_of_file
 
 from .parser import add_no_code

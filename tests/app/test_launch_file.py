@@ -76,7 +76,7 @@ def test_our_own_reader_finds_the_same_commands_in_it(project):
     assert found["recorder"].command == tuple(member.command)
     assert found["recorder"].command[-1] == 'it\'s $(HOME) "quoted"'
     assert (found["recorder"].folder, found["recorder"].env) == (project / "tools", {"MODE": "$a"})
-    assert found["recorder"].respawn
+    assert found["recorder"].restart == "always"
     assert found["detector"].folder == project / "components" / "detector"
 
 

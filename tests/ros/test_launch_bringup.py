@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from grip_bt.ros.launch import LaunchError, read_launch_file
-from grip_bt.ros.launch.model import Launch, LaunchEvent
+from grip_bt.ros.launch.group import LaunchEvent
+from grip_bt.ros.launch.interpreter import Launch
 
 FILES = Path(__file__).parent / "data" / "bringup"
 PROGRAMS = {
@@ -47,7 +48,7 @@ def prefix(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def read(prefix):
-    return lambda name, **arguments: read_launch_file(FILES / name, arguments, [prefix])
+    return lambda name, env=None, **arguments: read_launch_file(FILES / name, arguments, [prefix], env)
 
 
 def words(launch: Launch, number: int = 0) -> list[str]:
@@ -80,7 +81,7 @@ def test_a_web_socket_is_started_with_or_without_its_certificate(read):
 def test_a_camera_is_named_remapped_and_started_again(read, prefix):
     launch = read("camera.launch.yaml", serial="0815")
     driver, rectify = launch.processes
-    assert (driver.respawn, driver.respawn_delay, driver.respawns) == (True, 2.0, 3)
+    assert (driver.restart, driver.restart_delay, driver.restarts) == ("always", 2.0, 3)
     assert {"__ns:=/front", "image_raw:=color/image_raw", "serial:='0815'"} <= set(driver.command)
     assert {str(prefix / "share/camera_driver/config/front.yaml"), "distortion:=[0.0, 0.1, 0.2]"} <= set(driver.command)
     assert "__ns:=/front" in rectify.command
@@ -106,17 +107,17 @@ def test_a_base_has_its_environment_and_nested_parameters(read, prefix, monkeypa
     monkeypatch.delenv("PLUGINS", raising=False)
     monkeypatch.setenv("WORDS", "first")
     monkeypatch.setenv("BASE_PORT", "/dev/base")
-    (base,) = read("base.launch.xml").processes
+    (base,) = read("base.launch.xml", env={"DISPLAY": ":0"}).processes
     assert base.env["PLUGINS"] == f"/first:{prefix}/lib"
     assert (base.env["WORDS"], base.env["OMP_NUM_THREADS"]) == ("first,last", "1")
-    assert "DISPLAY" in base.unset
+    assert "DISPLAY" not in base.env
     assert base.command[:3] == ("nice", "-n", "5")
     assert {"wheel.radius:=0.1", "wheel.names:=[left, right]", "port:=/dev/base", "debug"} <= set(base.command)
 
 
 def test_a_gripper_ends_all_and_warns_where_it_is_fast(read):
     fast, slow = read("gripper.launch.xml"), read("gripper.launch.xml", speed="0.05", side="left")
-    assert fast.processes[0].required
+    assert fast.processes[0].ends_all
     assert {"speed:=0.05", "__ns:=/left", "__node:=left_gripper"} <= set(words(slow))
     assert [e.text for e in fast.events] == ["warning: the right gripper moves at 0.1 m/s"]
     assert slow.events == []

@@ -14,8 +14,7 @@ from patience import PATIENCE, Ahead, until
 from ros_bench import ended
 
 from grip_bt.ros.client.types import load_type
-from grip_bt.ros.launch.group import GraphWatch, Member, ProcessGroup, StartError
-from grip_bt.ros.launch.model import LaunchEvent
+from grip_bt.ros.launch.group import GraphWatch, LaunchEvent, Member, ProcessGroup, StartError
 from grip_bt.ros.process import child_environment
 from grip_bt.task.catalog.component_parts import Ready
 

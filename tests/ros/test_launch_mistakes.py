@@ -41,18 +41,21 @@ def told(tmp_path, prefix):
 
 NODE = '<node pkg="arm_driver" exec="driver"%s/>'
 WITH = '<node pkg="arm_driver" exec="driver">%s</node>'
-UNKNOWN = "isn't understood here; "
+UNKNOWN = "is not supported; "
 INNER = "$(find-pkg-share arm_driver)/launch/inner.launch.xml"
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('<node pkg="a" executable="b"/>', f"<node>: the attribute 'executable' {UNKNOWN}write 'exec' (what is: args"),
+        (
+            '<node pkg="a" executable="b"/>',
+            f"<node>: the attribute 'executable' {UNKNOWN}write 'exec' (supported: args",
+        ),
         ('<node package="a" exec="b"/>', f"<node>: the attribute 'package' {UNKNOWN}write 'pkg'"),
         (
             '<node package="a" executable="b"/>',
-            f"'package' {UNKNOWN}write 'pkg', and 'executable' {UNKNOWN}write 'exec' (what is: args",
+            f"'package' {UNKNOWN}write 'pkg', and 'executable' {UNKNOWN}write 'exec' (supported: args",
         ),
         ('<node package="a" plugin="b"/>', "a plugin is a library for a container"),
         (NODE % ' arguments="--fast"', "write 'args'"),
@@ -74,11 +77,11 @@ INNER = "$(find-pkg-share arm_driver)/launch/inner.launch.xml"
         (WITH % '<remap name="a" value="b"/>', f"'name' {UNKNOWN}write 'from', and 'value' {UNKNOWN}write 'to'"),
         (WITH % '<remap src="a" dst="b"/>', f"'src' {UNKNOWN}write 'from', and 'dst' {UNKNOWN}write 'to'"),
         (WITH % '<param key="a" val="b"/>', f"'key' {UNKNOWN}write 'name', and 'val' {UNKNOWN}write 'value'"),
-        (WITH % '<param file="a.yaml"/>', "the attribute 'file' isn't understood here; write 'from'"),
-        (WITH % '<param name="a" value="b" typ="str"/>', "'typ' isn't understood here; did you mean 'type'"),
+        (WITH % '<param file="a.yaml"/>', "the attribute 'file' is not supported; write 'from'"),
+        (WITH % '<param name="a" value="b" typ="str"/>', "'typ' is not supported; did you mean 'type'"),
         (
             WITH % '<param name="a" value="b" type="string"/>',
-            "<param type='string'> isn't understood here; write 'str'",
+            "<param type='string'> is not supported; write 'str'",
         ),
         (WITH % '<param name="a" value="b" if="0"/>', "give the <node> twice, each with its condition"),
         (WITH % '<param name="a">3</param>', "<param> needs the attribute 'value', such as <param name=\"NAME\""),
@@ -137,7 +140,7 @@ def test_what_to_write_instead_is_told(told, text, said):
         ),
         (
             "- node: {pkg: a, exec: b, param: [{c: d}]}",
-            "the attribute 'c' isn't understood here (what is: allow_substs,",
+            "the attribute 'c' is not supported (supported: allow_substs,",
         ),
         ("- node: {pkg: a, exec: b, remap: ['c:=d']}", "`remap` holds a mapping, such as {from: NAME, to: OTHER}"),
         ("- node: {pkg: a, exec: b, args: [--c, d]}", "`node`: `args` can't be given like this; it is one text"),

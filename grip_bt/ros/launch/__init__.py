@@ -2,6 +2,5 @@
 
 from .element import LaunchError
 from .interpreter import read_arguments, read_launch_file
-from .model import LaunchedProcess
 
-__all__ = ["LaunchError", "LaunchedProcess", "read_arguments", "read_launch_file"]
+__all__ = ["LaunchError", "read_arguments", "read_launch_file"]

@@ -18,7 +18,6 @@ from grip_bt.base.errors import GripError
 from grip_bt.task.catalog.component_parts import Ready, Restart
 
 from ..process import Process
-from .model import LaunchEvent
 
 if TYPE_CHECKING:
     from ..client.connection import Connection
@@ -59,6 +58,21 @@ class Member:
     required: bool = True
     ends_all: bool = False
     after: float = 0.0
+
+
+@dataclass(frozen=True)
+class LaunchEvent:
+    """What a launch file does beside starting processes.
+
+    Attributes:
+        text: what is said.
+        after: how long after the beginning [s].
+        ends: whether everything ends then (`shutdown`).
+    """
+
+    text: str
+    after: float = 0.0
+    ends: bool = False
 
 
 @dataclass

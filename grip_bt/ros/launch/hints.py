@@ -115,8 +115,8 @@ def about_attributes(tag: str, names: Sequence[str], allowed: Collection[str], y
         allowed: those that are understood.
         yaml: whether the file is YAML.
     """
-    told = [f"{name!r} isn't understood here{_about_attribute(tag, name, allowed, yaml)}" for name in names]
-    return f"the attribute {', and '.join(told)} (what is: {listing(sorted(allowed))})"
+    told = [f"{name!r} is not supported{_about_attribute(tag, name, allowed, yaml)}" for name in names]
+    return f"the attribute {', and '.join(told)} (supported: {listing(sorted(allowed))})"
 
 
 def _about_attribute(tag: str, name: str, allowed: Collection[str], yaml: bool) -> str:

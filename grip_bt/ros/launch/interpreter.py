@@ -5,25 +5,49 @@ from __future__ import annotations
 import math
 import os
 import shlex
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grip_bt.base.errors import listing, nearest
 
 from ..interfaces.ament import PackageError, executable_of
 from .element import Element, LaunchError, check_not_legacy, read_elements
+from .group import LaunchEvent, Member
 from .hints import TYPES, about_attributes, about_tag, form
-from .model import Argument, Launch, LaunchedProcess, LaunchEvent, Scope, joined
 from .python_draft import in_python
-from .substitutions import Place, substitute, truth
+from .substitutions import LaunchContext, substitute, truth
 
 DEEPEST = 30
 """Files that include each other."""
 _CONDITIONS = {"if", "unless"}
 
 
+@dataclass(frozen=True)
+class Argument:
+    """An argument that a launch file declares."""
+
+    name: str
+    default: str | None
+    doc: str
+    choices: tuple[str, ...] = ()
+
+
+@dataclass
+class Launch:
+    """What a launch file asks for."""
+
+    processes: list[Member] = field(default_factory=list)
+    arguments: list[Argument] = field(default_factory=list)
+    events: list[LaunchEvent] = field(default_factory=list)
+
+
 def read_launch_file(
-    path: Path | str, arguments: Mapping[str, str] | None = None, prefixes: Sequence[Path] | None = None
+    path: Path | str,
+    arguments: Mapping[str, str] | None = None,
+    prefixes: Sequence[Path] | None = None,
+    env: Mapping[str, str] | None = None,
 ) -> Launch:
     """Read an XML or YAML launch file and return the processes that it asks for.
 
@@ -31,13 +55,14 @@ def read_launch_file(
         path: the file.
         arguments: values of its arguments.
         prefixes: where packages are; the usual places by default.
+        env: what its processes inherit; nothing by default.
 
     Raises:
         LaunchError: it is wrong, asks for something that isn't here, or uses what isn't understood; by name and line.
         LegacyLaunchFileError: it is one of ROS 1; it says what to change.
     """
-    reader = _Reader(prefixes)
-    reader.read_file(Path(path), dict(arguments or {}), Scope({}, {}), ())
+    reader = _Reader(prefixes, env or {})
+    reader.read_file(Path(path), dict(arguments or {}), _Scope({}, {}), ())
     return reader.launch
 
 
@@ -62,15 +87,124 @@ def read_arguments(path: Path) -> list[Argument]:
     ]
 
 
+@dataclass
+class _Scope:
+    """What a group has of its own; children change a copy, elements of one group share it.
+
+    Attributes:
+        variables: what `arg` and `let` have set.
+        env: environment variables that were set.
+        unset: inherited ones that were taken away.
+        namespace: of nodes; empty for none.
+        remaps: (from, to) of every node.
+        parameters: arguments of every node.
+        after: how long after the beginning it all happens [s].
+    """
+
+    variables: dict[str, str]
+    env: dict[str, str]
+    unset: frozenset[str] = frozenset()
+    namespace: str = ""
+    remaps: tuple[tuple[str, str], ...] = ()
+    parameters: tuple[str, ...] = ()
+    after: float = 0.0
+
+    def copy(self) -> _Scope:
+        """Return one that can be changed without changing this."""
+        return replace(self, variables=dict(self.variables), env=dict(self.env))
+
+    def within(self, namespace: str) -> str:
+        """Return a name space within this one; one that begins with a slash stands alone."""
+        if namespace.startswith("/"):
+            return namespace.rstrip("/")
+        return f"{self.namespace}/{namespace.rstrip('/')}" if namespace else self.namespace
+
+
+class _Element(LaunchContext):
+    """An element where it stands: its attributes, with their substitutions made, and errors with its line."""
+
+    def __init__(self, element: Element, scope: _Scope, file: Path, prefixes: Sequence[Path] | None):
+        super().__init__(file, element.line, scope.variables, {**os.environ, **scope.env}, prefixes)
+        self.tag, self.attributes, self.children = element.tag, element.attributes, element.children
+        self.scope, self.yaml = scope, file.suffix in (".yaml", ".yml")
+
+    def inner(self) -> Iterator[_Element]:
+        """Yield what stands in it."""
+        return (_Element(child, self.scope, self.source, self.prefixes) for child in self.children)
+
+    def of(self, tag: str) -> Iterator[_Element]:
+        """Yield the children of one tag."""
+        return (child for child in self.inner() if child.tag == tag)
+
+    def check(self, allowed: set[str]) -> None:
+        """Refuse attributes that aren't understood, of the element and of those that stand in it."""
+        wrong = [name for name in self.attributes if name not in allowed]
+        if wrong:
+            raise self.error(f"<{self.tag}>: {about_attributes(self.tag, wrong, allowed, self.yaml)}")
+        if self.tag in _OF_ELEMENTS:
+            return
+        known = _INNER.get(self.tag, {})
+        for child in self.inner():
+            if child.tag not in known:
+                instead = about_tag(child.tag, self.tag, known, self.yaml)
+                raise child.error(f"<{child.tag}> can't stand in <{self.tag}> here{instead}")
+            child.check(known[child.tag])
+
+    def holds(self) -> bool:
+        """Tell whether its conditions hold."""
+        if_, unless = self.attributes.get("if"), self.attributes.get("unless")
+        holds = if_ is None or truth(if_, self, "`if`")
+        return holds and (unless is None or not truth(unless, self, "`unless`"))
+
+    def text(self, name: str, default: str | None = None) -> str:
+        """Return an attribute with its substitutions made."""
+        if name in self.attributes:
+            return substitute(self.attributes[name], self)
+        if default is None:
+            how = form(self.tag, self.yaml, given=self.tag == "arg" and name == "value")
+            raise self.error(f"<{self.tag}> needs the attribute {name!r}{f', such as {how}' if how else ''}")
+        return default
+
+    def flag(self, name: str, default: str | None = None) -> bool:
+        """Return the truth value of an attribute."""
+        return truth(self.text(name, default), self, f"`{name}`")
+
+    def words(self, name: str, default: str | None = None) -> list[str]:
+        """Return the words of an attribute, as a shell splits them."""
+        said = self.text(name, default)
+        try:
+            return shlex.split(said)
+        except ValueError:
+            raise self.error(f"{name}: a quotation mark is missing in {said!r}") from None
+
+    def one_of(self, name: str, default: str, allowed: Sequence[str]) -> str:
+        """Return an attribute that has one of a few values."""
+        said = self.text(name, default)
+        if said.lower() not in allowed:
+            raise self.error(f"{name} is one of {listing(allowed)}, not {said!r}{nearest(said, allowed)}")
+        return said.lower()
+
+    def seconds(self, name: str, default: str | None = None) -> float:
+        """Return an attribute that is a time [s]."""
+        said = self.text(name, default)
+        try:
+            value = float(said)
+        except ValueError:
+            value = -1.0
+        if not 0 <= value < math.inf:
+            raise self.error(f"{name} is a number of seconds, not {said!r}")
+        return value
+
+
 class _Reader:
-    def __init__(self, prefixes: Sequence[Path] | None):
+    def __init__(self, prefixes: Sequence[Path] | None, env: Mapping[str, str]):
         self.launch = Launch()
-        self._prefixes = prefixes
+        self._prefixes, self._env = prefixes, env
         self._names: dict[str, int] = {}
         self._files: tuple[Path, ...] = ()
         self._given: dict[str, str] = {}
 
-    def read_file(self, path: Path, given: dict[str, str], scope: Scope, above: tuple[Path, ...]) -> None:
+    def read_file(self, path: Path, given: dict[str, str], scope: _Scope, above: tuple[Path, ...]) -> None:
         if len(above) >= DEEPEST:
             raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
         if path.suffix == ".py":
@@ -88,290 +222,206 @@ class _Reader:
         self._all(root.children, scope)
         self._files, self._given = files, outer
 
-    def _all(self, elements: Sequence[Element], scope: Scope) -> None:
+    def _all(self, elements: Sequence[Element], scope: _Scope) -> None:
         for element in elements:
+            at = _Element(element, scope, self._files[-1], self._prefixes)
             handler = _HANDLERS.get(element.tag)
             if handler is None:
                 if element.tag in _COMPOSED:
-                    raise self._place(element, scope).error(f"<{element.tag}> isn't understood here: {_CONTAINERS}")
-                known = listing(sorted(_HANDLERS))
-                instead = about_tag(element.tag, "launch", _HANDLERS, self._in_yaml)
-                reason = f"<{element.tag}> isn't understood here{instead} (what is: {known})"
-                raise self._place(element, scope).error(
-                    f"{reason}; with ROS's own tools on the path, files are run by `ros2 launch`"
+                    raise at.error(f"<{element.tag}> is not supported: {_CONTAINERS}")
+                instead = about_tag(element.tag, "launch", _HANDLERS, at.yaml)
+                raise at.error(
+                    f"<{element.tag}> is not supported{instead} (supported: {listing(sorted(_HANDLERS))}); "
+                    "with ROS's own tools on the path, files are run by `ros2 launch`"
                 )
-            if self._holds(element, scope):
-                handler[0](self, element, scope)
-
-    def _place(self, element: Element, scope: Scope) -> Place:
-        return Place(self._files[-1], element.line, scope.variables, {**os.environ, **scope.env}, self._prefixes)
-
-    def _holds(self, element: Element, scope: Scope) -> bool:
-        """Tell whether the element's conditions hold, after a look at its attributes."""
-        self._check(element, scope, _HANDLERS[element.tag][1] | _CONDITIONS)
-        place = self._place(element, scope)
-        if_, unless = element.attributes.get("if"), element.attributes.get("unless")
-        holds = if_ is None or truth(if_, place, "`if`")
-        return holds and (unless is None or not truth(unless, place, "`unless`"))
-
-    def _check(self, element: Element, scope: Scope, allowed: set[str]) -> None:
-        """Refuse attributes that aren't understood, of the element and of those that stand in it."""
-        place = self._place(element, scope)
-        wrong = [name for name in element.attributes if name not in allowed]
-        if wrong:
-            raise place.error(f"<{element.tag}>: {about_attributes(element.tag, wrong, allowed, self._in_yaml)}")
-        if element.tag in _OF_ELEMENTS:
-            return
-        inner = _INNER.get(element.tag, {})
-        for child in element.children:
-            if child.tag not in inner:
-                instead = about_tag(child.tag, element.tag, inner, self._in_yaml)
-                raise self._place(child, scope).error(f"<{child.tag}> can't stand in <{element.tag}> here{instead}")
-            self._check(child, scope, inner[child.tag])
-
-    @property
-    def _in_yaml(self) -> bool:
-        return self._files[-1].suffix in (".yaml", ".yml")
-
-    def _text(self, element: Element, scope: Scope, name: str, default: str | None = None) -> str:
-        """Return an attribute with its substitutions made."""
-        if name not in element.attributes:
-            if default is None:
-                how = form(element.tag, self._in_yaml, given=element.tag == "arg" and name == "value")
-                like = f", such as {how}" if how else ""
-                raise self._place(element, scope).error(f"<{element.tag}> needs the attribute {name!r}{like}")
-            return default
-        return substitute(element.attributes[name], self._place(element, scope))
-
-    def _flag(self, element: Element, scope: Scope, name: str, default: str | None = None) -> bool:
-        """Return the truth value of an attribute."""
-        return truth(self._text(element, scope, name, default), self._place(element, scope), f"`{name}`")
-
-    def _words(self, element: Element, scope: Scope, name: str, default: str | None = None) -> list[str]:
-        """Return the words of an attribute, as a shell splits them."""
-        said = self._text(element, scope, name, default)
-        try:
-            return shlex.split(said)
-        except ValueError:
-            raise self._place(element, scope).error(f"{name}: a quotation mark is missing in {said!r}") from None
-
-    def _one_of(self, element: Element, scope: Scope, name: str, default: str, allowed: Sequence[str]) -> str:
-        """Return an attribute that has one of a few values."""
-        said = self._text(element, scope, name, default)
-        if said.lower() not in allowed:
-            reason = f"{name} is one of {listing(allowed)}, not {said!r}{nearest(said, allowed)}"
-            raise self._place(element, scope).error(reason)
-        return said.lower()
+            at.check(handler[1] | _CONDITIONS)
+            if at.holds():
+                handler[0](self, at)
 
     # --- elements ---
 
-    def _arg(self, element: Element, scope: Scope) -> None:
-        name = self._text(element, scope, "name")
-        if "value" in element.attributes and "default" not in element.attributes:
-            raise self._place(element, scope).error(
-                "<arg value=...> is of ROS 1 here; a constant is <let name= value=>"
-            )
-        default = self._text(element, scope, "default") if "default" in element.attributes else None
-        choices = tuple(self._text(c, scope, "value") for c in element.of("choice"))
+    def _arg(self, at: _Element) -> None:
+        name = at.text("name")
+        if "value" in at.attributes and "default" not in at.attributes:
+            raise at.error("<arg value=...> is ROS 1 syntax; a constant is <let name= value=>")
+        default = at.text("default") if "default" in at.attributes else None
+        choices = tuple(c.text("value") for c in at.of("choice"))
         if len(self._files) == 1:
-            self.launch.arguments.append(Argument(name, default, element.attributes.get("description", ""), choices))
-        if name not in self._given and name not in scope.variables:
+            self.launch.arguments.append(Argument(name, default, at.attributes.get("description", ""), choices))
+        if name not in self._given and name not in at.scope.variables:
             if default is None:
-                doc = element.attributes.get("description", "")
-                raise self._place(element, scope).error(
-                    f"the argument {name!r} is needed{f' ({doc})' if doc else ''}: {name}:=VALUE"
-                )
-            scope.variables[name] = default
-        if choices and scope.variables[name] not in choices:
-            said = scope.variables[name]
-            raise self._place(element, scope).error(f"{name}:={said}: not one of {', '.join(choices)}")
+                doc = at.attributes.get("description", "")
+                raise at.error(f"the argument {name!r} is needed{f' ({doc})' if doc else ''}: {name}:=VALUE")
+            at.scope.variables[name] = default
+        if choices and at.scope.variables[name] not in choices:
+            said = at.scope.variables[name]
+            raise at.error(f"{name}:={said}: not one of {', '.join(choices)}")
 
-    def _let(self, element: Element, scope: Scope) -> None:
-        scope.variables[self._text(element, scope, "name")] = self._text(element, scope, "value")
+    def _let(self, at: _Element) -> None:
+        at.scope.variables[at.text("name")] = at.text("value")
 
-    def _set_env(self, element: Element, scope: Scope) -> None:
-        name = self._text(element, scope, "name")
-        scope.env[name] = self._text(element, scope, "value")
-        scope.unset -= {name}
+    def _set_env(self, at: _Element) -> None:
+        name = at.text("name")
+        at.scope.env[name] = at.text("value")
+        at.scope.unset -= {name}
 
-    def _unset_env(self, element: Element, scope: Scope) -> None:
-        name = self._text(element, scope, "name")
-        scope.env.pop(name, None)
-        scope.unset |= {name}
+    def _unset_env(self, at: _Element) -> None:
+        name = at.text("name")
+        at.scope.env.pop(name, None)
+        at.scope.unset |= {name}
 
-    def _append_env(self, element: Element, scope: Scope) -> None:
-        name, value = self._text(element, scope, "name"), self._text(element, scope, "value")
-        place = self._place(element, scope)
-        present = None if name in scope.unset else place.env.get(name)
+    def _append_env(self, at: _Element) -> None:
+        name, value = at.text("name"), at.text("value")
+        present = None if name in at.scope.unset else at.env.get(name)
         if present is not None:
-            first = self._flag(element, scope, "prepend", "false")
-            value = self._text(element, scope, "separator", os.pathsep).join(
-                (value, present) if first else (present, value)
-            )
-        scope.env[name] = value
-        scope.unset -= {name}
+            first = at.flag("prepend", "false")
+            value = at.text("separator", os.pathsep).join((value, present) if first else (present, value))
+        at.scope.env[name] = value
+        at.scope.unset -= {name}
 
-    def _timer(self, element: Element, scope: Scope) -> None:
-        period = self._seconds(element, scope, "period")
-        inner = scope.copy()
+    def _timer(self, at: _Element) -> None:
+        period = at.seconds("period")
+        inner = at.scope.copy()
         inner.after += period
-        self._all(element.children, inner)
+        self._all(at.children, inner)
 
-    def _log(self, element: Element, scope: Scope) -> None:
-        said = self._text(element, scope, "message")
-        level = self._one_of(element, scope, "level", element.tag.removeprefix("log").strip("_") or "info", _LEVELS)
-        self.launch.events.append(LaunchEvent(said if level == "info" else f"{level}: {said}", scope.after))
+    def _log(self, at: _Element) -> None:
+        said = at.text("message")
+        level = at.one_of("level", at.tag.removeprefix("log").strip("_") or "info", _LEVELS)
+        self.launch.events.append(LaunchEvent(said if level == "info" else f"{level}: {said}", at.scope.after))
 
-    def _shutdown(self, element: Element, scope: Scope) -> None:
-        reason = self._text(element, scope, "reason", "the launch file ends everything")
-        self.launch.events.append(LaunchEvent(reason, scope.after, ends=True))
+    def _shutdown(self, at: _Element) -> None:
+        reason = at.text("reason", "the launch file ends everything")
+        self.launch.events.append(LaunchEvent(reason, at.scope.after, ends=True))
 
-    def _seconds(self, element: Element, scope: Scope, name: str, default: str | None = None) -> float:
-        said = self._text(element, scope, name, default)
-        try:
-            value = float(said)
-        except ValueError:
-            value = -1.0
-        if not 0 <= value < math.inf:
-            raise self._place(element, scope).error(f"{name} is a number of seconds, not {said!r}")
-        return value
+    def _namespace(self, at: _Element) -> None:
+        at.scope.namespace = at.scope.within(at.text("namespace"))
 
-    def _namespace(self, element: Element, scope: Scope) -> None:
-        scope.namespace = joined(scope.namespace, self._text(element, scope, "namespace"))
+    def _set_remap(self, at: _Element) -> None:
+        at.scope.remaps = (*at.scope.remaps, (at.text("from"), at.text("to")))
 
-    def _set_remap(self, element: Element, scope: Scope) -> None:
-        scope.remaps = (*scope.remaps, (self._text(element, scope, "from"), self._text(element, scope, "to")))
+    def _set_parameter(self, at: _Element) -> None:
+        name, value = at.text("name"), at.text("value")
+        at.scope.parameters = (*at.scope.parameters, "-p", f"{name}:={value}")
 
-    def _set_parameter(self, element: Element, scope: Scope) -> None:
-        name, value = self._text(element, scope, "name"), self._text(element, scope, "value")
-        scope.parameters = (*scope.parameters, "-p", f"{name}:={value}")
-
-    def _set_parameters_from_file(self, element: Element, scope: Scope) -> None:
-        file = Path(self._text(element, scope, "filename"))
+    def _set_parameters_from_file(self, at: _Element) -> None:
+        file = Path(at.text("filename"))
         if not file.is_file():
-            raise self._place(element, scope).error(f"<set_parameters_from_file>: there is no file {file}")
-        scope.parameters = (*scope.parameters, "--params-file", str(file))
+            raise at.error(f"<set_parameters_from_file>: there is no file {file}")
+        at.scope.parameters = (*at.scope.parameters, "--params-file", str(file))
 
-    def _set_use_sim_time(self, element: Element, scope: Scope) -> None:
-        value = self._flag(element, scope, "value")
-        scope.parameters = (*scope.parameters, "-p", f"use_sim_time:={str(value).lower()}")
+    def _set_use_sim_time(self, at: _Element) -> None:
+        value = at.flag("value")
+        at.scope.parameters = (*at.scope.parameters, "-p", f"use_sim_time:={str(value).lower()}")
 
-    def _group(self, element: Element, scope: Scope) -> None:
-        scoped = self._flag(element, scope, "scoped", "true")
-        self._all(element.children, scope.copy() if scoped else scope)
+    def _group(self, at: _Element) -> None:
+        scoped = at.flag("scoped", "true")
+        self._all(at.children, at.scope.copy() if scoped else at.scope)
 
-    def _include(self, element: Element, scope: Scope) -> None:
-        file = Path(self._text(element, scope, "file"))
+    def _include(self, at: _Element) -> None:
+        file = Path(at.text("file"))
         if not file.is_absolute():
             file = self._files[-1].parent / file
         if not file.is_file():
             there = sorted(f.name for f in file.parent.glob("*") if ".launch" in f.name or f.suffix in _LAUNCH_FILES)
             reason = f"<include>: there is no file {file}{nearest(file.name, there)}"
-            raise self._place(element, scope).error(f"{reason} (launch files there: {listing(there)})")
-        inner = [*element.of("arg"), *element.of("let")]
-        given = {self._text(a, scope, "name"): self._text(a, scope, "value") for a in inner}
+            raise at.error(f"{reason} (launch files there: {listing(there)})")
+        inner = [*at.of("arg"), *at.of("let")]
+        given = {a.text("name"): a.text("value") for a in inner}
         try:
-            self.read_file(file, given, scope, self._files)  # its settings reach what follows, as in ROS itself
+            self.read_file(file, given, at.scope, self._files)  # its settings reach what follows, as in ROS itself
         except LaunchError as error:
             if error.source == str(file) and error.line is None:
-                raise self._place(element, scope).error(f"<include>: {error}") from None
+                raise at.error(f"<include>: {error}") from None
             raise
 
-    def _node(self, element: Element, scope: Scope) -> None:
-        place = self._place(element, scope)
-        package, program = self._text(element, scope, "pkg"), self._text(element, scope, "exec")
+    def _node(self, at: _Element) -> None:
+        package, program = at.text("pkg"), at.text("exec")
         try:
             file = str(executable_of(package, program, self._prefixes))
         except PackageError as error:
-            raise place.error(str(error)) from None
-        name = self._text(element, scope, "name", "")
-        own = self._text(element, scope, "namespace", "")
-        namespace = joined(scope.namespace, own) if own else scope.namespace
-        remaps = [
-            *scope.remaps,
-            *((self._text(r, scope, "from"), self._text(r, scope, "to")) for r in element.of("remap")),
-        ]
+            raise at.error(str(error)) from None
+        name, own = at.text("name", ""), at.text("namespace", "")
+        namespace = at.scope.within(own) if own else at.scope.namespace
+        remaps = [*at.scope.remaps, *((r.text("from"), r.text("to")) for r in at.of("remap"))]
         ros = [*(["-r", f"__node:={name}"] if name else []), *(["-r", f"__ns:={namespace}"] if namespace else [])]
         for source, target in remaps:
             ros += ["-r", f"{source}:={target}"]
-        ros += scope.parameters
-        for parameter in element.of("param"):
-            ros += self._parameters(parameter, scope)
-        ros += self._words(element, scope, "ros_args", "")
-        words = self._words(element, scope, "args", "")
-        command = [file, *words, *(["--ros-args", *ros] if ros else [])]
-        self._start(element, scope, command, name or program)
+        ros += at.scope.parameters
+        for parameter in at.of("param"):
+            ros += self._parameters(parameter)
+        ros += at.words("ros_args", "")
+        command = [file, *at.words("args", ""), *(["--ros-args", *ros] if ros else [])]
+        self._start(at, command, name or program)
 
-    def _parameters(self, element: Element, scope: Scope) -> list[str]:
+    def _parameters(self, at: _Element) -> list[str]:
         """Return the arguments behind `--ros-args` for one `<param>`: a value, nested ones, or a file."""
-        place = self._place(element, scope)
-        if "from" not in element.attributes:
-            return [word for pair in self._values(element, scope, "") for word in ("-p", pair)]
-        file = Path(self._text(element, scope, "from"))
+        if "from" not in at.attributes:
+            return [word for pair in self._values(at, "") for word in ("-p", pair)]
+        file = Path(at.text("from"))
         if not file.is_file():
-            raise place.error(f"<param from=...>: there is no file {file}")
-        if self._flag(element, scope, "allow_substs", "false"):
+            raise at.error(f"<param from=...>: there is no file {file}")
+        if at.flag("allow_substs", "false"):
             reason = "substitutions in a file of parameters aren't made here; give those as <param name= value=>"
-            raise place.error(f"<param from=... allow_substs=...>: {reason}")
+            raise at.error(f"<param from=... allow_substs=...>: {reason}")
         return ["--params-file", str(file)]
 
-    def _values(self, element: Element, scope: Scope, above: str) -> Iterator[str]:
-        name = above + self._text(element, scope, "name")
-        if element.children:
-            for child in element.children:
+    def _values(self, at: _Element, above: str) -> Iterator[str]:
+        name = above + at.text("name")
+        if at.children:
+            for child in at.inner():
                 if child.tag != "param":
-                    raise self._place(element, scope).error(f"<{child.tag}> can't stand in <param>")
-                yield from self._values(child, scope, f"{name}.")
-        elif "value-sep" in element.attributes:
-            items = self._text(element, scope, "value").split(self._text(element, scope, "value-sep"))
+                    raise at.error(f"<{child.tag}> can't stand in <param>")
+                yield from self._values(child, f"{name}.")
+        elif "value-sep" in at.attributes:
+            items = at.text("value").split(at.text("value-sep"))
             yield f"{name}:=[{', '.join(item.strip() for item in items)}]"
         else:
-            yield f"{name}:={self._typed(element, scope)}"
+            yield f"{name}:={self._typed(at)}"
 
-    def _typed(self, element: Element, scope: Scope) -> str:
-        value, type_ = self._text(element, scope, "value"), self._text(element, scope, "type", "")
+    def _typed(self, at: _Element) -> str:
+        value, type_ = at.text("value"), at.text("type", "")
         if type_ in ("", "int", "float", "bool", "yaml"):
             return value if value else "''"
         if type_ == "str":
             return "'" + value.replace("'", "''") + "'"
         meant = f"; write {TYPES[type_]!r}" if type_ in TYPES else ""
-        reason = f"<param type={type_!r}> isn't understood here{meant} (what is: int, float, bool, str, yaml)"
-        raise self._place(element, scope).error(reason)
+        raise at.error(f"<param type={type_!r}> is not supported{meant} (supported: int, float, bool, str, yaml)")
 
-    def _executable(self, element: Element, scope: Scope) -> None:
-        words = self._words(element, scope, "cmd")
+    def _executable(self, at: _Element) -> None:
+        words = at.words("cmd")
         if not words:
-            raise self._place(element, scope).error("<executable>: `cmd` is empty")
-        if self._flag(element, scope, "shell", "false"):
-            words = ["/bin/sh", "-c", self._text(element, scope, "cmd")]
-        self._start(element, scope, words, self._text(element, scope, "name", Path(words[0]).stem))
+            raise at.error("<executable>: `cmd` is empty")
+        if at.flag("shell", "false"):
+            words = ["/bin/sh", "-c", at.text("cmd")]
+        self._start(at, words, at.text("name", Path(words[0]).stem))
 
-    def _start(self, element: Element, scope: Scope, command: list[str], name: str) -> None:
-        place = self._place(element, scope)
-        prefix = self._words(element, scope, "launch-prefix", "")
-        env = {**scope.env, **{self._text(e, scope, "name"): self._text(e, scope, "value") for e in element.of("env")}}
-        on_exit = self._text(element, scope, "on_exit", "")
+    def _start(self, at: _Element, command: list[str], name: str) -> None:
+        prefix = at.words("launch-prefix", "")
+        env = {**at.scope.env, **{e.text("name"): e.text("value") for e in at.of("env")}}
+        on_exit = at.text("on_exit", "")
         if on_exit not in ("", "shutdown"):
-            raise place.error(f'on_exit={on_exit!r} isn\'t understood here; only "shutdown" is')
-        self._one_of(element, scope, "output", "log", _OUTPUTS)
-        folder = self._text(element, scope, "cwd", "")
+            raise at.error(f"on_exit={on_exit!r} is not supported (supported: shutdown)")
+        at.one_of("output", "log", _OUTPUTS)
+        folder = at.text("cwd", "")
         count = self._names[name] = self._names.get(name, 0) + 1
-        most = self._text(element, scope, "respawn_max_retries", "-1")
+        most = at.text("respawn_max_retries", "-1")
         if not most.lstrip("-").isdigit():
-            raise place.error(f"respawn_max_retries is a whole number, -1 for no end, not {most!r}")
+            raise at.error(f"respawn_max_retries is a whole number, -1 for no end, not {most!r}")
+        inherited = {variable: value for variable, value in self._env.items() if variable not in at.scope.unset}
+        respawn = at.flag("respawn", "false")
         self.launch.processes.append(
-            LaunchedProcess(
+            Member(
                 name if count == 1 else f"{name}-{count}",
                 tuple([*prefix, *command]),
-                env,
-                scope.unset,
-                Path(folder) if folder else None,
-                self._flag(element, scope, "respawn", "false"),
-                self._seconds(element, scope, "respawn_delay", "0"),
-                on_exit == "shutdown",
-                f"{self._files[-1]}:{element.line}",
-                int(most) if int(most) >= 0 else None,
-                scope.after,
+                Path(folder) if folder else Path.cwd(),
+                {**inherited, **env},
+                restart="always" if respawn else "never",
+                restarts=0 if not respawn else int(most) if int(most) >= 0 else sys.maxsize,
+                restart_delay=at.seconds("respawn_delay", "0"),
+                required=False,
+                ends_all=on_exit == "shutdown",
+                after=at.scope.after,
             )
         )
 
@@ -389,7 +439,7 @@ _CONTAINERS = (
     "has it runs the file itself (`ros2 launch`). Most packages have the same nodes as programs, for <node pkg= exec=>"
 )
 _NAMED = {"name", "value"}
-_HANDLERS: dict[str, tuple[Callable[[_Reader, Element, Scope], None], set[str]]] = {
+_HANDLERS: dict[str, tuple[Callable[[_Reader, _Element], None], set[str]]] = {
     "arg": (_Reader._arg, {"name", "default", "description", "value"}),
     "let": (_Reader._let, _NAMED),
     "set_env": (_Reader._set_env, _NAMED),

@@ -14,9 +14,8 @@ from grip_bt.base.interpreter import python_command
 
 from ..process import child_environment
 from .element import LaunchError
-from .group import Member, ProcessGroup
+from .group import LaunchEvent, Member, ProcessGroup
 from .interpreter import read_launch_file
-from .model import LaunchedProcess, LaunchEvent
 
 SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 
@@ -52,25 +51,8 @@ def members_of_file(
     if path.suffix == ".py" and has_launch_package():
         command = python_command("-m", "grip_bt.ros.launch.run", str(path), *given)
         return [Member(path.name, command, Path.cwd(), env)], []
-    launch = read_launch_file(path, arguments)
-    return [member_of(process, env) for process in launch.processes], launch.events
-
-
-def member_of(process: LaunchedProcess, env: Mapping[str, str]) -> Member:
-    """Return a process of a launch file as a member of a group."""
-    inherited = {name: value for name, value in env.items() if name not in process.unset}
-    return Member(
-        process.name,
-        process.command,
-        process.folder or Path.cwd(),
-        {**inherited, **process.env},
-        restart="always" if process.respawn else "never",
-        restarts=0 if not process.respawn else sys.maxsize if process.respawns is None else process.respawns,
-        restart_delay=process.respawn_delay,
-        required=False,
-        ends_all=process.required,
-        after=process.after,
-    )
+    launch = read_launch_file(path, arguments, env=env)
+    return launch.processes, launch.events
 
 
 def has_launch_package() -> bool:
