@@ -53,7 +53,7 @@ class UnknownNameError(GripError):
         self.kind, self.name, self.allowed, self.where = kind, name, tuple(sorted(allowed)), where
         at = f"{where}: " if where else ""
         unknown = f"unknown {kind} {name!r}{nearest(name, self.allowed)}" if name else f"which {kind}? None is named"
-        super().__init__(f"{at}{unknown} (there are: {listing(self.allowed)})")
+        super().__init__(f"{at}{unknown} (available: {listing(self.allowed)})")
 
 
 class AmbiguousNameError(UnknownNameError):

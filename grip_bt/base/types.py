@@ -100,7 +100,7 @@ class _Reader:
         known = (*VALUES, *BUILTINS, "list", "dict", "Any")
         raise ValueError(
             f"unknown type {name or self.text!r}{nearest(name, known)} "
-            f"(there are: {listing(known)}, T | None, and ROS types such as sensor_msgs/msg/Image)"
+            f"(available: {listing(known)}, T | None, and ROS types such as sensor_msgs/msg/Image)"
         )
 
     def _item(self, name: str, depth: int) -> Type:

@@ -135,7 +135,7 @@ def _check_folder(path: Path, project: Path) -> None:
     known = [file.parent.name for file in sorted(home.glob(f"*/{FILE_NAME}"))]
     hint, there_are = nearest(path.name, known), listing(known)
     raise GripError(
-        f"{path}: there is no such folder{hint} (in {home} there are: {there_are}); give a component's folder, an "
+        f"{path}: there is no such folder{hint} (available in {home}: {there_are}); give a component's folder, an "
         "interface file, or a type such as std_srvs/srv/Trigger"
     )
 

@@ -24,7 +24,7 @@ from .terminal import on_hang_up, on_stop
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument("name", nargs="?", default="reactive", help=f"which one (there are: {', '.join(DEMOS)})")
+    parser.add_argument("name", nargs="?", default="reactive", help=f"which one (available: {', '.join(DEMOS)})")
     add_run_options(parser)
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     parser.add_argument("--gui", action="store_true", help="show the run live in a browser")

@@ -111,7 +111,7 @@ def _port_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterat
         field = port.field.split(".")[0] if port.field else name
         if field not in known:
             fields = listing(sorted(known))
-            yield f"ports: {field!r} is no field of the interface{nearest(field, known)} (there are: {fields})"
+            yield f"ports: {field!r} is no field of the interface{nearest(field, known)} (available: {fields})"
         try:
             parse_type(port.type)
         except ValueError as error:
@@ -120,7 +120,7 @@ def _port_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterat
     for name in component.fixed:
         if name not in requests:
             there_are = listing(sorted(requests))
-            yield f"fixed: {name!r} is no field of the request{nearest(name, requests)} (there are: {there_are})"
+            yield f"fixed: {name!r} is no field of the request{nearest(name, requests)} (available: {there_are})"
 
 
 def received(component: ComponentFile, interface: InterfaceSpec) -> dict[str, FieldSpec]:

@@ -110,7 +110,7 @@ def _shapes(reader: _Reader, name: str, new_form: bool) -> list[SceneObject]:
     for k in range(reader.count("the number of shapes")):
         kind = reader.word("a shape")
         if kind not in _KINDS:
-            known = f"{nearest(kind, _KINDS)} (there are: {listing(sorted(_KINDS))})"
+            known = f"{nearest(kind, _KINDS)} (available: {listing(sorted(_KINDS))})"
             raise reader.fault(f"object {name!r}: unknown shape {kind!r}{known}")
         try:
             solid, inner = _KINDS[kind](reader)

@@ -118,7 +118,7 @@ def _wrong_values(declared: Mapping[str, Variable | str], values: Mapping[str, A
     """Yield what is wrong with values for the task's own variables."""
     for name, value in values.items():
         if name not in declared:
-            message = f"the task declares no variable {name!r} (there are: {', '.join(declared) or 'none'})"
+            message = f"the task declares no variable {name!r} (available: {', '.join(declared) or 'none'})"
             yield Issue("/", "undeclared-variable", "error", message)
             continue
         type_ = type_or_none(type_of(declared[name]))

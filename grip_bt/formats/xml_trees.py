@@ -130,7 +130,7 @@ class TreeFiles:
             main = next(iter(self.trees))
         if main is None or main not in self.trees:
             what = "no `main_tree_to_execute`" if main is None else f"no <BehaviorTree ID={main!r}>"
-            raise root.error(f"{what} (there are: {listing(self.trees)})")
+            raise root.error(f"{what} (available: {listing(self.trees)})")
         return main
 
     def check_root(self, root: Element) -> None:

@@ -100,7 +100,7 @@ class Posture(MovingHandLeaf):
         known, name = self.hand.named_states(), self.params["posture"]
         if bound is None and name not in known:
             raise NotTaughtError(
-                f"the hand has no posture {name!r} (there are: {listing(sorted(known))})", taught=sorted(known)
+                f"the hand has no posture {name!r} (available: {listing(sorted(known))})", taught=sorted(known)
             )
         return self.move(name if bound is None else bound)
 

@@ -102,4 +102,4 @@ def _numbers(given: Any, count: int, name: str) -> list[float]:
 def _known(given: Mapping[str, Any], keys: tuple[str, ...], where: str) -> None:
     for key in given:
         if key not in keys:
-            raise ValueError(f"{where} has no {key!r}{nearest(key, keys)} (there are: {listing(keys)})")
+            raise ValueError(f"{where} has no {key!r}{nearest(key, keys)} (available: {listing(keys)})")

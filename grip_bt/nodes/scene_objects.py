@@ -53,7 +53,7 @@ def known_object(scene: Scene, name: str) -> None:
     """
     if name not in scene.names():
         there = listing(sorted(scene.names()))
-        raise NoObjectError(f"the scene has no object {name!r} (there are: {there})", objects=sorted(scene.names()))
+        raise NoObjectError(f"the scene has no object {name!r} (available: {there})", objects=sorted(scene.names()))
 
 
 def _movable(scene: Scene) -> list[str]:

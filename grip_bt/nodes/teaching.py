@@ -41,7 +41,7 @@ class MoveToTaught(KeepingLeaf):
         taught, name = self.arm.taught(), self.params["name"]
         if name not in taught:
             raise NotTaughtError(
-                f"nothing was taught as {name!r} (there are: {listing(sorted(taught))})", taught=sorted(taught)
+                f"nothing was taught as {name!r} (available: {listing(sorted(taught))})", taught=sorted(taught)
             )
         return go(self.arm, taught[name], self.constraint())
 

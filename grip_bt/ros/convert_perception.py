@@ -182,7 +182,7 @@ def _coordinates(message: PointCloud2, fields: dict[str, PointField]) -> NDArray
     """Return x, y, z of every point, shape (n, 3); a view where nothing lies between them."""
     for name in "xyz":
         if name not in fields:
-            raise ConversionError("fields", f"no {name!r} (there are: {', '.join(fields)})")
+            raise ConversionError("fields", f"no {name!r} (available: {', '.join(fields)})")
         if fields[name].datatype not in _FLOATS:
             raise ConversionError("fields", f"{name!r} is neither float32 nor float64")
     x, y, z = (fields[name] for name in "xyz")

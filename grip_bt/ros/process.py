@@ -183,7 +183,7 @@ def _beside(folder: Path, name: str) -> Path:
         return file
     known = [path.relative_to(folder).as_posix() for path in sorted(folder.glob("**/*launch*")) if path.is_file()]
     has = listing(known)
-    raise PackageError(f"there is no launch file {name!r} in {folder}{nearest(name, known)} (there are: {has})")
+    raise PackageError(f"there is no launch file {name!r} in {folder}{nearest(name, known)} (available: {has})")
 
 
 def launch_command(file: Path, arguments: dict[str, str]) -> list[str]:

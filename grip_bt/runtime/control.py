@@ -127,7 +127,7 @@ class Control:
                     raise KeyError(command["command"])
             except (ValueError, KeyError, TypeError):
                 allowed = ", ".join(COMMANDS)
-                self.send("refused", message=f"not a command: {line.strip()[:80]!r} (there are: {allowed})")
+                self.send("refused", message=f"not a command: {line.strip()[:80]!r} (available: {allowed})")
                 continue
             with self._lock:
                 runner = self._runner

@@ -38,9 +38,9 @@ class Settings:
         known = {f.name for f in fields(self)}
         for name in changes:
             if name not in known:
-                raise TypeError(f"no setting {name!r} (there are: {', '.join(sorted(known))})")
+                raise TypeError(f"no setting {name!r} (available: {', '.join(sorted(known))})")
         if changes.get("profile", self.profile) not in PROFILES:
-            raise ValueError(f"unknown profile {changes['profile']!r} (there are: {', '.join(PROFILES)})")
+            raise ValueError(f"unknown profile {changes['profile']!r} (available: {', '.join(PROFILES)})")
         for name, value in changes.items():
             setattr(self, name, value)
 

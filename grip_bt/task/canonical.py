@@ -17,7 +17,8 @@ from grip_bt.task import model
 
 from .comments import attach_comments
 from .document import read_text
-from .shape import CHILDREN, DECLARING, FREE, child_nodes, keys_of, model_of
+from .parts import FREE_PREFIX
+from .shape import CHILDREN, DECLARING, child_nodes, keys_of, model_of
 
 
 def dumps(task: model.Task) -> str:
@@ -118,7 +119,7 @@ def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
         if name in skipped:
             continue
         if name == "x":
-            data.update((k, v) for k, v in value.items() if k.startswith(FREE))
+            data.update((k, v) for k, v in value.items() if k.startswith(FREE_PREFIX))
         elif (
             field.is_required()
             or name in shape.model_fields_set

@@ -48,6 +48,7 @@ from .parts import Meaning as Meaning
 from .parts import Name as Name
 from .parts import Shape as Shape
 from .parts import Variable as Variable
+from .parts import WithFreeKeys as WithFreeKeys
 from .parts import type_of as type_of
 
 Container = Kind
@@ -56,7 +57,7 @@ Childless = Leaf | Foreign | Subtask
 """Nodes that hold no children in the document."""
 
 
-class Task(Shape):
+class Task(WithFreeKeys):
     """One task: what one file holds."""
 
     grip: Literal[1]
@@ -71,7 +72,6 @@ class Task(Shape):
     """Variables whose values are handed out at the end."""
     data: FrozenDict[Name, Variable | str] = FrozenDict()
     root: Node
-    x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
 
     @field_validator("grip", mode="before")
     @classmethod

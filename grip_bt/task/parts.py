@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+
+from grip_bt.base.frozen import FrozenDict
 
 FORMAT_VERSION = 1
+FREE_PREFIX = "x-"
+"""What free keys begin with; the loader keeps them and never reads them."""
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$")]
 """Name of a node, a variable or an outcome: no dot and no slash, since these separate names."""
@@ -21,6 +25,20 @@ class Shape(BaseModel):
 
     # built on first use: every node's model holds the union of all of them, and few programs need each
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, defer_build=True)
+
+
+class WithFreeKeys(Shape):
+    """A task or a node: besides its own keys it may have any that begin with `x-`."""
+
+    x: FrozenDict[str, object] = Field(FrozenDict(), alias="x-", description="free data, preserved and never read")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _gather_free_keys(cls, data: object) -> object:
+        if not isinstance(data, dict) or not any(str(key).startswith(FREE_PREFIX) for key in data):
+            return data
+        free = {key: value for key, value in data.items() if str(key).startswith(FREE_PREFIX)}
+        return {**{key: value for key, value in data.items() if key not in free}, "x-": free}
 
 
 class Variable(Shape):

@@ -6,7 +6,6 @@ The keys of a file are the fields of the models (by their aliases), plus free ke
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -15,8 +14,8 @@ from grip_bt.base.yaml.models import Diagnostic, diagnostic_of, document_error
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlValue, to_data
 
 from . import model
+from .parts import FREE_PREFIX
 
-FREE = "x-"
 CHILDREN = ("children", "child")
 DECLARING = ("inputs", "outputs", "data")
 """Keys that hold variables."""
@@ -28,9 +27,6 @@ def keys_of(shape: type[BaseModel]) -> tuple[str, ...]:
     return tuple(sorted(names, key=_ORDER.index))
 
 
-_SHAPES: tuple[type[BaseModel], ...] = (model.Task, model.Leaf, *model.KINDS.values())
-_FIELDS_ONLY = frozenset({"x"}).union(n for shape in _SHAPES for n, f in shape.model_fields.items() if f.alias)
-"""Names of fields that aren't keys of a file."""
 _FIRST = ("grip", "name", "kind", "node", "type", "value", "doc", "precondition")
 _LAST = (
     *("task", "behaviour", "args", "with", "in", "out", "meaning", "outcomes", "exits", "on"),
@@ -53,9 +49,6 @@ def _in_order() -> tuple[str, ...]:
 
 
 _ORDER = _in_order()
-
-
-_USUAL = frozenset(_ORDER)
 
 
 def key_rank(key: str) -> float:
@@ -98,15 +91,10 @@ def read_task(tree: YamlValue, source: str) -> model.Task:
     faults = list(_key_faults(tree))
     if faults:
         raise document_error(faults, source)
-    data = with_free_keys(to_data(tree))
     try:
-        return model.Task.model_validate(data, strict=True)
+        return model.Task.model_validate(to_data(tree), strict=True, by_name=False)
     except ValidationError as error:
         raise document_error([diagnostic_of(tree, e) for e in error.errors()], source) from None
-
-
-class NotAKeyError(Exception):
-    """A field's own name stands where a file has its alias."""
 
 
 def _nodes(tree: YamlMapping) -> Iterator[YamlMapping]:
@@ -129,7 +117,7 @@ def _key_faults(tree: YamlMapping) -> Iterator[Diagnostic]:
             leaf = isinstance(kind, str) and "/" in kind  # as ids of the catalogue have, and no container has
             hint = f"; a leaf is written `node: {kind}`" if leaf else nearest(str(kind), model.KINDS)
             allowed = listing(model.KINDS)
-            yield (f"unknown kind {kind!r}{hint} (there are: {allowed})", entry.value.line, entry.value.column)
+            yield (f"unknown kind {kind!r}{hint} (available: {allowed})", entry.value.line, entry.value.column)
             continue
         name = "a leaf" if shape is model.Leaf else f"a {to_data(node.entries['kind'].value)}"
         if shape is model.Leaf and "node" not in node.entries:
@@ -141,11 +129,11 @@ def _key_faults(tree: YamlMapping) -> Iterator[Diagnostic]:
 def _unknown_keys(node: YamlMapping, shape: type[BaseModel], name: str, free: bool = True) -> Iterator[Diagnostic]:
     allowed = keys_of(shape)
     for key, entry in node.entries.items():
-        if key not in allowed and not (free and key.startswith(FREE)):
+        if key not in allowed and not (free and key.startswith(FREE_PREFIX)):
             hint = nearest(key, allowed)
             extra = ", and free keys x-*" if free else ""
             yield (
-                f"unknown key {key!r} in {name}{hint} (there are: {listing(allowed)}{extra})",
+                f"unknown key {key!r} in {name}{hint} (available: {listing(allowed)}{extra})",
                 entry.line,
                 entry.column,
             )
@@ -162,29 +150,3 @@ def _wrong_variables(node: YamlMapping) -> Iterator[Diagnostic]:
                 entry.value.line,
                 entry.value.column,
             )
-
-
-def with_free_keys(data: dict[str, Any]) -> dict[str, Any]:
-    """Move each task's and node's `x-*` keys to `x`, in place."""
-    _gather(data)
-    stack = [data.get("root")]
-    while stack:
-        node = stack.pop()
-        if not isinstance(node, dict):
-            continue
-        _gather(node)
-        for key in CHILDREN:
-            children = node.get(key)
-            if isinstance(children, dict):
-                stack.extend(children.values())
-    return data
-
-
-def _gather(node: dict[str, Any]) -> None:
-    if _USUAL.issuperset(node):
-        return
-    if not _FIELDS_ONLY.isdisjoint(node):
-        raise NotAKeyError(*_FIELDS_ONLY.intersection(node))
-    free = {key: node.pop(key) for key in list(node) if key.startswith(FREE)}
-    if free:
-        node["x"] = free

@@ -59,4 +59,4 @@ def test_a_variable_can_be_set_and_a_wrong_one_is_refused(tmp_path):
 def test_an_unknown_demonstration_lists_those_that_exist():
     done = grip("demo", "reactve")
     assert done.returncode == 1
-    assert "there are: reactive" in done.stderr
+    assert "available: reactive" in done.stderr

@@ -43,8 +43,8 @@ def said(tmp_path):
     [
         ("{node: arm/move_to, with: {arm: rihgt, state: home}}", "unknown-arm", ["did you mean 'right'"]),
         ("{node: arm/move_to, with: {state: hoem}}", "unknown-state", ["'hoem'", "did you mean 'home'"]),
-        ("{node: arm/plan, with: {state: hoem}, out: {}}", "unknown-state", ["there are: home"]),
-        ("{node: hand/open, with: {hand: left_hand}}", "unknown-hand", ["'left_hand'", "there are: right_hand"]),
+        ("{node: arm/plan, with: {state: hoem}, out: {}}", "unknown-state", ["available: home"]),
+        ("{node: hand/open, with: {hand: left_hand}}", "unknown-hand", ["'left_hand'", "available: right_hand"]),
         ("{node: hand/posture, with: {posture: flatt}}", "unknown-state", ["did you mean 'flat'"]),
         ("{node: hand/fingers, with: {closing: {thum: 0.5}}}", "unknown-finger", ["did you mean 'thumb'"]),
         ("{node: hand/fingertips, with: {tips: {thum: [0, 0, 0]}}}", "unknown-finger", ["did you mean 'thumb'"]),

@@ -58,7 +58,7 @@ def test_a_frame_that_nothing_has_is_told_with_the_nearest_one(frames_told):
     )
     assert sensor.endswith("; only TF could have it, when the task runs")
     where = "components/plan/component.yaml: ports/target/frame"
-    assert component.startswith(f"{where}: unknown frame 'panda_lnk8'; did you mean 'panda_link8'? (there are: ")
+    assert component.startswith(f"{where}: unknown frame 'panda_lnk8'; did you mean 'panda_link8'? (available: ")
     assert component.endswith("; TF isn't asked for a component's frames")
 
 

@@ -88,10 +88,10 @@ def test_the_command_line_replaces_what_the_file_says_of_a_node(run: Any) -> Non
     ("mock", "said"),
     [
         ("attempt/lok=success", "a mock: unknown node 'attempt/lok'; did you mean 'attempt/look'"),
-        ("attempt/pick=success", "mock of attempt/pick: unknown outcome 'success'.*there are: held, missed"),
+        ("attempt/pick=success", "mock of attempt/pick: unknown outcome 'success'.*available: held, missed"),
         (
             "attempt/look=failure.no_sucess",
-            "mock of attempt/look: unknown failure code .no_sucess. .there are: aborted, canceled",
+            "mock of attempt/look: unknown failure code .no_sucess. .available: aborted, canceled",
         ),
     ],
 )
@@ -101,7 +101,7 @@ def test_what_is_not_in_the_task_is_refused_with_what_is(run: Any, mock: str, sa
 
 
 def test_outputs_are_checked_and_scripts_have_to_be_scripts(run: Any) -> None:
-    with pytest.raises(UnknownNameError, match="mock of attempt/pick: unknown output 'm'.*there are: n"):
+    with pytest.raises(UnknownNameError, match="mock of attempt/pick: unknown output 'm'.*available: n"):
         run(text="mocks: {attempt/pick: {outcome: held, outputs: {m: 1}}}")
     with pytest.raises(DocumentError, match="isn't NODE=SCRIPT"):
         read_mocks(None, ["look"])

@@ -50,7 +50,7 @@ def with_component(project, interface, start=""):
         ("sensor_msgs/msg/PointClod2", "has no 'msg/PointClod2'; did you mean 'PointCloud2'?"),
         ("std_srvs/srv/Trigger", "'std_srvs/srv/Trigger' is no message"),
         ("tf2_msgs/msg/TFMesage", "did you mean 'TFMessage'?"),
-        ("std_msgs/msg/Xyz", "has no 'msg/Xyz' (there are: std_msgs/msg/Bool, std_msgs/msg/Byte,"),
+        ("std_msgs/msg/Xyz", "has no 'msg/Xyz' (available: std_msgs/msg/Bool, std_msgs/msg/Byte,"),
     ],
 )
 def test_the_type_of_a_topic_is_looked_up_in_its_package(project, type_, words):
@@ -71,7 +71,7 @@ def test_the_types_of_several_topics_are_looked_up(project):
         ("std_srvs/srv/Trigger", None),
         (
             "my_msgs/srv/Du",
-            "components/c/component.yaml: the ROS package 'my_msgs' has no 'srv/Du' (there are: my_msgs/srv/Do)",
+            "components/c/component.yaml: the ROS package 'my_msgs' has no 'srv/Du' (available: my_msgs/srv/Do)",
         ),
         ("my_mgs/srv/Do", "'my_mgs' isn't installed; did you mean 'my_msgs'?"),
     ],

@@ -258,7 +258,7 @@ def test_the_prompt_steps_breaks_and_shows(project: Path) -> None:
         "before /",
         "before a",
         "  n = 3",
-        "unknown node 'q' (there are: /, a, b)",
+        "unknown node 'q' (available: /, a, b)",
         "breakpoint 1: after b failure.tired",
         "after b -> failure.tired (breakpoint 1): no more",
         "'what' isn't a command:",

@@ -102,13 +102,13 @@ def test_a_pose_is_no_named_state(said, tmp_path):
 
 
 def test_a_name_that_nobody_teaches_is_told(said, tmp_path):
-    nothing = "there is no taught state or pose 'above' (there are: none)"
+    nothing = "there is no taught state or pose 'above' (available: none)"
     assert said(GO) == [("unknown-state", nothing, "teach it first: `grip teach above --arm right`")]
     home = said("{node: arm/move_to_taught, with: {name: home}}")
     assert [fix for _, _, fix in home] == ["it is a named state: go there by `arm/move_to`"]
     (tmp_path / "taught.yaml").write_text(f"right:\n  abvoe: {{state: {{{JOINTS}}}}}\n")
     ((_, message, fix),) = said(GO)
-    assert (message.partition(";")[2], fix) == (" did you mean 'abvoe'? (there are: abvoe)", "write 'abvoe'")
+    assert (message.partition(";")[2], fix) == (" did you mean 'abvoe'? (available: abvoe)", "write 'abvoe'")
     catalog = project_catalog(tmp_path)
     document = read_text(task(GO))
     (issue,) = validate(document.task, catalog, document).issues

@@ -17,10 +17,10 @@ sensors: {overhead: {camera: CAMERA}}
 world: WORLD
 """
 GO, LOOK = "{node: arm/move_to, with: {state: home}}", "{node: sensor/overhead}"
-UNKNOWN_WORLD = "grip.yaml: world: unknown world 'tabel'; did you mean 'table'? (there are: table)"
+UNKNOWN_WORLD = "grip.yaml: world: unknown world 'tabel'; did you mean 'table'? (available: table)"
 UNKNOWN_CAMERA = (
     "grip.yaml: sensors/overhead/camera, world 'table': unknown camera 'overhed'; did you mean 'overhead'? "
-    "(there are: overhead)"
+    "(available: overhead)"
 )
 
 
@@ -79,7 +79,7 @@ def test_a_file_of_the_room_that_is_wrong_is_told_until_it_is_mended(said, tmp_p
     [
         (project(world="tabel"), UNKNOWN_WORLD),
         (project(camera="overhed"), UNKNOWN_CAMERA),
-        (project().replace("world: table\n", ""), "grip.yaml: world: which world? None is named (there are: table)"),
+        (project().replace("world: table\n", ""), "grip.yaml: world: which world? None is named (available: table)"),
         (project() + "scene: room.scene\n", "room.scene: can't be read: No such file or directory"),
     ],
 )

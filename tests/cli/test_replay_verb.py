@@ -67,7 +67,7 @@ def test_a_place_that_the_run_never_reaches_lists_where_it_was(folder, capsys):
 def test_an_unknown_run_lists_the_nearest(folder, capsys):
     assert main(["replay", "1999"]) == 1
     with JournalReader(folder / ".grip" / "runs.sqlite") as reader:
-        assert f"unknown run '1999' (there are: {reader.runs()[0].id})" in capsys.readouterr().err
+        assert f"unknown run '1999' (available: {reader.runs()[0].id})" in capsys.readouterr().err
 
 
 def test_without_runs_a_replay_says_what_to_do(tmp_path, monkeypatch, capsys):

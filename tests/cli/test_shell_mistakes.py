@@ -129,9 +129,9 @@ def test_two_tables_at_once_are_a_usage_error(project, capsys):
 def test_an_end_that_a_node_never_came_to_brings_those_that_it_did(project, capsys):
     assert run() == 0
     assert main(["replay", "last", "--until", "a:failure"]) == 1
-    assert "unknown place in the run 'a:failure' (there are: a:success)" in (capsys.readouterr().err)
+    assert "unknown place in the run 'a:failure' (available: a:success)" in (capsys.readouterr().err)
     assert main(["replay", "last", "--until", "²"]) == 1
-    assert "unknown place in the run '²' (there are: /, a)" in capsys.readouterr().err
+    assert "unknown place in the run '²' (available: /, a)" in capsys.readouterr().err
 
 
 def test_a_task_whose_name_is_no_text_keeps_its_journal(project, capsys):

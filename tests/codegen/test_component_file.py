@@ -48,7 +48,7 @@ def test_a_number_of_outcomes_names_them(tmp_path):
         ("[one, none]", "[]", "outcomes"),
         ("[one, none]", "[one, one]", "outcomes are named twice: one"),
         ("[one, none]", "[one, 'a.b']", "outcomes"),
-        ("{none: failure}", "{nun: failure}", r"undeclared outcomes: nun \(there are: one, none\)"),
+        ("{none: failure}", "{nun: failure}", r"undeclared outcomes: nun \(available: one, none\)"),
         ("{none: failure}", "{none: maybe}", "meaning"),
         ("{call: 3}", "{call: 0}", "timeouts"),
         ("timeouts:", "timeout:", "did you mean 'timeouts'"),

@@ -176,7 +176,7 @@ def test_a_fake_arm_follows_a_trajectory_of_its_robots_own_joints():
 @pytest.mark.parametrize("what", ["goal", "start"])
 def test_a_joint_that_a_fake_arm_lacks_is_refused_with_those_that_it_has(what):
     state = JointState(("j3",), [0.0])
-    with pytest.raises(UnknownNameError, match="j3.*there are: j1, j2, rx"):
+    with pytest.raises(UnknownNameError, match="j3.*available: j1, j2, rx"):
         own_arm().plan(**{"goal": "home", what: state})
 
 

@@ -51,7 +51,7 @@ def test_a_field_deep_in_an_installed_message_is_looked_up(component):
     [
         (["add", "std_srvs/SetBool"], "nor a type; write 'std_srvs/srv/SetBool'"),
         (["add", "nowhere/srv/Do.srv"], "there is no such file"),
-        (["add", "wrok"], "there is no such folder; did you mean 'work'? (in {home} there are: work)"),
+        (["add", "wrok"], "there is no such folder; did you mean 'work'? (available in {home}: work)"),
         (
             ["add", "std_srvs/srv/SetBool", "--outcomes", "done: success", "--server", "set"],
             "server: 'set' isn't a whole ROS name: words of letters, digits and _, each after a /, such as /set",

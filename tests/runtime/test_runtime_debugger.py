@@ -167,7 +167,7 @@ def test_a_command_that_comes_while_the_place_is_told_is_not_lost(target: Any) -
 
 def test_what_is_not_there_is_refused_with_what_is() -> None:
     debugger = Debugged(to_tree).runner.debugger
-    with pytest.raises(UnknownNameError, match="unknown node 'a/q'.*there are: /, a, a/x"):
+    with pytest.raises(UnknownNameError, match="unknown node 'a/q'.*available: /, a, a/x"):
         debugger.set("a/q")
     with pytest.raises(UnknownNameError, match="unknown outcome 'succes'; did you mean 'success'"):
         debugger.set("a/x", outcome="succes")

@@ -67,7 +67,7 @@ def _check_expression(where: str, place: str, text: str, names: set[str]) -> Non
         if name not in names:
             known = ", ".join((*KNOWN, "the names below `count`", "the task's variables"))
             raise CampaignError(
-                where, f"{place}: nothing is known of {name!r}{nearest(name, names)} (there are: {known})"
+                where, f"{place}: nothing is known of {name!r}{nearest(name, names)} (available: {known})"
             )
 
 

@@ -91,7 +91,7 @@ class Verdict(Silent):
             unknown = [name for name in parsed.names if name not in known]
             if unknown:
                 near, there = nearest(unknown[0], known), ", ".join(known)
-                raise DocumentError(f"{where}: nothing is known of {unknown[0]!r}{near} (there are: {there})", file)
+                raise DocumentError(f"{where}: nothing is known of {unknown[0]!r}{near} (available: {there})", file)
             self._values = dict.fromkeys(known, 0)
             compute = condition_of(parsed, {name: partial(self._value, name) for name in parsed.names})
             compute()

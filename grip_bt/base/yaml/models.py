@@ -68,7 +68,7 @@ def _unknown_keys(tree: YamlValue, model: type[BaseModel], name: str) -> Iterato
     allowed = {field.alias or key: field for key, field in model.model_fields.items()}
     for key, entry in tree.entries.items():
         if key not in allowed:
-            message = f"unknown key {key!r} in {name}{nearest(key, allowed)} (there are: {listing(allowed)})"
+            message = f"unknown key {key!r} in {name}{nearest(key, allowed)} (available: {listing(allowed)})"
             yield message, entry.line, entry.column
             continue
         for inner, value in _models_below(allowed[key].annotation, entry.value, key):

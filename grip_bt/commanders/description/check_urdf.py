@@ -204,7 +204,7 @@ def _joint(joint: ET.Element, links: set[str], joints: list[str], reporter: Repo
     if kind not in JOINT_TYPES:
         yield reporter.error(
             "joint-type",
-            f"joint {name!r} is of the unknown type {kind!r}{nearest(kind, JOINT_TYPES)} (there are: "
+            f"joint {name!r} is of the unknown type {kind!r}{nearest(kind, JOINT_TYPES)} (available: "
             f"{listing(JOINT_TYPES)})",
             joint,
         )

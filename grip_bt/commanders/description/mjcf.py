@@ -113,7 +113,7 @@ class _Conversion:
         values = self._values(joints[0], childclass) if joints else {}
         kind = _KINDS.get(values.get("type", "hinge")) if joints else "fixed"
         if kind is None:
-            self._refuse(f"a {values['type']} joint isn't converted (there are: hinge, slide)", joints[0])
+            self._refuse(f"a {values['type']} joint isn't converted (available: hinge, slide)", joints[0])
         if any(numbers(joint, "pos", 3, "0 0 0", str(self.path)) != (0, 0, 0) for joint in joints):
             self._refuse("a joint whose pos isn't 0 0 0 isn't converted", joints[0])
         joint = ET.SubElement(self.urdf, "joint", name=values.get("name", f"{name}_fixed"), type=str(kind))

@@ -227,7 +227,7 @@ class _Check:
             where = f"virtual joint {joint.name!r}"
             yield from self._known("link", [joint.child_link], links, where)
             if joint.type not in VIRTUAL_TYPES:
-                message = f"{where} is of type {joint.type!r} (there are: {listing(VIRTUAL_TYPES)})"
+                message = f"{where} is of type {joint.type!r} (available: {listing(VIRTUAL_TYPES)})"
                 yield self._say("error", "joint-type", message)
             elif joint.type in HELD:
                 yield self._say("warning", "held-joint", f"{where} is {joint.type}; GRIP holds the base still")

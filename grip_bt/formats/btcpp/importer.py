@@ -57,7 +57,7 @@ def from_xml(
     main = document.load(text)
     if tree and tree not in document.trees:
         raise DocumentError(
-            f"there is no tree {tree!r}{nearest(tree, document.trees)} (there are: {listing(document.trees)})", source
+            f"there is no tree {tree!r}{nearest(tree, document.trees)} (available: {listing(document.trees)})", source
         )
     importer = _Importer(document, catalog)
     for _ in range(_MOST_READINGS):
@@ -116,7 +116,7 @@ class _Importer:
             reader, ports = _KNOWN[name]
             wrong = [a for a in here.attributes if a not in (*ports, "name", "ID") and not a.startswith("_")]
             if wrong:
-                here.refuse(f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (there are: {listing(ports)})")
+                here.refuse(f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (available: {listing(ports)})")
             made = reader(here)
         else:
             made = self._leaf(here, name)
@@ -137,7 +137,7 @@ class _Importer:
     def _sub_tree(self, here: ElementReader, name: str) -> NodeDraft:
         trees = self.document.trees
         if name not in trees:
-            here.refuse(f"there is no tree {name!r}{nearest(name, trees)} (there are: {listing(trees)})")
+            here.refuse(f"there is no tree {name!r}{nearest(name, trees)} (available: {listing(trees)})")
         inside = here.where.inside
         if name in inside:
             here.refuse(f"the tree {name!r} contains itself ({' > '.join((*inside, name))})")

@@ -227,4 +227,4 @@ class Leaves:
 def _no_port(manifest: Manifest, port: str) -> str:
     there = [*manifest.parameters, *manifest.inputs, *manifest.outputs]
     what = "takes only a literal for" if port in manifest.parameters else "has no port"
-    return f"{manifest.id} {what} {port!r}{nearest(port, there)} (there are: {listing(there)})"
+    return f"{manifest.id} {what} {port!r}{nearest(port, there)} (available: {listing(there)})"

@@ -158,7 +158,7 @@ class _Reader:
         if tag == "parallel":
             policy = self.settings(element, names, {"policy": "str"}).get("policy", "success_on_one")
             if policy not in _POLICIES:
-                raise NoEqual(f"the policy {policy!r}{nearest(policy, _POLICIES)} (there are: {listing(_POLICIES)})")
+                raise NoEqual(f"the policy {policy!r}{nearest(policy, _POLICIES)} (available: {listing(_POLICIES)})")
             return composites.Parallel("", _POLICIES[policy]())
         memory = self.settings(element, names, {"memory": "bool"}).get("memory", True)
         return (composites.Sequence if tag == "sequence" else composites.Selector)("", memory)
@@ -171,7 +171,7 @@ class _Reader:
                 continue
             if name not in types:
                 there = listing([*types, "name"])
-                raise element.error(f"no attribute {name!r}{nearest(name, types)} (there are: {there})")
+                raise element.error(f"no attribute {name!r}{nearest(name, types)} (available: {there})")
             meaning = self.meaning(element, names, text)
             if not isinstance(meaning, Constant):
                 raise element.error(f"{name}={text!r} is a variable; it has to be a constant here")

@@ -48,7 +48,7 @@ def read(request: Request) -> Imported:
     names = [name for each in read for name in each.tasks]
     if request.select and request.select not in names:
         there = ", ".join(names) or "none"
-        raise GripError(f"no machine {request.select!r} was imported (there are: {there})")
+        raise GripError(f"no machine {request.select!r} was imported (available: {there})")
     tasks: dict[str, Task] = {}
     files: dict[str, str] = {}
     items, errors, said = [], [], []

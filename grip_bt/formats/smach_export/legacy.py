@@ -99,8 +99,9 @@ def legacy_state(part: Part) -> LegacyState | None:
         return None
     bound = {**node.in_, **node.out}
     source, modules = made
-    renamed = node.x.get("x-outcomes", {})
-    return LegacyState(source, modules, {k: v for k, v in bound.items() if k != v}, dict(renamed))
+    renamed = node.x.get("x-outcomes")
+    outcomes = dict(renamed) if isinstance(renamed, dict) else {}
+    return LegacyState(source, modules, {k: v for k, v in bound.items() if k != v}, outcomes)
 
 
 def is_next_item(part: Part) -> bool:

@@ -93,7 +93,7 @@ def executable_of(package: str, name: str, prefixes: Sequence[Path] | None = Non
         return file
     known = sorted(f.name for f in folder.iterdir() if f.is_file() and os.access(f, os.X_OK)) if folder.is_dir() else []
     has = ", ".join(known) or "none"
-    raise PackageError(f"{package} has no program {name!r}{nearest(name, known)} in {folder} (there are: {has})")
+    raise PackageError(f"{package} has no program {name!r}{nearest(name, known)} in {folder} (available: {has})")
 
 
 def launch_file_of(package: str, name: str, prefixes: Sequence[Path] | None = None) -> Path:
@@ -108,7 +108,7 @@ def launch_file_of(package: str, name: str, prefixes: Sequence[Path] | None = No
             return candidate
     known = sorted(f.relative_to(share).as_posix() for f in share.glob("**/*launch*") if f.is_file())
     has = ", ".join(known) or "none"
-    raise PackageError(f"{package} has no launch file {name!r}{nearest(name, known)} in {share} (there are: {has})")
+    raise PackageError(f"{package} has no launch file {name!r}{nearest(name, known)} in {share} (available: {has})")
 
 
 class OverlayError(GripError):

@@ -218,7 +218,7 @@ class _Reader:
         if unknown:
             hint = nearest(unknown[0], declared)
             known = listing(sorted(declared))
-            raise LaunchError(str(path), None, f"no argument {unknown[0]!r}{hint} (there are: {known})")
+            raise LaunchError(str(path), None, f"no argument {unknown[0]!r}{hint} (available: {known})")
         self._all(root.children, scope)
         self._files, self._given = files, outer
 

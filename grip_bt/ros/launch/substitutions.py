@@ -148,7 +148,7 @@ def _apply(name: str, words: list[str], context: LaunchContext) -> str:
     if name not in _KNOWN:
         hint = "" if name in context.variables else nearest(name, _KNOWN)
         hint = hint or f"; the value of an argument is $(var {name})"
-        raise context.error(f"unknown substitution $({name} ...){hint} (there are: {listing(sorted(_KNOWN))})")
+        raise context.error(f"unknown substitution $({name} ...){hint} (available: {listing(sorted(_KNOWN))})")
     fewest, most, function = _KNOWN[name]
     if not fewest <= len(words) <= most:
         amount = str(fewest) if fewest == most else f"{fewest} or {most}"
@@ -166,7 +166,7 @@ def _variable(words: list[str], context: LaunchContext) -> str:
         return words[1]
     known = listing(sorted(context.variables))
     hint = nearest(words[0], context.variables) or "; one is declared by <arg> or <let>, before it is used"
-    raise context.error(f"$(var {words[0]}): no such argument{hint} (there are: {known})")
+    raise context.error(f"$(var {words[0]}): no such argument{hint} (available: {known})")
 
 
 def _environment(words: list[str], context: LaunchContext) -> str:

@@ -116,7 +116,7 @@ class ComponentFile(Settings):
             raise ValueError(f"outcomes are named twice: {', '.join(twice)}")
         if unknown := sorted(set(self.meaning) - set(self.outcomes)):
             there_are = ", ".join(self.outcomes)
-            raise ValueError(f"meaning of undeclared outcomes: {', '.join(unknown)} (there are: {there_are})")
+            raise ValueError(f"meaning of undeclared outcomes: {', '.join(unknown)} (available: {there_are})")
         if self.kind != "msg" and self.use != "receive":
             raise ValueError("use: only a topic, whose interface is a message, can be published")
         if self.kind == "msg" and not self.rules:

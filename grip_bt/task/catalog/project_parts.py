@@ -93,6 +93,6 @@ def missing_type(type_: str, packages: Collection[str], where: str = "", message
         return None
     same_kind = sorted(f"{package}/{n}" for n in known if n.partition("/")[0] == name.partition("/")[0])
     hint = nearest(name.rpartition("/")[2], [n.rpartition("/")[2] for n in same_kind])
-    there_are = f" (there are: {listing(same_kind[:_MOST])}{', ...' if len(same_kind) > _MOST else ''})"
+    there_are = f" (available: {listing(same_kind[:_MOST])}{', ...' if len(same_kind) > _MOST else ''})"
     said = f"{lead}the ROS package {package!r} has no {name!r}{hint or there_are}"
     return Trouble(MISSING, said, "name one that it has, or install the release that has it")

@@ -121,7 +121,7 @@ class _Source:
             if keyword.arg not in _ARGUMENTS:
                 hint = nearest(str(keyword.arg), _ARGUMENTS)
                 raise self._fault(
-                    keyword.value, f"leaf() has no {keyword.arg!r}{hint} (there are: {listing(_ARGUMENTS)})"
+                    keyword.value, f"leaf() has no {keyword.arg!r}{hint} (available: {listing(_ARGUMENTS)})"
                 )
             given[str(keyword.arg)] = keyword.value
         if "id" not in given:

@@ -9,7 +9,8 @@ from grip_bt.base.frozen import FrozenDict
 
 from ..kind_analysis import following
 from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine
-from ..shape import CHILDREN, FREE, keys_of, model_of_kind
+from ..parts import FREE_PREFIX
+from ..shape import CHILDREN, keys_of, model_of_kind
 from ..walking import children_of
 from .command import BaseCommand, kind_in_words, said
 from .editing import Editing, holds_nodes, kind_of, slot
@@ -47,7 +48,7 @@ class ChangeKind(BaseCommand):
             _change_edges(editing, node, self)
             editing.set(place, "kind", self.kind)
             allowed = {*keys_of(model_of_kind(self.kind)), *CHILDREN}
-            for key in [k for k in editing.draft.mapping(place) if k not in allowed and not k.startswith(FREE)]:
+            for key in [k for k in editing.draft.mapping(place) if k not in allowed and not k.startswith(FREE_PREFIX)]:
                 editing.drop(place, key)
             if self.kind == "state_machine" and "initial" not in self.fields and names:
                 editing.put(place, "initial", names[0])
@@ -127,7 +128,7 @@ def expect_kind(path: str, kind: str) -> None:
         EditError: there isn't.
     """
     if kind not in KINDS:
-        raise EditError(path, f"unknown kind {kind!r}{nearest(kind, KINDS)} (there are: {listing(KINDS)})")
+        raise EditError(path, f"unknown kind {kind!r}{nearest(kind, KINDS)} (available: {listing(KINDS)})")
 
 
 def holds_nodes_of_kind(kind: str) -> bool:

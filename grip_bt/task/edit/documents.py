@@ -18,7 +18,8 @@ from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task.canonical import data_of
 from grip_bt.task.document import Document, read_text
 from grip_bt.task.model import Task
-from grip_bt.task.shape import CHILDREN, FREE
+from grip_bt.task.parts import FREE_PREFIX
+from grip_bt.task.shape import CHILDREN
 
 from ..canonical import file_data
 from .commands import AnyCommand, Patch, Restore, Splice, apply
@@ -192,7 +193,7 @@ def differences(old: dict[str, Any], new: dict[str, Any], at: Place = ()) -> Ite
 
 def _of_record(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[Step]:
     """Drop and put the keys of a record; the order of free keys counts, so that they go and come when it changes."""
-    free = [key for key in old if key.startswith(FREE)], [key for key in new if key.startswith(FREE)]
+    free = [key for key in old if key.startswith(FREE_PREFIX)], [key for key in new if key.startswith(FREE_PREFIX)]
     again = free[0] if free[0] != free[1] else []
     for key in [k for k in old if k not in new or k in again]:
         old.pop(key)

@@ -13,7 +13,7 @@ from grip_bt.base.errors import EditError
 
 from ..canonical import data_of, file_data
 from ..model import Task
-from ..shape import FREE, NotAKeyError, with_free_keys
+from ..parts import FREE_PREFIX
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
 
 
@@ -98,12 +98,10 @@ class Draft:
             EditError: it isn't one; `where` is what the message speaks about.
         """
         try:
-            return Task.model_validate(with_free_keys(_closed(self._top)), strict=True)
+            return Task.model_validate(_closed(self._top), strict=True, by_name=False)
         except ValidationError as error:
             faults = "; ".join(dict.fromkeys(_said(e) for e in error.errors()))
             raise EditError(where, faults) from None
-        except NotAKeyError as error:
-            raise EditError(where, f"there is no key {error.args[0]!r}; keys are those of the file") from None
 
 
 def _opened(value: Any) -> Any:
@@ -133,7 +131,7 @@ def position(mapping: dict[str, Any], at: Place, key: str) -> int | None:
 def _ordered(mapping: dict[str, Any], at: Place, key: str) -> list[str] | None:
     if not is_record(at):
         return list(mapping)
-    return [k for k in mapping if k.startswith(FREE)] if key.startswith(FREE) else None
+    return [k for k in mapping if k.startswith(FREE_PREFIX)] if key.startswith(FREE_PREFIX) else None
 
 
 def _insert(mapping: dict[str, Any], at: Place, key: str, value: Any, index: int | None) -> None:

@@ -153,7 +153,7 @@ def expect_free(container: AnyNode, path: str, name: str) -> None:
     """
     below = children_of(container)
     if name in below:
-        raise EditError(join(path, name), f"the name is taken (there are: {listing(below)}); choose another")
+        raise EditError(join(path, name), f"the name is taken (available: {listing(below)}); choose another")
 
 
 def expect_room(container: AnyNode, path: str) -> None:

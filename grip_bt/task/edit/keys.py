@@ -9,7 +9,8 @@ from pydantic import Field
 from grip_bt.base.errors import EditError, listing, nearest
 
 from ..model import Meaning, StateMachine
-from ..shape import CHILDREN, FREE, keys_of
+from ..parts import FREE_PREFIX
+from ..shape import CHILDREN, keys_of
 from ..walking import children_of, outcomes_of
 from .command import BaseCommand, said
 from .editing import Editing, kind_of
@@ -178,8 +179,8 @@ def _keys(editing: Editing, path: str, key: tuple[str, ...]) -> tuple[Place, *tu
     first = key[0]
     if first in _STRUCTURE:
         raise EditError(path, f"{first!r} isn't set like other keys: {_STRUCTURE[first]}")
-    if first not in allowed and not first.startswith(FREE):
-        raise EditError(path, f"there is no key {first!r}{nearest(first, allowed)} (there are: {listing(allowed)})")
+    if first not in allowed and not first.startswith(FREE_PREFIX):
+        raise EditError(path, f"there is no key {first!r}{nearest(first, allowed)} (available: {listing(allowed)})")
     return (editing.place(path), *key)
 
 

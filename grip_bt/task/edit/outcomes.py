@@ -49,7 +49,7 @@ def _declared(editing: Editing, command: RenameOutcome) -> None:
     if command.outcome not in there:
         own = f"a {kind_of(holder)} keeps its {command.outcome!r}; " if command.outcome in STANDARD else ""
         hint = nearest(command.outcome, there)
-        message = f"{own}no outcome {command.outcome!r} is declared here{hint} (there are: {listing(there)})"
+        message = f"{own}no outcome {command.outcome!r} is declared here{hint} (available: {listing(there)})"
         raise EditError(command.path, message)
     every: Mapping[str, Any] = there if isinstance(holder, Task) else outcomes_of(holder)
     if command.to != command.outcome and command.to in every:

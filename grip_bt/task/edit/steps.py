@@ -12,7 +12,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from ..shape import CHILDREN, FREE, key_rank
+from ..parts import FREE_PREFIX
+from ..shape import CHILDREN, key_rank
 from ..walking import join
 
 Place = tuple[str, ...]
@@ -112,8 +113,8 @@ def position_of(at: Place, keys: list[str], key: str, index: int | None) -> int:
     """Return before which of the keys a new one stands."""
     if not is_record(at):
         return len(keys) if index is None else min(index, len(keys))
-    if key.startswith(FREE):
-        free = [position for position, other in enumerate(keys) if other.startswith(FREE)]
+    if key.startswith(FREE_PREFIX):
+        free = [position for position, other in enumerate(keys) if other.startswith(FREE_PREFIX)]
         if index is not None and index < len(free):
             return free[index]
         if free:

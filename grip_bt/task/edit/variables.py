@@ -124,7 +124,7 @@ def _declared(editing: Editing, path: str, name: str) -> Any:
     there = declared_by(holder)
     if name not in there:
         raise EditError(
-            path, f"no variable {name!r} is declared here{nearest(name, there)} (there are: {listing(there)})"
+            path, f"no variable {name!r} is declared here{nearest(name, there)} (available: {listing(there)})"
         )
     return holder
 

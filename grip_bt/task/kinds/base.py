@@ -26,7 +26,7 @@ from pydantic_core import CoreSchema
 
 from grip_bt.base.frozen import FrozenDict
 
-from ..parts import Case, Meaning, Name, Shape, Variable
+from ..parts import Case, Meaning, Name, Variable, WithFreeKeys
 
 CHILD: Any = object()
 """The reason of an end: that of the child which has ended last."""
@@ -153,14 +153,13 @@ class Questions(Protocol):
         """Request the children that still run to stop; `text` says why."""
 
 
-class BaseNode(Shape):
+class BaseNode(WithFreeKeys):
     """What every node has."""
 
     doc: str = ""
     precondition: str = ""
     """An expression over the variables around the node; where it is false on entry, the node fails at once."""
     on: FrozenDict[str, str] = FrozenDict()
-    x: FrozenDict[str, Any] = Field(default=FrozenDict(), description="free data, preserved and never read")
 
 
 class Leaf(BaseNode):

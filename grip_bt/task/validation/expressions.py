@@ -84,7 +84,7 @@ class _Typing:
         there = _attributes(owner.name)
         if node.attr not in there:
             hint = nearest(node.attr, there)
-            self.note(node, f"a {owner.name} has no attribute {node.attr!r}{hint} (there are: {listing(there)})")
+            self.note(node, f"a {owner.name} has no attribute {node.attr!r}{hint} (available: {listing(there)})")
         return there.get(node.attr, ANY)
 
     def comparison(self, node: ast.Compare) -> None:

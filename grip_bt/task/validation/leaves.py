@@ -64,7 +64,7 @@ def _unknown_node(survey: Survey, id: str, hinted: bool) -> tuple[str, str]:
     fix = suggestion(hint, "correct the name, or add the component that has it")
     room = id.partition("/")[0]
     same_room = [other for other in ids if other.startswith(f"{room}/")]
-    there = f" (in {room}/ there are: {listing(same_room)})" if same_room else ""
+    there = f" (available in {room}/: {listing(same_room)})" if same_room else ""
     return f"there is no node {id!r}{there}{hint}", fix
 
 

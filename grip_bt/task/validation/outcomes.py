@@ -98,7 +98,7 @@ def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possi
                 spot.path,
                 where,
                 "unknown-child",
-                f"exits are `child.outcome: exit`; {key!r} names no child{hint} (there are: {listing(spot.children)})",
+                f"exits are `child.outcome: exit`; {key!r} names no child{hint} (available: {listing(spot.children)})",
             )
         elif check_label(survey, spot.path, where, child, label):
             if possible is not None and label.partition(".")[0] not in possible.labels(child):

@@ -94,7 +94,7 @@ def _of_part(side: str, value: object, equipment: Equipment) -> Iterator[Trouble
             hint = nearest(name, parts)
             said = f"the project has no {side} {name!r}{hint}" if name else f"the project has no {side}"
             otherwise = f"name one under `{side}s` in grip.yaml"
-            yield Trouble(code, f"{said} (there are: {listing(parts)})", suggestion(hint, otherwise))
+            yield Trouble(code, f"{said} (available: {listing(parts)})", suggestion(hint, otherwise))
 
 
 def _of_names(kind: str, value: object, part: str, there: Equipped, lessons: Lessons) -> Iterator[Trouble]:
@@ -119,7 +119,7 @@ def _unknown(kind: str, name: str, part: str, there: Equipped) -> Trouble:
     if kind == "taught":
         named = name in there.known.get("state", ())
         otherwise = f"it is a named state: {BY_STATE}" if named else f"teach it first: `grip teach {name} --arm {part}`"
-    message = f"there is no {word} {name!r}{hint} (there are: {listing(known)})"
+    message = f"there is no {word} {name!r}{hint} (available: {listing(known)})"
     return Trouble(code, message, suggestion(hint, otherwise))
 
 
@@ -154,7 +154,7 @@ def check_messages(survey: Survey) -> None:
         if isinstance(store, str) and isinstance(name, str) and name not in names.get(store, ()):
             there = names.get(store, ())
             hint = nearest(name, there)
-            known_ones = f" (there are: {listing(there)})" if there else ""
+            known_ones = f" (available: {listing(there)})" if there else ""
             survey.add(
                 spot.path,
                 ("with", "name"),

@@ -199,7 +199,7 @@ class Survey:
         """
         hint = nearest(name, allowed)
         self.add(
-            path, key, code, f"{message}{hint} (there are: {listing(allowed)})", fix or suggestion(hint, otherwise)
+            path, key, code, f"{message}{hint} (available: {listing(allowed)})", fix or suggestion(hint, otherwise)
         )
 
     def _scope(self, outer: Scope, owner: str, data: Mapping[str, Variable | str]) -> Scope:

@@ -159,7 +159,7 @@ def _child(survey: Survey, spot: Spot, where: Key, name: str) -> Spot | None:
     if child is None:
         hint = nearest(name, spot.children)
         survey.add(
-            spot.path, where, "unknown-child", f"{name!r} is no child{hint} (there are: {listing(spot.children)})"
+            spot.path, where, "unknown-child", f"{name!r} is no child{hint} (available: {listing(spot.children)})"
         )
     return child
 

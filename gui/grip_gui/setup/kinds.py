@@ -185,7 +185,7 @@ def kind_of(path: str) -> Kind:
         return _MESSAGES[path]
     if _COMPONENT_PATH.match(path):
         return COMPONENT
-    raise OutsideProjectError(path, f"isn't a settings file (there are: grip.yaml, {', '.join(_MESSAGES)}, components)")
+    raise OutsideProjectError(path, f"isn't a settings file (available: grip.yaml, {', '.join(_MESSAGES)}, components)")
 
 
 def entries(folder: ProjectFolder, components: Mapping[str, Path]) -> list[SetupEntry]:

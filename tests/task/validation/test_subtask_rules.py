@@ -45,7 +45,7 @@ def subtask(rest: str) -> str:
     [
         ("in: {n: s}", "wrong-variable-type", "the port 'n' reads int, but 's' holds str"),
         ("in: {n: n}, out: {made: s}", "wrong-variable-type", "the port 'made' writes int, but 's' holds str"),
-        ("in: {n: n, m: n}", "unknown-input", "fetch.yaml has no input 'm' (there are: n, by)"),
+        ("in: {n: n, m: n}", "unknown-input", "fetch.yaml has no input 'm' (available: n, by)"),
         ("in: {n: n}, out: {mad: m}", "unknown-output", "fetch.yaml has no output 'mad'; did you mean 'made'?"),
         ("in: {n: n}, meaning: {lost: success}", "unknown-outcome", "fetch.yaml has no outcome 'lost'"),
         ("in: {n: x}", "undeclared-variable", "the port 'n' is bound to 'x', which isn't declared"),
