@@ -27,10 +27,16 @@ class Shape(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, defer_build=True)
 
 
+_FREE_KEYS = "*"
+"""What the free keys are called while they are read; no file has such a key."""
+
+
 class WithFreeKeys(Shape):
     """A task or a node: besides its own keys it may have any that begin with `x-`."""
 
-    x: FrozenDict[str, object] = Field(FrozenDict(), alias="x-", description="free data, preserved and never read")
+    x: FrozenDict[str, object] = Field(
+        FrozenDict(), alias=_FREE_KEYS, description="free data, preserved and never read"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -38,7 +44,7 @@ class WithFreeKeys(Shape):
         if not isinstance(data, dict) or not any(str(key).startswith(FREE_PREFIX) for key in data):
             return data
         free = {key: value for key, value in data.items() if str(key).startswith(FREE_PREFIX)}
-        return {**{key: value for key, value in data.items() if key not in free}, "x-": free}
+        return {**{key: value for key, value in data.items() if key not in free}, _FREE_KEYS: free}
 
 
 class Variable(Shape):

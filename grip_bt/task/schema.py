@@ -13,8 +13,8 @@ _TITLE = "GRIP task, format 1"
 def schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a task file; free keys are `x-*` in a task and in a node."""
     made = Task.model_json_schema(by_alias=True)
-    shapes = [made, *(s for s in made.get("$defs", {}).values() if "x-" in s.get("properties", {}))]
+    shapes = [made, *(s for s in made.get("$defs", {}).values() if "*" in s.get("properties", {}))]
     for shape in shapes:
-        shape["properties"].pop("x-")
+        shape["properties"].pop("*")
         shape["patternProperties"] = {f"^{FREE_PREFIX}": {}}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made, "title": _TITLE}

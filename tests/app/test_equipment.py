@@ -150,7 +150,7 @@ def test_the_editor_offers_the_nearest_name(tmp_path):
     task = read_text(TASK.replace("ROOT", "{node: arm/move_to, with: {arm: rihgt, state: home}}")).task
     catalog = project_catalog(tmp_path)
     (issue,) = validate(task, catalog).issues
-    assert [fix.title for fix in Fixer(task, catalog).fixes(issue)] == ["Write right"]
+    assert [fix.title for fix in Fixer(task, catalog).fixes(issue)] == ["Use right"]
 
 
 def test_the_verb_tells_it_as_an_error(tmp_path, capsys):
@@ -187,7 +187,7 @@ def test_no_library_of_motion_of_ros_or_of_the_simulator_is_loaded(tmp_path):
     write_project(tmp_path)
     code = (
         "import sys; from grip_bt.app.project.catalogue import project_catalog; "
-        "assert project_catalog(sys.argv[1]).equipment().arms; "
+        "assert project_catalog(sys.argv[1]).parts().arms; "
         "print({'ompl', 'coal', 'pinocchio', 'rclpy', 'sapien', 'py_trees'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True, check=True)

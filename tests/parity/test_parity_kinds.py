@@ -15,31 +15,31 @@ from grip_bt.task.exploration import UNKNOWN, Oracle, TooManyError, explore
 from grip_bt.task.kind_analysis import flow, possible
 from grip_bt.task.kinds import KINDS
 from grip_bt.task.kinds.base import Kind
-from grip_bt.task.validation.possible import Possible
-from grip_bt.task.validation.survey import Survey
+from grip_bt.task.validation.analysis import TaskAnalysis
+from grip_bt.task.validation.possible import PossibleOutcomes
 
 LOOKS = ("equal", "less", "true", "length", "order")
 SEEDS = range(int(os.environ.get("GRIP_FUZZ_KINDS", "150")))
 
 
 @pytest.fixture(scope="module")
-def surveys() -> list[tuple[dict[str, Any], Survey, Possible]]:
+def analyses() -> list[tuple[dict[str, Any], TaskAnalysis, PossibleOutcomes]]:
     found = []
     for seed in SEEDS:
         case = make_case(seed)
         try:
-            survey = Survey(Task.model_validate(case["task"]), world.catalog_of(case))
+            analysis = TaskAnalysis(Task.model_validate(case["task"]), world.catalog_of(case))
         except (InvalidTaskError, ValueError, KeyError):
             continue
-        found.append((case, survey, Possible(survey)))
+        found.append((case, analysis, PossibleOutcomes(analysis)))
     return found
 
 
-def containers(surveys):
-    for _, survey, ends in surveys:
-        for spot in survey.spots:
-            if spot.path in ends.ends:
-                yield spot.node, ends.ends[spot.path]
+def containers(analyses):
+    for _, analysis, ends in analyses:
+        for placed in analysis.nodes:
+            if placed.path in ends.ends:
+                yield placed.node, ends.ends[placed.path]
 
 
 def found_of(kind, labels):
@@ -51,10 +51,10 @@ def found_of(kind, labels):
     return possible(kind, labels), flow(kind, labels, 1, after, lambda key: 0, lambda key, here: None)
 
 
-def test_every_end_of_a_run_was_foreseen(surveys) -> None:
+def test_every_end_of_a_run_was_foreseen(analyses) -> None:
     seen = 0
-    for case, survey, ends in surveys:
-        labels = {spot.path: ends.labels(spot) for spot in survey.spots}
+    for case, analysis, ends in analyses:
+        labels = {placed.path: ends.labels(placed) for placed in analysis.nodes}
         try:
             run = world.run_tree(case)
         except InvalidTaskError:
@@ -66,9 +66,9 @@ def test_every_end_of_a_run_was_foreseen(surveys) -> None:
     assert seen > len(SEEDS)
 
 
-def test_what_is_worked_out_by_hand_is_what_exploration_finds(surveys, monkeypatch) -> None:
+def test_what_is_worked_out_by_hand_is_what_exploration_finds(analyses, monkeypatch) -> None:
     compared = set()
-    for kind, labels in list(containers(surveys)):
+    for kind, labels in list(containers(analyses)):
         if type(kind).possible is Kind.possible or not kind.explorable(labels.all):
             continue
 
@@ -84,7 +84,7 @@ def test_what_is_worked_out_by_hand_is_what_exploration_finds(surveys, monkeypat
     assert compared == {"sequence", "fallback", "parallel"}
 
 
-def test_a_kind_asks_before_it_puts(surveys, monkeypatch) -> None:
+def test_a_kind_asks_before_it_puts(analyses, monkeypatch) -> None:
     ask, put = Oracle._ask, Oracle.put
 
     def asked(self, *answers: str) -> int:
@@ -95,7 +95,7 @@ def test_a_kind_asks_before_it_puts(surveys, monkeypatch) -> None:
     puts = set()
     monkeypatch.setattr(Oracle, "put", lambda self, key, value: (puts.add(key), put(self, key, value)))
     explored = set()
-    for kind, labels in containers(surveys):
+    for kind, labels in containers(analyses):
         try:
             for _ in explore(kind, labels):
                 pass

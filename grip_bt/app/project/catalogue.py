@@ -20,7 +20,7 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import joints_of_fingers, links_of_groups
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task.catalog import AllowedImports, Catalog, TaskFolder, find_manifests, find_python_nodes
-from grip_bt.task.catalog.project_parts import UNFIT, UNMOVED, Equipment, Equipped, Trouble
+from grip_bt.task.catalog.project_parts import NO_CONTROLLER, UNFIT_PROJECT, PartNames, Problem, ProjectParts
 from grip_bt.task.catalog.sensors import sensor_manifest
 
 from .config import ARCHIVE, MESSAGES
@@ -31,26 +31,26 @@ _robots: FileCache[tuple[str, str], RobotDescription | GripError | None] = FileC
 """Folder and `robot:` of a project -> the robot, or what is wrong with it."""
 
 
-def equipment_of(project: Project) -> Equipment:
+def project_parts_of(project: Project) -> ProjectParts:
     """Return what a project has, as far as its files tell."""
-    file, troubles = project.file, tuple[Trouble, ...]()
+    file, problems = project.file, tuple[Problem, ...]()
     key = str(project.folder), repr(file.robot)
     found = None if file.robot is None else _robots.get(key, lambda: _robot(project))
     if isinstance(found, GripError):
-        troubles = (_trouble(found, "`grip robot check` lists all that is wrong with it"),)
-    world = [_trouble(fault) for fault in faults_of_world(project)]
+        problems = (_problem(found, "`grip robot check` lists all that is wrong with it"),)
+    world = [_problem(fault) for fault in faults_of_world(project)]
     robot = None if isinstance(found, GripError) else found
     links, packages = _links(robot), packages_here(project)
     nodes = {**_sensors(project, links, packages, world), **components_in_need(project, packages)}
     for node, doubts in frames_in_doubt(project, links, robot is not None or file.robot is None).items():
         nodes[node] = (*nodes.get(node, ()), *doubts)
     if file.robot is None and not file.arms and not file.hands:
-        return Equipment(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
+        return ProjectParts(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
     learnt = _taught(project)
     taught = None if isinstance(learnt, DocumentError) else learnt
-    troubles = (*troubles, *world, *([_trouble(learnt)] if isinstance(learnt, DocumentError) else []))
-    arms, hands = _arms(project, robot, taught, troubles), _hands(project, robot, taught, links, troubles)
-    return Equipment(arms, hands, nodes, packages)
+    problems = (*problems, *world, *([_problem(learnt)] if isinstance(learnt, DocumentError) else []))
+    arms, hands = _arms(project, robot, taught, problems), _hands(project, robot, taught, links, problems)
+    return ProjectParts(arms, hands, nodes, packages)
 
 
 def _robot(project: Project) -> RobotDescription | GripError | None:
@@ -64,8 +64,8 @@ def _robot(project: Project) -> RobotDescription | GripError | None:
 
 
 def _arms(
-    project: Project, robot: RobotDescription | None, taught: TaughtStates | None, troubles: tuple[Trouble, ...]
-) -> dict[str, Equipped]:
+    project: Project, robot: RobotDescription | None, taught: TaughtStates | None, problems: tuple[Problem, ...]
+) -> dict[str, PartNames]:
     found = {}
     for name, arm in project.file.arms.items():
         known: dict[str, Iterable[str]] = {}
@@ -75,7 +75,7 @@ def _arms(
             states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
             known["state"] = {**states, **taught.states(name)}
         faults = () if robot is None else faults_of_arm(project, name, robot)
-        found[name] = _equipped(known, [*troubles, *map(_trouble, faults), *_uncontrolled(project, name, arm.arms)])
+        found[name] = _part_names(known, [*problems, *map(_problem, faults), *_uncontrolled(project, name, arm.arms)])
     return found
 
 
@@ -84,8 +84,8 @@ def _hands(
     robot: RobotDescription | None,
     taught: TaughtStates | None,
     links: list[str],
-    troubles: tuple[Trouble, ...],
-) -> dict[str, Equipped]:
+    problems: tuple[Problem, ...],
+) -> dict[str, PartNames]:
 
     found = {}
     for name, hand in project.file.hands.items():
@@ -97,28 +97,28 @@ def _hands(
             known["tip"] = [*fingers, *links_of_groups(robot, {name: hand.group})[name]]
             known["link"] = [*links, *_frames(robot)]
         faults = () if robot is None else faults_of_hand(project, name, robot)
-        found[name] = _equipped(known, [*troubles, *map(_trouble, faults), *_uncontrolled(project, name)])
+        found[name] = _part_names(known, [*problems, *map(_problem, faults), *_uncontrolled(project, name)])
     return found
 
 
-def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> list[Trouble]:
+def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> list[Problem]:
     """Return that a real robot's arm or hand has no controller; one that joins others moves by theirs."""
     ros = project.file.ros
     if ros is None or joined or name in ros.controllers:
         return []
     error = UnknownNameError("controller of", name, ros.controllers, "grip.yaml: ros/controllers")
-    return [Trouble(UNMOVED, str(error).rstrip("."))]
+    return [Problem(NO_CONTROLLER, str(error).rstrip("."))]
 
 
 def _sensors(
-    project: Project, links: Iterable[str], packages: Packages | None, world: Iterable[Trouble]
-) -> dict[str, tuple[Trouble, ...]]:
+    project: Project, links: Iterable[str], packages: Packages | None, world: Iterable[Problem]
+) -> dict[str, tuple[Problem, ...]]:
     """Return what is wrong with the sensors: no such camera, a mount on no link, packages that aren't installed."""
     found = sensors_in_need(project, packages)
     cameras = {} if project.file.ros is None else project.file.ros.cameras
     for name, sensor in project.file.sensors.items():
         if sensor.camera is not None:
-            found[f"sensor/{name}"] += (*world, *map(_trouble, faults_of_camera(project, name)))
+            found[f"sensor/{name}"] += (*world, *map(_problem, faults_of_camera(project, name)))
         mounts = {
             f"sensors/{name}": sensor.mount,
             f"ros/cameras/{name}": cameras[name].mount if name in cameras else None,
@@ -126,7 +126,7 @@ def _sensors(
         for where, mount in mounts.items():
             if mount is not None and links and mount.on not in ("world", *links):
                 error = UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on")
-                found[f"sensor/{name}"] += (_trouble(error),)
+                found[f"sensor/{name}"] += (_problem(error),)
     return found
 
 
@@ -146,12 +146,12 @@ def _frames(robot: RobotDescription) -> list[str]:
     return ["grasp", *(f"grasp/{group}" for group in robot.grasp_frames)]
 
 
-def _equipped(known: Mapping[str, Iterable[str]], troubles: list[Trouble]) -> Equipped:
-    return Equipped({kind: tuple(dict.fromkeys(names)) for kind, names in known.items()}, tuple(troubles))
+def _part_names(known: Mapping[str, Iterable[str]], problems: list[Problem]) -> PartNames:
+    return PartNames({kind: tuple(dict.fromkeys(names)) for kind, names in known.items()}, tuple(problems))
 
 
-def _trouble(error: GripError, fix: str = "") -> Trouble:
-    return Trouble(UNFIT, str(error).rstrip("."), fix)
+def _problem(error: GripError, fix: str = "") -> Problem:
+    return Problem(UNFIT_PROJECT, str(error).rstrip("."), fix)
 
 
 def project_catalog(path: str | Path) -> Catalog:
@@ -174,7 +174,7 @@ def catalogue_of(project: Project) -> Catalog:
         .with_(
             tasks=TaskFolder(project.folder),
             named=partial(message_names, project),
-            equipment=partial(equipment_of, project),
+            parts=partial(project_parts_of, project),
             code=AllowedImports(file.code, project.folder),
         )
     )

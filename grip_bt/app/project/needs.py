@@ -23,7 +23,7 @@ from grip_bt.ros.interfaces.ament import (
 from grip_bt.ros.interfaces.build import FOLDER, NEEDS
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
 from grip_bt.task.catalog.component_parts import ProcessConfig, Start
-from grip_bt.task.catalog.project_parts import MISSING, UNFIT, Trouble, missing_package, missing_type
+from grip_bt.task.catalog.project_parts import MISSING_PACKAGE, UNFIT_PROJECT, Problem, missing_package, missing_type
 from grip_bt.task.validation.codes import suggestion
 
 KINDS = ("msg", "srv", "action")
@@ -51,7 +51,7 @@ def _types_in(homes: Sequence[Path]) -> frozenset[str]:
     return frozenset(f"{file.suffix[1:]}/{file.stem}" for file in files)
 
 
-def sensors_in_need(project: Project, packages: Packages | None) -> dict[str, tuple[Trouble, ...]]:
+def sensors_in_need(project: Project, packages: Packages | None) -> dict[str, tuple[Problem, ...]]:
     """Return, by node, which of the packages aren't here that the project's sensors need."""
     found = {}
     for name, sensor in project.file.sensors.items():
@@ -63,39 +63,41 @@ def sensors_in_need(project: Project, packages: Packages | None) -> dict[str, tu
     return found
 
 
-def components_in_need(project: Project, packages: Packages | None) -> dict[str, tuple[Trouble, ...]]:
+def components_in_need(project: Project, packages: Packages | None) -> dict[str, tuple[Problem, ...]]:
     """Return likewise for its components, and what is wrong with their files."""
-    found: dict[str, tuple[Trouble, ...]] = {}
+    found: dict[str, tuple[Problem, ...]] = {}
     for name, folder in project.component_folders().items():
         where = f"components/{name}/component.yaml"
         try:
             file = load_component(folder)
         except DocumentError as error:
             said = f"{where}: a run refuses this component: {error}"
-            found[f"component/{name}"] = (Trouble(UNFIT, said, "mend the file, and `grip component add` it again"),)
+            found[f"component/{name}"] = (
+                Problem(UNFIT_PROJECT, said, "mend the file, and `grip component add` it again"),
+            )
             continue
         lacking = (*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where))
-        troubles = (*_misplaced(name, file.name, where), *lacking)
-        found[f"component/{file.name}"] = troubles
+        problems = (*_misplaced(name, file.name, where), *lacking)
+        found[f"component/{file.name}"] = problems
     return found
 
 
-def _misplaced(folder: str, name: str, where: str) -> list[Trouble]:
+def _misplaced(folder: str, name: str, where: str) -> list[Problem]:
     """Return that a component lies in a folder of another name than its own, under which a run looks for it."""
     if folder == name:
         return []
     said = f"{where}: the component is called {name!r}, and its folder {folder!r}, so that a run doesn't find it"
-    return [Trouble(UNFIT, said, f"rename the folder to {name!r}, or write `name: {folder}` and add it again")]
+    return [Problem(UNFIT_PROJECT, said, f"rename the folder to {name!r}, or write `name: {folder}` and add it again")]
 
 
-def _lacking(types: Iterable[str], packages: Packages | None, where: str, messages: bool = False) -> list[Trouble]:
+def _lacking(types: Iterable[str], packages: Packages | None, where: str, messages: bool = False) -> list[Problem]:
     if packages is None:
         return []
     found = (missing_type(type_, packages, where, messages) for type_ in sorted(types) if "/" in type_)
-    return list(dict.fromkeys(trouble for trouble in found if trouble is not None))
+    return list(dict.fromkeys(problem for problem in found if problem is not None))
 
 
-def _unstartable(start: Start | None, packages: Packages | None, where: str) -> list[Trouble]:
+def _unstartable(start: Start | None, packages: Packages | None, where: str) -> list[Problem]:
     """Return that the package of the program to start isn't installed; it need not have interfaces."""
     if packages is None or start is None or not start.run or start.package is None:
         return []
@@ -107,7 +109,7 @@ def _unstartable(start: Start | None, packages: Packages | None, where: str) -> 
         elif start.launch is not None:
             launch_file_of(start.package, start.launch)
     except PackageError as error:
-        return [Trouble(MISSING, f"{where}: {error}", "name one that it has")]
+        return [Problem(MISSING_PACKAGE, f"{where}: {error}", "name one that it has")]
     return []
 
 
@@ -129,7 +131,7 @@ _LARGEST = 1_000_000
 """Of a launch file's text that is looked through."""
 
 
-def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool) -> dict[str, tuple[Trouble, ...]]:
+def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool) -> dict[str, tuple[Problem, ...]]:
     """Return, by node, which frames are named that nothing has, as far as files tell.
 
     Args:
@@ -145,7 +147,7 @@ def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool)
     if not robot_known or not (links or mounted):
         return {}
     fixed = {ROOT, *links, *mounted}
-    found: dict[str, tuple[Trouble, ...]] = {}
+    found: dict[str, tuple[Problem, ...]] = {}
     given = {n: s.given_in for n, s in project.file.sensors.items() if s.topics and s.given_in is not None}
     published = fixed | _published(project) if given else fixed
     for name, frame in given.items():
@@ -156,7 +158,7 @@ def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool)
     return found
 
 
-def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bool) -> Iterator[Trouble]:
+def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bool) -> Iterator[Problem]:
     """Yield the frames that aren't known; with `by_tf` there may be more of them when the task runs."""
     for where, frame in named:
         if frame in known:
@@ -164,7 +166,7 @@ def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bo
         doubt = "; only TF could have it, when the task runs" if by_tf else "; TF isn't asked for a component's frames"
         otherwise = "name one of these, or see that TF publishes it" if by_tf else "name one of these"
         fix = suggestion(nearest(frame, tuple(sorted(known))), otherwise)
-        yield Trouble(UNFIT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)
+        yield Problem(UNFIT_PROJECT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)
 
 
 def _mounted(project: Project, on_links: bool) -> set[str]:

@@ -19,9 +19,9 @@ from grip_bt.task.edit import Extract, Patch, Set, Unset, apply_to_document, tit
 from grip_bt.task.edit.editing import Editing, slot
 from grip_bt.task.edit.steps import Assign
 from grip_bt.task.model import Task
-from grip_bt.task.validation import survey_of
+from grip_bt.task.validation import analyse
+from grip_bt.task.validation.analysis import PlacedNode, TaskAnalysis
 from grip_bt.task.validation.dataflow import DataFlow
-from grip_bt.task.validation.survey import Spot, Survey
 
 _AROUND = ("on", "precondition")
 """Keys that speak about what is around a node, and so stay where it was."""
@@ -57,16 +57,16 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
         EditError: there is no such node, it is the root, the part has errors, or a subtask would do something else.
     """
     document = source if isinstance(source, Document) else read_text(dumps(source))
-    spot, survey = _spot(command, document.task, catalog)
-    part = _part(command, spot, survey, catalog)
-    inputs, outputs = _ports(command, spot, part, catalog)
+    placed, analysis = _placed(command, document.task, catalog)
+    part = _part(command, placed, analysis, catalog)
+    inputs, outputs = _ports(command, placed, part, catalog)
     if not command.approximate:
-        written = {name for name in outputs if spot.around[name].bit & spot.writes}
-        expect_nobody_can_tell(spot, set(inputs), written)
+        written = {name for name in outputs if placed.around[name].bit & placed.writes}
+        expect_nobody_can_tell(placed, set(inputs), written)
     record: dict[str, Any] = {"kind": "subtask", "task": command.file}
     for key, bound in (("in", inputs), ("out", outputs)):
         record |= {key: {name: name for name in bound}} if bound else {}
-    record |= {key: file_data(value) for key in _AROUND if (value := getattr(spot.node, key))}
+    record |= {key: file_data(value) for key in _AROUND if (value := getattr(placed.node, key))}
     editing = Editing(document.task)
     parent, name, container = editing.parent(command.path, "is the task already; wrap it, and take out the child")
     edit = Patch(
@@ -76,56 +76,56 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     return Extracted(command.file, _text(document, edit, part, inputs, outputs), edit)
 
 
-def _spot(command: Extract, task: Task, catalog: Catalog) -> tuple[Spot, Survey]:
-    survey = survey_of(task, catalog)
-    spot = next((spot for spot in survey.spots if spot.path == command.path), None)
-    if spot is None:
+def _placed(command: Extract, task: Task, catalog: Catalog) -> tuple[PlacedNode, TaskAnalysis]:
+    analysis = analyse(task, catalog)
+    placed = next((placed for placed in analysis.nodes if placed.path == command.path), None)
+    if placed is None:
         raise EditError(command.path, "there is no such node")
-    if spot.parent is None:
+    if placed.parent is None:
         raise EditError(command.path, "the root is the task already; wrap it, and take out the child")
     file = PurePosixPath(command.file)
     if file.is_absolute() or ".." in file.parts or file.suffix not in (".yaml", ".yml"):
         raise EditError(command.path, f"{command.file!r} isn't a task file of the project, such as `tasks/fetch.yaml`")
-    if any(inside.manifest is None for inside in survey.leaves if _below(inside.path, spot.path)):
+    if any(inside.manifest is None for inside in analysis.leaves if _below(inside.path, placed.path)):
         raise EditError(command.path, "it has a node that the catalogue doesn't know; mend it first (`grip check`)")
-    missing = [name for (path, _), name in DataFlow(survey).missing.items() if _below(path, spot.path)]
+    missing = [name for (path, _), name in DataFlow(analysis).missing.items() if _below(path, placed.path)]
     if missing:
         raise EditError(command.path, f"{missing[0]!r} may be read in it before it is written; mend it first")
-    return spot, survey
+    return placed, analysis
 
 
 def _below(path: str, above: str) -> bool:
     return path == above or path.startswith(f"{above}/")
 
 
-def _part(command: Extract, spot: Spot, survey: Survey, catalog: Catalog) -> Task:
+def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog: Catalog) -> Task:
     """Return the part as a task whose variables are all those that were around it."""
-    root = {key: value for key, value in file_data(spot.node).items() if key not in _AROUND}
-    types = {name: str(declared.type or "Any") for name, declared in spot.around.items()}
-    outcomes = dict(spot.outcomes)
-    if spot.node.precondition and "failure" not in _own_outcomes(spot, root, catalog):
+    root = {key: value for key, value in file_data(placed.node).items() if key not in _AROUND}
+    types = {name: str(declared.type or "Any") for name, declared in placed.around.items()}
+    outcomes = dict(placed.outcomes)
+    if placed.node.precondition and "failure" not in _own_outcomes(placed, root, catalog):
         del outcomes["failure"]  # only its refusal is one, which stays outside
     name = PurePosixPath(command.file).stem
     return Task.model_validate({"grip": 1, "name": name, "outcomes": outcomes, "data": types, "root": root})
 
 
-def _own_outcomes(spot: Spot, root: dict[str, Any], catalog: Catalog) -> set[str]:
+def _own_outcomes(placed: PlacedNode, root: dict[str, Any], catalog: Catalog) -> set[str]:
     bare = Task.model_validate({"grip": 1, "name": "part", "root": root})
-    return set(Survey(bare, catalog).root.outcomes)
+    return set(TaskAnalysis(bare, catalog).root.outcomes)
 
 
-def _ports(command: Extract, spot: Spot, part: Task, catalog: Catalog) -> tuple[dict[str, str], dict[str, str]]:
+def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -> tuple[dict[str, str], dict[str, str]]:
     """Return the inputs and outputs of a part, each with its type."""
-    types = {name: declared.type_text for name, declared in Survey(part, catalog).task_scope.items()}
+    types = {name: declared.type_text for name, declared in TaskAnalysis(part, catalog).task_scope.items()}
     inputs: dict[str, str] = {}
     while True:  # an expression that reads several variables names one of them at a time
         asked = part.model_copy(update={"inputs": FrozenDict(inputs), "data": FrozenDict(types)})
-        survey = survey_of(asked, catalog)
-        missing = set(DataFlow(survey).missing.values()) & types.keys()
+        analysis = analyse(asked, catalog)
+        missing = set(DataFlow(analysis).missing.values()) & types.keys()
         if not missing:
             break
         inputs |= {name: types.pop(name) for name in sorted(missing)}
-    used, written, scope = survey.root.reads, survey.root.writes, survey.task_scope
+    used, written, scope = analysis.root.reads, analysis.root.writes, analysis.task_scope
     # what is read only where nothing leads to has to be declared all the same, and need not be there on entry
     unread = {name for name, declared in scope.items() if declared.bit & used and name not in inputs}
     outputs = {n: declared.type_text for n, declared in scope.items() if declared.bit & written or n in unread}

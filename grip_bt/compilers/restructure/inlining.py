@@ -32,15 +32,15 @@ from grip_bt.task.model import (
     Variable,
     type_of,
 )
-from grip_bt.task.validation.survey import Spot, Survey
+from grip_bt.task.validation.analysis import PlacedNode, TaskAnalysis
 from grip_bt.task.walking import walk
 
 
-def expect_nobody_can_tell(spot: Spot, reads: set[str], writes: set[str]) -> None:
+def expect_nobody_can_tell(placed: PlacedNode, reads: set[str], writes: set[str]) -> None:
     """Refuse values that go in and out at another moment where something around a node could notice.
 
     Args:
-        spot: the node.
+        placed: the node.
         reads: variables around it that it reads.
         writes: variables around it that it writes.
 
@@ -48,29 +48,29 @@ def expect_nobody_can_tell(spot: Spot, reads: set[str], writes: set[str]) -> Non
         HandoverError: it could; the message names what, and where.
     """
     fix = "take all of that container, or say `approximate: true`"
-    for around, inside in _interrupting(spot):
+    for around, inside in _interrupting(placed):
         kind = around.node.kind  # type: ignore[union-attr]
         if writes:
             raise HandoverError(
-                spot.path,
+                placed.path,
                 f"it writes {listing(sorted(writes))}, and the {kind} {around.path} may halt it, after which a subtask "
                 f"hands nothing out; {fix}",
             )
         beside = 0
         for child in around.children.values():
             beside |= 0 if child is inside else child.writes
-        changed = [name for name in sorted(reads) if name in spot.around and spot.around[name].bit & beside]
+        changed = [name for name in sorted(reads) if name in placed.around and placed.around[name].bit & beside]
         if changed:
             raise HandoverError(
-                spot.path,
+                placed.path,
                 f"it reads {listing(changed)}, which another child of the {kind} {around.path} may write while it runs,"
                 f" and a subtask gets its inputs on entry; {fix}",
             )
 
 
-def _interrupting(spot: Spot) -> Iterator[tuple[Spot, Spot]]:
+def _interrupting(placed: PlacedNode) -> Iterator[tuple[PlacedNode, PlacedNode]]:
     """Yield the containers above a node that may halt it or run something beside it, with their child above it."""
-    inside, around = spot, spot.parent
+    inside, around = placed, placed.parent
     while around is not None:
         node = around.node
         reactive = isinstance(node, Sequence | Fallback | Switch) and not node.memory
@@ -93,46 +93,46 @@ def inlined(command: Inline, task: Task, catalog: Catalog) -> Patch:
     Raises:
         EditError: there is no such subtask, its file can't be read, or the result would do something else.
     """
-    survey = Survey(task, catalog)
-    spot = next((spot for spot in survey.spots if spot.path == command.path), None)
-    if spot is None or not isinstance(spot.node, Subtask):
+    analysis = TaskAnalysis(task, catalog)
+    placed = next((placed for placed in analysis.nodes if placed.path == command.path), None)
+    if placed is None or not isinstance(placed.node, Subtask):
         raise EditError(command.path, "there is no subtask")
     try:
-        inside = catalog.tasks.read(spot.node.task)
+        inside = catalog.tasks.read(placed.node.task)
     except SubtaskError as error:
         raise EditError(command.path, str(error)) from None
-    _expect_same_ends(spot, spot.node, inside)
-    work = _Merging(spot, spot.node, inside, catalog)
+    _expect_same_ends(placed, placed.node, inside)
+    work = _Merging(placed, placed.node, inside, catalog)
     work.check()
     if not command.approximate:
         bound = work.bound()
-        written = {bound[name] for name in spot.node.out}
-        expect_nobody_can_tell(spot, set(spot.node.in_.values()), written)
+        written = {bound[name] for name in placed.node.out}
+        expect_nobody_can_tell(placed, set(placed.node.in_.values()), written)
     editing = Editing(task)
     record = work.record()
-    if spot.parent is None:
+    if placed.parent is None:
         return Patch(title=title_of(command), steps=(Assign(at=(), key="root", value=record),))
     parent, name, container = editing.parent(command.path, "")
     at = (*editing.place(parent), slot(container))
     return Patch(title=title_of(command), steps=(Assign(at=at, key=name, value=record),))
 
 
-def _expect_same_ends(spot: Spot, node: Subtask, inside: Task) -> None:
+def _expect_same_ends(placed: PlacedNode, node: Subtask, inside: Task) -> None:
     """Refuse a file whose outcomes aren't those of its root: what is around the subtask speaks of them."""
     if any(label != target for label, target in inside.root.on.items()):
         raise EditError(
-            spot.path, f"{node.task} has outcomes of its own (`on` of its root); let them be the root's own"
+            placed.path, f"{node.task} has outcomes of its own (`on` of its root); let them be the root's own"
         )
     if node.meaning:
-        raise EditError(spot.path, "its `meaning` differs from the file's; change it there")
+        raise EditError(placed.path, "its `meaning` differs from the file's; change it there")
 
 
 class _Merging:
     """The variables of a file among those of the task that runs it."""
 
-    def __init__(self, spot: Spot, node: Subtask, inside: Task, catalog: Catalog):
-        self.spot, self.node, self.inside, self.catalog = spot, node, inside, catalog
-        self.survey = Survey(inside, catalog)
+    def __init__(self, placed: PlacedNode, node: Subtask, inside: Task, catalog: Catalog):
+        self.placed, self.node, self.inside, self.catalog = placed, node, inside, catalog
+        self.analysis = TaskAnalysis(inside, catalog)
 
     def bound(self) -> dict[str, str]:
         """Return each port that is bound -> the variable around the subtask."""
@@ -140,15 +140,15 @@ class _Merging:
 
     def check(self) -> None:
         """Refuse what can't be said with shared variables."""
-        node, path = self.node, self.spot.path
+        node, path = self.node, self.placed.path
         face = manifest_of_task(node.task, self.inside)
-        root = self.survey.root
+        root = self.analysis.root
         if {label: face.outcomes.get(label) for label in root.outcomes} != dict(root.outcomes) or (
             face.outcomes.keys() - root.outcomes.keys()
         ):
             raise EditError(path, f"{node.task} has other outcomes than its root; let them be the same")
         for port, variable in node.in_.items():
-            written = bool(self.survey.task_scope[port].bit & root.writes)
+            written = bool(self.analysis.task_scope[port].bit & root.writes)
             if port in node.out and node.out[port] != variable:
                 raise EditError(path, f"{port!r} goes in from {variable!r} and out to {node.out[port]!r}; bind one")
             if written and port not in node.out:
@@ -167,12 +167,12 @@ class _Merging:
         own = self.own()
         if own and isinstance(self.inside.root, Childless):
             raise EditError(
-                self.spot.path, f"the root of {self.node.task} can't declare variables; wrap it there first"
+                self.placed.path, f"the root of {self.node.task} can't declare variables; wrap it there first"
             )
         said = self.inside.root.precondition
         if said and set(parse_expression(said).names) & own.keys():
             raise EditError(
-                self.spot.path, f"the precondition in {self.node.task} reads variables of its own; use a guard"
+                self.placed.path, f"the precondition in {self.node.task} reads variables of its own; use a guard"
             )
 
     def own(self) -> dict[str, Any]:
@@ -190,9 +190,9 @@ class _Merging:
         """Return the node that takes the place of the subtask."""
         bound = self.bound()
         own = self.own()
-        taken = {*self.spot.around, *_declared(self.inside)}
-        to = {name: name if name not in self.spot.around else _fresh(name, taken) for name in own}
-        renamed = _renamed(self.inside, {**bound, **to}, self.spot.path)
+        taken = {*self.placed.around, *_declared(self.inside)}
+        to = {name: name if name not in self.placed.around else _fresh(name, taken) for name in own}
+        renamed = _renamed(self.inside, {**bound, **to}, self.placed.path)
         root: dict[str, Any] = file_data(renamed.root)
         root.pop("on", None)
         if own:

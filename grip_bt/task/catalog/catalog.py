@@ -16,7 +16,7 @@ from grip_bt.base.errors import DocumentError, ImplementationError, UnknownNameE
 from grip_bt.base.types import Type
 
 from .manifest import Manifest, read_manifests
-from .project_parts import Equipment
+from .project_parts import ProjectParts
 from .source_code import AllowedImports
 from .task_files import NoTaskFiles, TaskFiles
 
@@ -100,7 +100,7 @@ class Catalog:
     Attributes:
         tasks: likewise.
         named: returns store -> names of the messages that are there before a run; None where nobody can know.
-        equipment: returns what the project's arms, hands and nodes have; None where nobody can know.
+        parts: returns what the project's arms, hands and nodes have; None where nobody can know.
         code: what tasks may import besides.
 
     Raises:
@@ -110,7 +110,7 @@ class Catalog:
     def __init__(self, manifests: Iterable[Manifest] = (), tasks: TaskFiles | None = None):
         self.tasks: TaskFiles = NoTaskFiles() if tasks is None else tasks
         self.named: Callable[[], Mapping[str, Collection[str]] | None] = lambda: None
-        self.equipment: Callable[[], Equipment | None] = lambda: None
+        self.parts: Callable[[], ProjectParts | None] = lambda: None
         self.code = AllowedImports()
         self._manifests: dict[str, Manifest] = {}
         for manifest in manifests:
@@ -170,13 +170,13 @@ class Catalog:
         *,
         tasks: TaskFiles | None = None,
         named: Callable[[], Mapping[str, Collection[str]] | None] | None = None,
-        equipment: Callable[[], Equipment | None] | None = None,
+        parts: Callable[[], ProjectParts | None] | None = None,
         code: AllowedImports | None = None,
     ) -> Catalog:
         """Return a catalogue with the same nodes and other attributes, where they are given."""
         made = copy(self)
         made.tasks, made.named = tasks or self.tasks, named or self.named
-        made.equipment, made.code = equipment or self.equipment, code or self.code
+        made.parts, made.code = parts or self.parts, code or self.code
         return made
 
     def __contains__(self, id: object) -> bool:

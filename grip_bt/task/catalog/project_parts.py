@@ -12,14 +12,14 @@ Names = Literal["arm", "arms", "hand", "state", "taught", "posture", "finger", "
 """What a parameter may name: an arm, several, a hand, a named state of the arm, a state or pose that was taught to it,
 a posture of the hand, its fingers, its fingers or links, a link, a type of ROS. Of a mapping, `finger` and `tip` mean
 the keys, `interface` the values."""
-UNFIT, MISSING, UNMOVED = "unfit-project", "missing-package", "no-controller"
-"""Codes of troubles."""
+UNFIT_PROJECT, MISSING_PACKAGE, NO_CONTROLLER = "unfit-project", "missing-package", "no-controller"
+"""Codes of problems."""
 _MOST = 12
 """How many types of a package are listed."""
 
 
 @dataclass(frozen=True, slots=True)
-class Trouble:
+class Problem:
     """Why something that the project declares won't work.
 
     Attributes:
@@ -34,20 +34,20 @@ class Trouble:
 
 
 @dataclass(frozen=True, slots=True)
-class Equipped:
+class PartNames:
     """An arm or a hand.
 
     Attributes:
         known: what its parameters may name -> the names; a kind that it lacks isn't known, and nothing is said of it.
-        troubles: what is wrong with what the project says of it.
+        problems: what is wrong with what the project says of it.
     """
 
     known: Mapping[str, Collection[str]] = field(default_factory=dict)
-    troubles: tuple[Trouble, ...] = ()
+    problems: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Equipment:
+class ProjectParts:
     """A project's parts.
 
     Attributes:
@@ -58,25 +58,27 @@ class Equipment:
             there is no ROS, and tasks are only drawn.
     """
 
-    arms: Mapping[str, Equipped] | None = None
-    hands: Mapping[str, Equipped] | None = None
-    nodes: Mapping[str, tuple[Trouble, ...]] = field(default_factory=dict)
+    arms: Mapping[str, PartNames] | None = None
+    hands: Mapping[str, PartNames] | None = None
+    nodes: Mapping[str, tuple[Problem, ...]] = field(default_factory=dict)
     packages: Collection[str] | None = None
 
 
-def missing_package(name: str, packages: Collection[str], where: str = "") -> Trouble:
+def missing_package(name: str, packages: Collection[str], where: str = "") -> Problem:
     """Return that a ROS package isn't here, which is needed by what stands at `where`."""
     lead = f"{where}: " if where else ""
     message = f"{lead}the ROS package {name!r} isn't installed{nearest(name, sorted(packages))}"
-    return Trouble(MISSING, message, "install it, source its workspace, or build it: `grip interfaces build DIR`")
+    return Problem(
+        MISSING_PACKAGE, message, "install it, source its workspace, or build it: `grip interfaces build DIR`"
+    )
 
 
-def missing_type(type_: str, packages: Collection[str], where: str = "", message: bool = False) -> Trouble | None:
+def missing_type(type_: str, packages: Collection[str], where: str = "", message: bool = False) -> Problem | None:
     """Return that a ROS type isn't here, or None where it is, or nobody knows.
 
     Args:
         type_: such as `sensor_msgs/msg/Image`.
-        packages: those that are here, as `Equipment` has them.
+        packages: those that are here, as `ProjectParts` has them.
         where: what needs it.
         message: whether a message is needed, as topics carry it, and no service or action.
     """
@@ -88,11 +90,11 @@ def missing_type(type_: str, packages: Collection[str], where: str = "", message
     lead = f"{where}: " if where else ""
     if message and "/" in name and not name.startswith("msg/"):
         said = f"{lead}{type_!r} is no message, and a topic carries messages"
-        return Trouble(MISSING, said, "name its message, or wrap it as a component: `grip component add`")
+        return Problem(MISSING_PACKAGE, said, "name its message, or wrap it as a component: `grip component add`")
     if not known or name in known:
         return None
     same_kind = sorted(f"{package}/{n}" for n in known if n.partition("/")[0] == name.partition("/")[0])
     hint = nearest(name.rpartition("/")[2], [n.rpartition("/")[2] for n in same_kind])
     there_are = f" (available: {listing(same_kind[:_MOST])}{', ...' if len(same_kind) > _MOST else ''})"
     said = f"{lead}the ROS package {package!r} has no {name!r}{hint or there_are}"
-    return Trouble(MISSING, said, "name one that it has, or install the release that has it")
+    return Problem(MISSING_PACKAGE, said, "name one that it has, or install the release that has it")

@@ -159,6 +159,8 @@ def _said(error: Any) -> str:
     at = "/".join(str(step) for step in error["loc"][-2:] if step not in ("children", "child", "leaf"))
     if error["type"] == "missing":
         return f"the key {str(error['loc'][-1])!r} is missing"
+    if error["type"] == "extra_forbidden":
+        return f"there is no key {str(error['loc'][-1])!r}; keys are those of the file"
     if error["type"] == "string_pattern_mismatch":
         return f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
     return f"{at}: {error['msg']}"

@@ -7,18 +7,18 @@ from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 
+from .analysis import TaskAnalysis
 from .codes import SEVERITY, STRUCTURAL
 from .dataflow import check_dataflow
 from .expressions import check_expressions
 from .leaves import check_names, check_numbers, check_subtasks
 from .outcomes import check_outcomes, check_reach
-from .parts import check_equipment, check_foreign, check_messages
-from .possible import Possible
+from .parts import check_foreign, check_messages, check_parts
+from .possible import PossibleOutcomes
 from .subtasks import Checked, Subtasks
-from .survey import Survey
 from .variables import check_parallel, check_variables
 
-__all__ = ["SEVERITY", "structural_issues", "survey_of", "validate"]
+__all__ = ["SEVERITY", "structural_issues", "analyse", "validate"]
 
 
 def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:
@@ -35,7 +35,7 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
     return ordered(_checked(task, catalog, document, None).issues)
 
 
-def survey_of(task: Task, catalog: Catalog) -> Survey:
+def analyse(task: Task, catalog: Catalog) -> TaskAnalysis:
     """Return what the rules read, after all rules: with what is known of the files that the task runs."""
     return _checked(task, catalog, None, None)
 
@@ -51,33 +51,33 @@ def structural_issues(task: Task, catalog: Catalog) -> list[Issue]:
 
 
 def _structural(task: Task, catalog: Catalog, subtasks: Subtasks) -> list[Issue]:
-    survey = Survey(task, catalog, None, subtasks)
+    analysis = TaskAnalysis(task, catalog, None, subtasks)
     for rule in (check_names, check_foreign, check_subtasks, check_variables, check_expressions, check_parallel):
-        rule(survey)
-    check_outcomes(survey, None)
-    return [issue for issue in survey.issues if issue.code in STRUCTURAL]
+        rule(analysis)
+    check_outcomes(analysis, None)
+    return [issue for issue in analysis.issues if issue.code in STRUCTURAL]
 
 
-def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None) -> Survey:
-    """Return the survey of a task after all rules."""
+def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None) -> TaskAnalysis:
+    """Return the analysis of a task after all rules."""
 
     def inside(task: Task) -> Checked:
-        survey = _checked(task, catalog, None, known)
-        return survey.issues, survey.written
+        analysis = _checked(task, catalog, None, known)
+        return analysis.issues, analysis.written
 
     known = subtasks or Subtasks(catalog, inside)
-    survey = Survey(task, catalog, document, known)
-    possible = Possible(survey)
-    check_names(survey)
-    check_numbers(survey)
-    check_messages(survey)
-    check_equipment(survey)
-    check_foreign(survey)
-    check_subtasks(survey)
-    check_variables(survey)
-    check_expressions(survey)
-    check_outcomes(survey, possible)
-    check_reach(survey, possible)
-    check_parallel(survey)
-    check_dataflow(survey, possible)
-    return survey
+    analysis = TaskAnalysis(task, catalog, document, known)
+    possible = PossibleOutcomes(analysis)
+    check_names(analysis)
+    check_numbers(analysis)
+    check_messages(analysis)
+    check_parts(analysis)
+    check_foreign(analysis)
+    check_subtasks(analysis)
+    check_variables(analysis)
+    check_expressions(analysis)
+    check_outcomes(analysis, possible)
+    check_reach(analysis, possible)
+    check_parallel(analysis)
+    check_dataflow(analysis, possible)
+    return analysis

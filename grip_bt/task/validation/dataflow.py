@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from grip_bt.task import Foreign, Leaf, Subtask
 from grip_bt.task.kind_analysis import flow
 
+from .analysis import PlacedNode, TaskAnalysis
 from .codes import default_outcome
-from .possible import Possible
-from .survey import Spot, Survey
+from .possible import PossibleOutcomes
 
 States = dict[str, int]
 """Outcome -> variables that are surely written when a node ends with it; an outcome that can't occur is absent."""
@@ -33,72 +33,72 @@ class DataFlow:
         ends: outcome of the root -> the variables that are surely written then.
     """
 
-    def __init__(self, survey: Survey, possible: Possible | None = None):
+    def __init__(self, analysis: TaskAnalysis, possible: PossibleOutcomes | None = None):
         self.missing: dict[tuple[str, tuple[str, ...]], str] = {}
-        self._child_ends = (possible or Possible(survey)).ends
+        self._child_ends = (possible or PossibleOutcomes(analysis)).ends
         self._known: dict[tuple[str, int], States] = {}
         start = 0
-        for declared in survey.task_scope.values():
+        for declared in analysis.task_scope.values():
             start |= declared.bit if declared.has_value or declared.key == "inputs" else 0
-        self.ends = self._after(survey.root, start)
+        self.ends = self._after(analysis.root, start)
 
-    def _after(self, spot: Spot, state: int) -> States:
+    def _after(self, placed: PlacedNode, state: int) -> States:
         """Return the states after a node; nobody changes them."""
-        key = (spot.path, state)
+        key = (placed.path, state)
         if key not in self._known:
-            self._known[key] = self._entered(spot, state)
+            self._known[key] = self._entered(placed, state)
         return self._known[key]
 
-    def _entered(self, spot: Spot, state: int) -> States:
-        if not spot.node.precondition:
-            return self._analyse(spot, state)
-        self._expressions(spot, state, ("precondition",))
-        after = dict(self._analyse(spot, state))
+    def _entered(self, placed: PlacedNode, state: int) -> States:
+        if not placed.node.precondition:
+            return self._analyse(placed, state)
+        self._expressions(placed, state, ("precondition",))
+        after = dict(self._analyse(placed, state))
         _meet(after, "failure", state)
         return after
 
-    def _expressions(self, spot: Spot, state: int, keys: tuple[str, ...]) -> None:
+    def _expressions(self, placed: PlacedNode, state: int, keys: tuple[str, ...]) -> None:
         """Note what the expressions at `keys` read before it is written."""
-        for key, read in spot.expressions():
+        for key, read in placed.expressions():
             for declared in read if key in keys else ():
                 if not declared.bit & state:
-                    self.missing[spot.path, (key,)] = declared.name
+                    self.missing[placed.path, (key,)] = declared.name
 
-    def _analyse(self, spot: Spot, state: int) -> States:
-        node = spot.node
+    def _analyse(self, placed: PlacedNode, state: int) -> States:
+        node = placed.node
         if isinstance(node, _PORTED):
-            return self._leaf(spot, node, state)
+            return self._leaf(placed, node, state)
         if isinstance(node, Foreign):
-            return dict.fromkeys(spot.outcomes, state)
+            return dict.fromkeys(placed.outcomes, state)
         for name in node.data:  # a scope begins anew each time its container is entered
-            declared = spot.scope[name]
+            declared = placed.scope[name]
             state = state | declared.bit if declared.has_value else state & ~declared.bit
 
         def after(name: str, before: int) -> States:
-            return self._after(spot.children[name], before)
+            return self._after(placed.children[name], before)
 
         def bit_of(key: str) -> int:
-            return spot.scope[getattr(node, key)].bit
+            return placed.scope[getattr(node, key)].bit
 
         def read(key: str, there: int) -> None:
             if key not in node.reads:
-                self._expressions(spot, there, (key.rstrip("_"),))
+                self._expressions(placed, there, (key.rstrip("_"),))
                 return
-            declared = spot.scope.get(getattr(node, key))
+            declared = placed.scope.get(getattr(node, key))
             if declared is not None and not declared.bit & there:
-                self.missing[spot.path, (key,)] = declared.name
+                self.missing[placed.path, (key,)] = declared.name
 
-        return flow(node, self._child_ends[spot.path], state, after, bit_of, read)
+        return flow(node, self._child_ends[placed.path], state, after, bit_of, read)
 
-    def _leaf(self, spot: Spot, node: Leaf | Subtask, state: int) -> States:
-        manifest = spot.manifest
+    def _leaf(self, placed: PlacedNode, node: Leaf | Subtask, state: int) -> States:
+        manifest = placed.manifest
         for port, name in node.in_.items():
-            declared = spot.scope.get(name)
+            declared = placed.scope.get(name)
             if declared is not None and not declared.bit & state:
-                self.missing[spot.path, ("in", port)] = name
-        after = dict.fromkeys(spot.outcomes, state)
+                self.missing[placed.path, ("in", port)] = name
+        after = dict.fromkeys(placed.outcomes, state)
         for port, name in node.out.items():
-            declared = spot.scope.get(name)
+            declared = placed.scope.get(name)
             if declared is None:
                 continue
             output = manifest.outputs.get(port) if manifest else None
@@ -126,13 +126,13 @@ def _meet(states: States, label: str, state: int) -> bool:
     return states[label] != old
 
 
-def check_dataflow(survey: Survey, possible: Possible) -> None:
+def check_dataflow(analysis: TaskAnalysis, possible: PossibleOutcomes) -> None:
     """Find reads of variables that some path hasn't written, and note which outputs of the task are written when."""
-    flow = DataFlow(survey, possible)
-    survey.written = _written(survey, flow.ends)
+    flow = DataFlow(analysis, possible)
+    analysis.written = _written(analysis, flow.ends)
     for (path, keys), name in flow.missing.items():
         reader = f"the port {keys[1]!r}" if keys[0] == "in" else f"`{keys[0]}`"
-        survey.add(
+        analysis.add(
             path,
             keys,
             "read-before-write",
@@ -141,17 +141,18 @@ def check_dataflow(survey: Survey, possible: Possible) -> None:
         )
 
 
-def _written(survey: Survey, ends: States) -> dict[str, tuple[str, ...]]:
+def _written(analysis: TaskAnalysis, ends: States) -> dict[str, tuple[str, ...]]:
     """Return output of the task -> its outcomes with which it has been written on every path."""
-    task, found = survey.task, States()
+    task, found = analysis.task, States()
     for outcome, state in ends.items():
         targets = _targets(task.root.on, outcome)
-        if outcome not in task.root.on and outcome in survey.root.outcomes:
-            by_itself = default_outcome(task, outcome, survey.root.outcomes[outcome])
+        if outcome not in task.root.on and outcome in analysis.root.outcomes:
+            by_itself = default_outcome(task, outcome, analysis.root.outcomes[outcome])
             targets = targets if by_itself is None else [*targets, by_itself]
         for target in targets:
             _meet(found, target, state)
     # an outcome that can't occur has nobody who misses anything
     return {
-        name: tuple(o for o in task.outcomes if found.get(o, -1) & survey.task_scope[name].bit) for name in task.outputs
+        name: tuple(o for o in task.outcomes if found.get(o, -1) & analysis.task_scope[name].bit)
+        for name in task.outputs
     }

@@ -12,7 +12,7 @@ from grip_bt.base.types import VALUES
 from grip_bt.task import expressions_of
 from grip_bt.task.catalog import Type, is_assignable, parse_type
 
-from .survey import Spot, Survey
+from .analysis import PlacedNode, TaskAnalysis
 
 BOOL, INT, FLOAT, ANY = Type("bool"), Type("int"), Type("float"), Type("Any")
 _NUMBERS = ("int", "float", "Any")
@@ -156,46 +156,46 @@ CONDITIONS = ("precondition", "if", "while")
 """Keys whose expression is true or false."""
 
 
-def check_expressions(survey: Survey) -> None:
+def check_expressions(analysis: TaskAnalysis) -> None:
     """Find expressions that can't be read, unknown variables in them, and parts of wrong types."""
-    for spot in survey.spots:
-        for key, text in expressions_of(spot.node):
+    for placed in analysis.nodes:
+        for key, text in expressions_of(placed.node):
             try:
                 expression = parse_expression(text)
             except ExpressionError as error:
-                survey.add(spot.path, key, "bad-expression", str(error))
+                analysis.add(placed.path, key, "bad-expression", str(error))
                 continue
-            _names(survey, spot, key, expression)
-            _types(survey, spot, key, expression)
+            _names(analysis, placed, key, expression)
+            _types(analysis, placed, key, expression)
 
 
-def _names(survey: Survey, spot: Spot, key: str, expression: Expression) -> None:
-    scope = spot.scope_of(key)
+def _names(analysis: TaskAnalysis, placed: PlacedNode, key: str, expression: Expression) -> None:
+    scope = placed.scope_of(key)
     for name in expression.names:
         if name not in scope:
             message = f"`{expression.text}` reads {name!r}, which isn't declared"
             new = "declare it in `data` of an enclosing container; text is written in quotes"
-            survey.unknown(spot.path, key, "undeclared-variable", message, name, scope, new)
+            analysis.unknown(placed.path, key, "undeclared-variable", message, name, scope, new)
 
 
-def _types(survey: Survey, spot: Spot, key: str, expression: Expression) -> None:
+def _types(analysis: TaskAnalysis, placed: PlacedNode, key: str, expression: Expression) -> None:
     wrong: list[str] = []
 
     def note(part: ast.expr, reason: str) -> None:
         wrong.append(reason)
-        survey.add(
-            spot.path,
+        analysis.add(
+            placed.path,
             key,
             "wrong-expression-type",
             f"`{expression.text}`, column {expression.column(part)}: {reason}",
         )
 
-    scope = spot.scope_of(key)
+    scope = placed.scope_of(key)
     types: dict[str, Type] = {name: scope[name].type or ANY for name in expression.names if name in scope}
     given = type_of(expression, types, note)
     if key in CONDITIONS and given.name not in ("bool", "Any") and not wrong:
-        survey.add(
-            spot.path,
+        analysis.add(
+            placed.path,
             key,
             "wrong-expression-type",
             f"`{expression.text}` gives a {given}; `{key}` has to be true or false",

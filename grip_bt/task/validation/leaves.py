@@ -12,28 +12,28 @@ from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Leaf, Subtask, Switch, Variable
 from grip_bt.task.catalog import Manifest, check_value
 
+from .analysis import PlacedNode, TaskAnalysis, type_or_none
 from .codes import has_literal_form, producers, suggestion
-from .survey import Spot, Survey, type_or_none
 
 HINTED = 300
 """Unknown node types for which a similar one is looked for: who has more has no slip of the pen."""
 
 
-def check_names(survey: Survey) -> None:
+def check_names(analysis: TaskAnalysis) -> None:
     """Find unknown node types, and parameters, ports and meanings that a node's manifest doesn't have or needs."""
-    words = cache(lambda id: _unknown_node(survey, id, next(asked) < HINTED))
+    words = cache(lambda id: _unknown_node(analysis, id, next(asked) < HINTED))
     asked = count()
-    for spot in survey.leaves:
-        node, manifest = spot.node, spot.manifest
+    for placed in analysis.leaves:
+        node, manifest = placed.node, placed.manifest
         assert isinstance(node, Leaf), "these are leaves"
         if manifest is None:
-            survey.add(spot.path, "node", "unknown-node", *words(node.node))
+            analysis.add(placed.path, "node", "unknown-node", *words(node.node))
         else:
-            _ports(survey, spot, node, manifest)
-            _parameters(survey, spot.path, node, manifest)
+            _ports(analysis, placed, node, manifest)
+            _parameters(analysis, placed.path, node, manifest)
 
 
-def _ports(survey: Survey, spot: Spot, node: Leaf | Subtask, manifest: Manifest) -> None:
+def _ports(analysis: TaskAnalysis, placed: PlacedNode, node: Leaf | Subtask, manifest: Manifest) -> None:
     """Find names under `with`, `in`, `out` and `meaning` that a manifest doesn't have, and inputs that are missing."""
     literals = ("input", manifest.inputs) if isinstance(node, Subtask) else ("parameter", manifest.parameters)
     sides: tuple[tuple[str, Iterable[str], str, Mapping[str, object]], ...] = (
@@ -47,19 +47,19 @@ def _ports(survey: Survey, spot: Spot, node: Leaf | Subtask, manifest: Manifest)
             if name not in allowed:
                 message = f"{manifest.id} has no {word} {name!r}"
                 otherwise = f"remove it from `{key}`"
-                fix = _other_side(survey, spot, key, name) if isinstance(node, Leaf) else ""
-                survey.unknown(spot.path, (key, name), f"unknown-{word}", message, name, allowed, otherwise, fix)
+                fix = _other_side(analysis, placed, key, name) if isinstance(node, Leaf) else ""
+                analysis.unknown(placed.path, (key, name), f"unknown-{word}", message, name, allowed, otherwise, fix)
     for port, declared in manifest.inputs.items():
         if declared.required and port not in node.in_ and (isinstance(node, Leaf) or port not in node.with_):
             literal = "" if isinstance(node, Leaf) else f", or give a literal: `with: {{{port}: ...}}`"
             message = f"{manifest.id} needs the input {port!r} ({declared.type})"
             fix = f"bind it: `in: {{{port}: <variable>}}`{literal}"
-            survey.add(spot.path, ("in", port), "missing-input", message, fix)
+            analysis.add(placed.path, ("in", port), "missing-input", message, fix)
 
 
-def _unknown_node(survey: Survey, id: str, hinted: bool) -> tuple[str, str]:
+def _unknown_node(analysis: TaskAnalysis, id: str, hinted: bool) -> tuple[str, str]:
     """Return what is said about a node that doesn't exist, and what to do about it."""
-    ids = survey.catalog.ids()
+    ids = analysis.catalog.ids()
     hint = nearest(id, ids) if hinted else ""
     fix = suggestion(hint, "correct the name, or add the component that has it")
     room = id.partition("/")[0]
@@ -68,26 +68,26 @@ def _unknown_node(survey: Survey, id: str, hinted: bool) -> tuple[str, str]:
     return f"there is no node {id!r}{there}{hint}", fix
 
 
-def _other_side(survey: Survey, spot: Spot, key: str, name: str) -> str:
+def _other_side(analysis: TaskAnalysis, placed: PlacedNode, key: str, name: str) -> str:
     """Return what to do with a name that is of the other side: an input given a literal, a parameter a variable."""
-    inputs, parameters = (spot.manifest.inputs, spot.manifest.parameters) if spot.manifest else ({}, {})
+    inputs, parameters = (placed.manifest.inputs, placed.manifest.parameters) if placed.manifest else ({}, {})
     if key == "with" and name in inputs:
         text, type_ = inputs[name].type, type_or_none(inputs[name].type)
         given = type_ is None or has_literal_form(type_)
         declared = f"`data: {{{name}: {f'{{type: {text}, value: ...}}' if given else text}}}`"
-        first = "" if type_ is None or given else f"; write it first{producers(survey.catalog, type_)}"
+        first = "" if type_ is None or given else f"; write it first{producers(analysis.catalog, type_)}"
         return f"{name!r} is an input: declare a variable, {declared}, and bind it: `in: {{{name}: {name}}}`{first}"
     if key == "in" and name in parameters:
         return f"{name!r} is a parameter: give it as a literal, `with: {{{name}: ...}}`"
     return ""
 
 
-def _parameters(survey: Survey, path: str, node: Leaf, manifest: Manifest) -> None:
+def _parameters(analysis: TaskAnalysis, path: str, node: Leaf, manifest: Manifest) -> None:
     for name, parameter in manifest.parameters.items():
         if name in node.with_:
             reason = check_value(parameter.type, node.with_[name])
             if reason:
-                survey.add(
+                analysis.add(
                     path,
                     ("with", name),
                     "wrong-parameter-type",
@@ -95,7 +95,7 @@ def _parameters(survey: Survey, path: str, node: Leaf, manifest: Manifest) -> No
                     f"give a literal of type {parameter.type}",
                 )
         elif parameter.required:
-            survey.add(
+            analysis.add(
                 path,
                 ("with", name),
                 "missing-parameter",
@@ -104,21 +104,21 @@ def _parameters(survey: Survey, path: str, node: Leaf, manifest: Manifest) -> No
             )
 
 
-def check_subtasks(survey: Survey) -> None:
+def check_subtasks(analysis: TaskAnalysis) -> None:
     """Find files that can't be run, ports that they don't have or that are missing, and outputs that nothing writes."""
-    for spot in survey.spots:
-        if isinstance(spot.node, Subtask):
-            found = survey.subtasks.look(spot.node.task)
+    for placed in analysis.nodes:
+        if isinstance(placed.node, Subtask):
+            found = analysis.subtasks.look(placed.node.task)
             if found.code:
-                survey.add(spot.path, "task", found.code, found.message, found.fix)
-            if spot.manifest is not None:
-                _ports(survey, spot, spot.node, spot.manifest)
-                for port in spot.node.with_:
-                    if port in spot.manifest.inputs:
-                        _literal(survey, spot, spot.node, port, spot.manifest.inputs[port].type)
-    for name in survey.task.outputs:
-        if not survey.task_scope[name].bit & survey.root.writes and not survey.task_scope[name].has_value:
-            survey.add(
+                analysis.add(placed.path, "task", found.code, found.message, found.fix)
+            if placed.manifest is not None:
+                _ports(analysis, placed, placed.node, placed.manifest)
+                for port in placed.node.with_:
+                    if port in placed.manifest.inputs:
+                        _literal(analysis, placed, placed.node, port, placed.manifest.inputs[port].type)
+    for name in analysis.task.outputs:
+        if not analysis.task_scope[name].bit & analysis.root.writes and not analysis.task_scope[name].has_value:
+            analysis.add(
                 "",
                 ("outputs", name),
                 "unwritten-output",
@@ -127,10 +127,10 @@ def check_subtasks(survey: Survey) -> None:
             )
 
 
-def _literal(survey: Survey, spot: Spot, node: Subtask, port: str, type_name: str) -> None:
+def _literal(analysis: TaskAnalysis, placed: PlacedNode, node: Subtask, port: str, type_name: str) -> None:
     if port in node.in_:
-        survey.add(
-            spot.path,
+        analysis.add(
+            placed.path,
             ("with", port),
             "input-given-twice",
             f"the input {port!r} is bound under `in` and has a literal under `with`",
@@ -138,8 +138,8 @@ def _literal(survey: Survey, spot: Spot, node: Subtask, port: str, type_name: st
         )
     reason = check_value(type_name, node.with_[port])
     if reason:
-        survey.add(
-            spot.path,
+        analysis.add(
+            placed.path,
             ("with", port),
             "wrong-parameter-type",
             f"the input {port!r} of {node.task} {reason}",
@@ -150,29 +150,29 @@ def _literal(survey: Survey, spot: Spot, node: Subtask, port: str, type_name: st
 Place = tuple[str | int, ...]
 
 
-def check_numbers(survey: Survey) -> None:
+def check_numbers(analysis: TaskAnalysis) -> None:
     """Find numbers that aren't finite in what nodes are given, and `.nan` also in what variables begin with."""
-    for spot in survey.spots:
-        node = spot.node
+    for placed in analysis.nodes:
+        node = placed.node
         if isinstance(node, Leaf):
             for place, number in _strange(node.with_, ("with",)):
-                _say(survey, spot.path, place, number)
+                _say(analysis, placed.path, place, number)
         elif isinstance(node, Subtask):
-            _say_of_nan(survey, spot.path, node.with_, ("with",))
+            _say_of_nan(analysis, placed.path, node.with_, ("with",))
         elif isinstance(node, Switch):
-            _say_of_nan(survey, spot.path, node.cases, ("cases",))
+            _say_of_nan(analysis, placed.path, node.cases, ("cases",))
         elif isinstance(seconds := getattr(node, "seconds", None), float) and not isfinite(seconds):
-            _say(survey, spot.path, ("seconds",), seconds)
-    for declared in survey.declared:
+            _say(analysis, placed.path, ("seconds",), seconds)
+    for declared in analysis.declared:
         if isinstance(declared.variable, Variable) and declared.has_value:
-            _say_of_nan(survey, declared.owner, declared.variable.value, (declared.key, declared.name, "value"))
+            _say_of_nan(analysis, declared.owner, declared.variable.value, (declared.key, declared.name, "value"))
 
 
-def _say_of_nan(survey: Survey, path: str, value: Any, place: Place) -> None:
+def _say_of_nan(analysis: TaskAnalysis, path: str, value: Any, place: Place) -> None:
     """Note only what is no number at all: a search for the least, for instance, begins with infinity."""
     for found, number in _strange(value, place):
         if isnan(number):
-            _say(survey, path, found, number)
+            _say(analysis, path, found, number)
 
 
 def _strange(value: Any, place: Place) -> Iterator[tuple[Place, float]]:
@@ -188,12 +188,12 @@ def _strange(value: Any, place: Place) -> Iterator[tuple[Place, float]]:
             yield from _strange(item, (*place, index))
 
 
-def _say(survey: Survey, path: str, place: Place, number: float) -> None:
+def _say(analysis: TaskAnalysis, path: str, place: Place, number: float) -> None:
     where = "/".join(map(str, place))
     if isnan(number):
         reason = "`.nan` is no number: nothing equals it, and no motion, time or limit can be made of it"
-        survey.add(path, place, "not-a-number", f"{where}: {reason}", "write a number, or leave it out")
+        analysis.add(path, place, "not-a-number", f"{where}: {reason}", "write a number, or leave it out")
         return
     word = ".inf" if number > 0 else "-.inf"
     reason = f"`{word}` isn't finite: no place, time or force is; what has no end is `null`, or isn't said"
-    survey.add(path, place, "infinite-number", f"{where}: {reason}", "write a finite number")
+    analysis.add(path, place, "infinite-number", f"{where}: {reason}", "write a finite number")

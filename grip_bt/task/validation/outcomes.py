@@ -9,64 +9,64 @@ from grip_bt.base.evaluation import same_literal
 from grip_bt.task import Parallel, StateMachine, Switch, Task
 from grip_bt.task.model import Childless
 
+from .analysis import PlacedNode, TaskAnalysis
 from .codes import default_outcome, suggestion
-from .possible import Possible, machine_edges, reachable
-from .survey import Spot, Survey
+from .possible import PossibleOutcomes, machine_edges, reachable
 
 
-def check_outcomes(survey: Survey, possible: Possible | None) -> None:
+def check_outcomes(analysis: TaskAnalysis, possible: PossibleOutcomes | None) -> None:
     """Find ends that lead nowhere, targets that don't exist, outcomes that nothing leads to and impossible ones."""
-    for spot in survey.spots:
-        node = spot.node
-        if node.precondition and spot.outcomes.get("failure") == "success":
-            survey.add(
-                spot.path,
+    for placed in analysis.nodes:
+        node = placed.node
+        if node.precondition and placed.outcomes.get("failure") == "success":
+            analysis.add(
+                placed.path,
                 "precondition",
                 "contradictory-outcome",
                 "a precondition that is false ends the node with `failure`, which means success here",
                 "give the outcome that means success another name",
             )
         if isinstance(node, StateMachine):
-            _machine(survey, spot, node)
+            _machine(analysis, placed, node)
         elif not isinstance(node, Childless):
-            if not spot.children:
-                survey.add(
-                    spot.path,
+            if not placed.children:
+                analysis.add(
+                    placed.path,
                     "children",
                     "empty-container",
                     f"a {node.kind} without children does nothing",
                     "add a child, or remove it",
                 )
             if isinstance(node, Switch):
-                _cases(survey, spot, node)
-            _reserved(survey, spot, node.outcomes)
-            _exits(survey, spot, node.exits, possible)
+                _cases(analysis, placed, node)
+            _reserved(analysis, placed, node.outcomes)
+            _exits(analysis, placed, node.exits, possible)
             rules = node.rules if isinstance(node, Parallel) else []
             targets = (*node.exits.values(), *(rule.then for rule in rules))
-            _unused(survey, spot.path, node.outcomes, targets, "`exits`")
-        if spot.node.on and spot.parent is not None and not spot.in_machine:
-            survey.add(
-                spot.path,
+            _unused(analysis, placed.path, node.outcomes, targets, "`exits`")
+        if placed.node.on and placed.parent is not None and not placed.in_machine:
+            analysis.add(
+                placed.path,
                 "on",
                 "misplaced-on",
-                f"`on` stands only in children of a state_machine and in the root; {spot.parent.path} isn't one",
-                f"write `exits: {{{spot.name}.<outcome>: ...}}` in {spot.parent.path}, or make it a state_machine",
+                f"`on` stands only in children of a state_machine and in the root; {placed.parent.path} isn't one",
+                f"write `exits: {{{placed.name}.<outcome>: ...}}` in {placed.parent.path}, or make it a state_machine",
             )
-    _root(survey, survey.task)
+    _root(analysis, analysis.task)
 
 
-def _cases(survey: Survey, spot: Spot, node: Switch) -> None:
+def _cases(analysis: TaskAnalysis, placed: PlacedNode, node: Switch) -> None:
     for key, names in (("cases", [*node.cases]), ("default", [node.default] if node.default else [])):
         for name in names:
-            if name not in spot.children:
+            if name not in placed.children:
                 where, message = (key, name) if key == "cases" else key, f"`{key}` names no child: {name!r}"
-                survey.unknown(spot.path, where, "unknown-child", message, name, spot.children)
+                analysis.unknown(placed.path, where, "unknown-child", message, name, placed.children)
     seen: list[tuple[str, object]] = []
     for child, literal in node.literals():
         earlier = next((name for name, other in seen if same_literal(other, literal)), None)
         if earlier is not None:
-            survey.add(
-                spot.path,
+            analysis.add(
+                placed.path,
                 ("cases", child),
                 "ambiguous-case",
                 f"{literal!r} is a case of {earlier!r} and again of {child!r}",
@@ -75,11 +75,11 @@ def _cases(survey: Survey, spot: Spot, node: Switch) -> None:
         seen.append((child, literal))
 
 
-def _reserved(survey: Survey, spot: Spot, outcomes: Mapping[str, str]) -> None:
+def _reserved(analysis: TaskAnalysis, placed: PlacedNode, outcomes: Mapping[str, str]) -> None:
     for name in ("success", "failure"):
         if outcomes.get(name, name) != name:
-            survey.add(
-                spot.path,
+            analysis.add(
+                placed.path,
                 ("outcomes", name),
                 "contradictory-outcome",
                 f"the outcome {name!r} can't mean {outcomes[name]}",
@@ -87,45 +87,42 @@ def _reserved(survey: Survey, spot: Spot, outcomes: Mapping[str, str]) -> None:
             )
 
 
-def _exits(survey: Survey, spot: Spot, exits: Mapping[str, str], possible: Possible | None) -> None:
+def _exits(
+    analysis: TaskAnalysis, placed: PlacedNode, exits: Mapping[str, str], possible: PossibleOutcomes | None
+) -> None:
     for key, target in exits.items():
         child_name, _, label = key.partition(".")
         where = ("exits", key)
-        child = spot.children.get(child_name)
+        child = placed.children.get(child_name)
         if child is None or not label:
-            hint = nearest(child_name, spot.children)
-            survey.add(
-                spot.path,
-                where,
-                "unknown-child",
-                f"exits are `child.outcome: exit`; {key!r} names no child{hint} (available: {listing(spot.children)})",
-            )
-        elif check_label(survey, spot.path, where, child, label):
+            message = f"exits are `child.outcome: exit`; {key!r} names no child"
+            analysis.unknown(placed.path, where, "unknown-child", message, child_name, placed.children)
+        elif check_label(analysis, placed.path, where, child, label):
             if possible is not None and label.partition(".")[0] not in possible.labels(child):
-                survey.add(
-                    spot.path,
+                analysis.add(
+                    placed.path,
                     where,
                     "impossible-outcome",
                     f"{child_name!r} never ends with {label!r}",
                     "remove this exit",
                 )
-        if target not in spot.outcomes:
-            unknown_target(survey, spot.path, where, target, spot.outcomes, "outcomes of this container")
+        if target not in placed.outcomes:
+            unknown_target(analysis, placed.path, where, target, placed.outcomes, "outcomes of this container")
 
 
-def check_label(survey: Survey, path: str, where: tuple[str | int, ...], child: Spot, label: str) -> bool:
+def check_label(analysis: TaskAnalysis, path: str, where: tuple[str | int, ...], child: PlacedNode, label: str) -> bool:
     """Check `outcome` or `outcome.code` of a child; tell whether there is such an outcome."""
     outcome, dot, code = label.partition(".")
     if outcome not in child.outcomes:
         message = f"{child.name!r} has no outcome {outcome!r}"
-        survey.unknown(path, where, "unknown-outcome", message, outcome, child.outcomes, "remove it")
+        analysis.unknown(path, where, "unknown-outcome", message, outcome, child.outcomes, "remove it")
         return False
     if dot and child.outcomes[outcome] == "success":
-        survey.add(path, where, "unknown-code", f"{outcome!r} is a success, which has no failure code", "remove it")
+        analysis.add(path, where, "unknown-code", f"{outcome!r} is a success, which has no failure code", "remove it")
     elif dot and child.codes is not None and code not in child.codes:
         known = sorted(child.codes)
         hint = nearest(code, known)
-        survey.add(
+        analysis.add(
             path,
             where,
             "unknown-code",
@@ -135,45 +132,45 @@ def check_label(survey: Survey, path: str, where: tuple[str | int, ...], child: 
     return True
 
 
-def _machine(survey: Survey, spot: Spot, node: StateMachine) -> None:
-    if node.initial not in spot.children:
+def _machine(analysis: TaskAnalysis, placed: PlacedNode, node: StateMachine) -> None:
+    if node.initial not in placed.children:
         message = f"`initial` names no child: {node.initial!r}"
-        survey.unknown(spot.path, "initial", "unknown-child", message, node.initial, spot.children)
+        analysis.unknown(placed.path, "initial", "unknown-child", message, node.initial, placed.children)
     targets: list[str] = []
-    for child in spot.children.values():
+    for child in placed.children.values():
         targets.extend(child.node.on.values())
         for label, target in child.node.on.items():
-            check_label(survey, child.path, ("on", label), child, label)
-            _machine_target(survey, spot, child, label, target)
+            check_label(analysis, child.path, ("on", label), child, label)
+            _machine_target(analysis, placed, child, label, target)
         for outcome in child.outcomes:
             if outcome not in child.node.on and child.outcomes:
-                _uncovered(survey, child, outcome)
+                _uncovered(analysis, child, outcome)
     if not set(node.outcomes).isdisjoint(targets):  # or else it is endless, which is said by another rule
-        _unused(survey, spot.path, node.outcomes, targets, "`on` of a child")
+        _unused(analysis, placed.path, node.outcomes, targets, "`on` of a child")
 
 
-def _machine_target(survey: Survey, spot: Spot, child: Spot, label: str, target: str) -> None:
-    sibling, outcome = target in spot.children, target in spot.outcomes
+def _machine_target(analysis: TaskAnalysis, placed: PlacedNode, child: PlacedNode, label: str, target: str) -> None:
+    sibling, outcome = target in placed.children, target in placed.outcomes
     where = ("on", label)
     if sibling and outcome:
-        survey.add(
+        analysis.add(
             child.path,
             where,
             "ambiguous-target",
-            f"{target!r} is both a sibling and an outcome of {spot.path}",
+            f"{target!r} is both a sibling and an outcome of {placed.path}",
             "rename one of them",
         )
     elif not sibling and not outcome:
-        allowed = (*spot.children, *spot.outcomes)
-        unknown_target(survey, child.path, where, target, allowed, "siblings and outcomes")
+        allowed = (*placed.children, *placed.outcomes)
+        unknown_target(analysis, child.path, where, target, allowed, "siblings and outcomes")
 
 
 def unknown_target(
-    survey: Survey, path: str, where: tuple[str | int, ...], target: str, allowed: Iterable[str], kind: str
+    analysis: TaskAnalysis, path: str, where: tuple[str | int, ...], target: str, allowed: Iterable[str], kind: str
 ) -> None:
     """Note a target that isn't among what is allowed."""
     hint = nearest(target, allowed)
-    survey.add(
+    analysis.add(
         path,
         where,
         "unknown-target",
@@ -182,10 +179,10 @@ def unknown_target(
     )
 
 
-def _uncovered(survey: Survey, child: Spot, outcome: str) -> None:
+def _uncovered(analysis: TaskAnalysis, child: PlacedNode, outcome: str) -> None:
     codes = [key for key in child.node.on if key.startswith(f"{outcome}.")]
     only = f"; {listing(codes)} covers only failures with that code" if codes else ""
-    survey.add(
+    analysis.add(
         child.path,
         ("on", outcome),
         "missing-target",
@@ -194,11 +191,11 @@ def _uncovered(survey: Survey, child: Spot, outcome: str) -> None:
     )
 
 
-def _unused(survey: Survey, path: str, outcomes: Iterable[str], targets: Iterable[str], where: str) -> None:
+def _unused(analysis: TaskAnalysis, path: str, outcomes: Iterable[str], targets: Iterable[str], where: str) -> None:
     used = set(targets)
     for outcome in outcomes:
         if outcome not in used and not (outcome in ("success", "failure") and where == "`exits`"):
-            survey.add(
+            analysis.add(
                 path,
                 ("outcomes", outcome),
                 "unused-outcome",
@@ -207,25 +204,25 @@ def _unused(survey: Survey, path: str, outcomes: Iterable[str], targets: Iterabl
             )
 
 
-def _root(survey: Survey, task: Task) -> None:
-    root = survey.root
+def _root(analysis: TaskAnalysis, task: Task) -> None:
+    root = analysis.root
     for label, target in task.root.on.items():
-        check_label(survey, "/", ("on", label), root, label)
+        check_label(analysis, "/", ("on", label), root, label)
         if target not in task.outcomes:
-            unknown_target(survey, "/", ("on", label), target, task.outcomes, "outcomes of the task")
+            unknown_target(analysis, "/", ("on", label), target, task.outcomes, "outcomes of the task")
     for outcome, meaning in root.outcomes.items():
         if outcome not in task.root.on and default_outcome(task, outcome, meaning) is None:
-            survey.add(
+            analysis.add(
                 "/",
                 ("on", outcome),
                 "missing-target",
                 f"the root may end with {outcome!r}, which leads to no outcome of the task",
                 f"add `{outcome}: <one of {listing(task.outcomes)}>` to the root's `on`",
             )
-    _unused(survey, "", task.outcomes, _root_targets(task, root), "`on` of the root")
+    _unused(analysis, "", task.outcomes, _root_targets(task, root), "`on` of the root")
 
 
-def _root_targets(task: Task, root: Spot) -> Iterator[str]:
+def _root_targets(task: Task, root: PlacedNode) -> Iterator[str]:
     yield from task.root.on.values()
     for outcome, meaning in root.outcomes.items():
         if outcome not in task.root.on:
@@ -234,31 +231,31 @@ def _root_targets(task: Task, root: Spot) -> Iterator[str]:
                 yield target
 
 
-def check_reach(survey: Survey, possible: Possible) -> None:
+def check_reach(analysis: TaskAnalysis, possible: PossibleOutcomes) -> None:
     """Find children that nothing leads to, state machines that can't end, and children from which no end is reached."""
-    for spot in possible.unreached:
-        assert spot.parent is not None
+    for placed in possible.unreached:
+        assert placed.parent is not None
         how = (
             "no `on` leads to it"
-            if isinstance(spot.parent.node, StateMachine)
+            if isinstance(placed.parent.node, StateMachine)
             else "the children before it never let it have its turn"
         )
-        survey.add(spot.path, None, "unreachable-node", f"it is never reached: {how}", "lead to it, or remove it")
-    for spot in survey.containers:
-        if isinstance(spot.node, StateMachine) and spot.node.initial in spot.children:
-            _ends(survey, spot, spot.node, possible)
+        analysis.add(placed.path, None, "unreachable-node", f"it is never reached: {how}", "lead to it, or remove it")
+    for placed in analysis.containers:
+        if isinstance(placed.node, StateMachine) and placed.node.initial in placed.children:
+            _ends(analysis, placed, placed.node, possible)
 
 
-def _ends(survey: Survey, spot: Spot, node: StateMachine, possible: Possible) -> None:
-    edges = machine_edges(spot, {c.path: possible.labels(c) for c in spot.children.values()})
+def _ends(analysis: TaskAnalysis, placed: PlacedNode, node: StateMachine, possible: PossibleOutcomes) -> None:
+    edges = machine_edges(placed, {c.path: possible.labels(c) for c in placed.children.values()})
     back: dict[str, list[str]] = {}
     for source, targets in edges.items():
         for target in targets:
             back.setdefault(target, []).append(source)
     ending = {name for outcome in node.outcomes for name in reachable(outcome, back)}
     if node.initial not in ending:
-        survey.add(
-            spot.path,
+        analysis.add(
+            placed.path,
             "outcomes",
             "endless-machine",
             "it can't end: no path from `initial` leads to one of its outcomes",
@@ -266,12 +263,12 @@ def _ends(survey: Survey, spot: Spot, node: StateMachine, possible: Possible) ->
         )
         return
     reached = reachable(node.initial, edges)
-    for name, child in spot.children.items():
+    for name, child in placed.children.items():
         if name in reached and name not in ending and edges[name]:
-            survey.add(
+            analysis.add(
                 child.path,
                 "on",
                 "dead-end",
-                f"once it is reached, {spot.path} can't end any more",
+                f"once it is reached, {placed.path} can't end any more",
                 "let a path from here lead to an outcome",
             )

@@ -8,48 +8,48 @@ from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import edges_of, possible
 from grip_bt.task.model import Childless
 
-from .survey import Spot, Survey
+from .analysis import PlacedNode, TaskAnalysis
 
 
-class Possible:
-    """Possible ends of every node, found from the leaves upwards.
+class PossibleOutcomes:
+    """PossibleOutcomes ends of every node, found from the leaves upwards.
 
     Attributes:
         ends: path of a container -> what its children may end with.
         unreached: nodes that are never run.
     """
 
-    def __init__(self, survey: Survey):
+    def __init__(self, analysis: TaskAnalysis):
         self._labels: dict[str, frozenset[str]] = {}
         self.ends: dict[str, Labels] = {}
-        self.unreached: list[Spot] = []
-        for spot in reversed(survey.spots):
-            labels = self._of(spot)
-            self._labels[spot.path] = labels | {"failure"} if spot.node.precondition else labels
+        self.unreached: list[PlacedNode] = []
+        for placed in reversed(analysis.nodes):
+            labels = self._of(placed)
+            self._labels[placed.path] = labels | {"failure"} if placed.node.precondition else labels
 
-    def labels(self, spot: Spot) -> frozenset[str]:
+    def labels(self, placed: PlacedNode) -> frozenset[str]:
         """Return the outcomes with which a node can end."""
-        return self._labels[spot.path]
+        return self._labels[placed.path]
 
-    def _of(self, spot: Spot) -> frozenset[str]:
-        node = spot.node
+    def _of(self, placed: PlacedNode) -> frozenset[str]:
+        node = placed.node
         if isinstance(node, Childless):
-            return frozenset(spot.outcomes)
+            return frozenset(placed.outcomes)
         ends = {
             # what an exit leads to needn't be there
             name: [(label, child.outcomes[label]) for label in self._labels[child.path] if label in child.outcomes]
-            for name, child in spot.children.items()
+            for name, child in placed.children.items()
         }
-        labels = self.ends[spot.path] = Labels(ends, *edges_of(node))
+        labels = self.ends[placed.path] = Labels(ends, *edges_of(node))
         found, reached = possible(node, labels)
-        self.unreached.extend(child for name, child in spot.children.items() if name not in reached)
-        return frozenset(found & spot.outcomes.keys() if node.by_edges else found)
+        self.unreached.extend(child for name, child in placed.children.items() if name not in reached)
+        return frozenset(found & placed.outcomes.keys() if node.by_edges else found)
 
 
-def machine_edges(spot: Spot, labels: Mapping[str, frozenset[str]]) -> dict[str, list[str]]:
+def machine_edges(placed: PlacedNode, labels: Mapping[str, frozenset[str]]) -> dict[str, list[str]]:
     """Return where each child of a state machine can lead: siblings and outcomes."""
     edges: dict[str, list[str]] = {}
-    for name, child in spot.children.items():
+    for name, child in placed.children.items():
         possible = labels[child.path]
         edges[name] = [t for label, t in child.node.on.items() if label.partition(".")[0] in possible]
     return edges

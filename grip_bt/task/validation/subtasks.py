@@ -15,7 +15,7 @@ Checked = tuple[list[Issue], Mapping[str, Iterable[str]]]
 
 
 @dataclass(frozen=True)
-class Found:
+class CheckedFile:
     """What is known of one file.
 
     Attributes:
@@ -41,14 +41,16 @@ class Subtasks:
 
     def __init__(self, catalog: Catalog, check: Callable[[Task], Checked]):
         self._catalog, self._check = catalog, check
-        self._found: dict[str, Found] = {}
+        self._found: dict[str, CheckedFile] = {}
         self._chain: list[str] = []
 
-    def look(self, file: str) -> Found:
+    def look(self, file: str) -> CheckedFile:
         """Return what is known of a file."""
         if file in self._chain:
             chain = " -> ".join((*self._chain[self._chain.index(file) :], file))
-            return Found(None, "recursive-subtask", f"a task can't run itself: {chain}", "take one of these steps out")
+            return CheckedFile(
+                None, "recursive-subtask", f"a task can't run itself: {chain}", "take one of these steps out"
+            )
         if file not in self._found:
             self._chain.append(file)
             try:
@@ -57,21 +59,21 @@ class Subtasks:
                 self._chain.pop()
         return self._found[file]
 
-    def _look(self, file: str) -> Found:
+    def _look(self, file: str) -> CheckedFile:
         try:
             task = self._catalog.tasks.read(file)
         except SubtaskError as error:
-            return Found(
+            return CheckedFile(
                 None, "unknown-subtask", f"{file!r} can't be run: {error.reason}", "name a task file of the project"
             )
         issues, written = self._check(task)
         face, errors = manifest_of_task(file, task, written), [issue for issue in issues if issue.severity == "error"]
         if not errors:
-            return Found(face)
+            return CheckedFile(face)
         first = next((issue for issue in errors if issue.code == "recursive-subtask"), None)
         if first is not None:
-            return Found(face, first.code, first.message, first.fix)
+            return CheckedFile(face, first.code, first.message, first.fix)
         number = "an error" if len(errors) == 1 else f"{len(errors)} errors"
         at = errors[0].path or "the task"
         message = f"{file} has {number}; {at}: {errors[0].message} [{errors[0].code}]"
-        return Found(face, "invalid-subtask", message, f"run `grip check {file}`, and mend it there")
+        return CheckedFile(face, "invalid-subtask", message, f"run `grip check {file}`, and mend it there")

@@ -9,9 +9,9 @@ from typing import Literal
 
 from grip_bt.base.errors import SubtaskError, listing
 from grip_bt.task import Leaf, Subtask, Task, walk
-from grip_bt.task.catalog.project_parts import Equipment, Trouble
+from grip_bt.task.catalog.project_parts import Problem, ProjectParts
 
-from .survey import Survey
+from .analysis import TaskAnalysis
 
 _TEACHERS = {"arm/teach": "arm", "hand/teach": "hand"}
 """Nodes by which a task gives names, and to what."""
@@ -20,7 +20,7 @@ BY_TAUGHT, BY_STATE = "go there by `arm/move_to_taught`", "go there by `arm/move
 
 
 @dataclass(frozen=True, slots=True)
-class Lesson:
+class TaughtName:
     """One name that a task gives.
 
     Attributes:
@@ -36,18 +36,18 @@ class Lesson:
     pose: bool
 
 
-class Lessons:
+class TaughtNames:
     """What tasks of a project teach.
 
     Args:
-        survey: of a task.
-        equipment: of its project.
+        analysis: of a task.
+        parts: of its project.
     """
 
-    def __init__(self, survey: Survey, equipment: Equipment):
-        self._survey, self._files, self._equipment = survey, survey.catalog.tasks, equipment
+    def __init__(self, analysis: TaskAnalysis, parts: ProjectParts):
+        self._analysis, self._files, self._parts = analysis, analysis.catalog.tasks, parts
 
-    def trouble(self, kind: str, part: str, name: str, taught: Collection[str]) -> Trouble | None | Literal[False]:
+    def problem(self, kind: str, part: str, name: str, taught: Collection[str]) -> Problem | None | Literal[False]:
         """Return what is to be said of a name that isn't there yet.
 
         Args:
@@ -60,59 +60,56 @@ class Lessons:
             What is wrong; None where the task gives the name itself, in time; False where nothing is known of it.
         """
         side = "hand" if kind == "posture" else "arm"
-        own = [lesson for lesson in self._own if self._fits(lesson, side, part, name)]
+        own = [taught_name for taught_name in self._own if self._fits(taught_name, side, part, name)]
         if own and kind != "state":
             return None
-        if kind == "state" and (name in taught or (own and all(lesson.pose for lesson in own))):
-            return Trouble("unknown-state", f"{name!r} is taught as a pose, and is no named state", BY_TAUGHT)
+        if kind == "state" and (name in taught or (own and all(taught_name.pose for taught_name in own))):
+            return Problem("unknown-state", f"{name!r} is taught as a pose, and is no named state", BY_TAUGHT)
         if own:
             said = f"{name!r} is taught only while this task runs, and named states are looked up before it begins"
-            return Trouble(NOT_YET, said, f"{BY_TAUGHT}, or teach it by another task first")
+            return Problem(NOT_YET, said, f"{BY_TAUGHT}, or teach it by another task first")
         return self._elsewhere(kind, side, part, name)
 
-    def _elsewhere(self, kind: str, side: str, part: str, name: str) -> Trouble | Literal[False]:
+    def _elsewhere(self, kind: str, side: str, part: str, name: str) -> Problem | Literal[False]:
         """Return which other tasks of the project give a name; False where none does."""
         found = {
-            file: lesson.pose
-            for file, lessons in self._others.items()
-            for lesson in lessons
-            if self._fits(lesson, side, part, name)
+            file: taught_name.pose
+            for file, taught_names in self._others.items()
+            for taught_name in taught_names
+            if self._fits(taught_name, side, part, name)
         }
         files = [file for file, pose in found.items() if not (pose and kind == "state")]
         if files:
             verb = "teaches" if len(files) == 1 else "teach"
             said = f"nothing was taught to {part} as {name!r} yet; {listing(files)} {verb} it"
-            return Trouble(NOT_YET, said, f"run {files[0]} first")
+            return Problem(NOT_YET, said, f"run {files[0]} first")
         if found:
             said = f"{name!r} is taught as a pose, by {listing(found)}, and is no named state"
-            return Trouble("unknown-state", said, BY_TAUGHT)
+            return Problem("unknown-state", said, BY_TAUGHT)
         return False
 
-    def _fits(self, lesson: Lesson, side: str, part: str, name: str) -> bool:
-        parts = (self._equipment.hands if side == "hand" else self._equipment.arms) or {}
-        return (lesson.side, lesson.name) == (side, name) and only_if_empty(lesson.part, parts) == part
+    def _fits(self, taught_name: TaughtName, side: str, part: str, name: str) -> bool:
+        parts = (self._parts.hands if side == "hand" else self._parts.arms) or {}
+        return (taught_name.side, taught_name.name) == (side, name) and only_if_empty(taught_name.part, parts) == part
 
     @cached_property
-    def _own(self) -> list[Lesson]:
+    def _own(self) -> list[TaughtName]:
         """Those of the task, and of the files that it runs, directly or not."""
-        found, seen, tasks = list[Lesson](), set[str](), [self._survey.task]
+        found, seen, tasks = list[TaughtName](), set[str](), [self._analysis.task]
         while tasks:
-            for _, node in walk(tasks.pop().root):
-                found += _taught_by(node) if isinstance(node, Leaf) else ()
+            task = tasks.pop()
+            found += _taught_in(task)
+            for _, node in walk(task.root):
                 if isinstance(node, Subtask) and node.task not in seen:
                     seen.add(node.task)
                     tasks += self._read(node.task)
         return found
 
     @cached_property
-    def _others(self) -> dict[str, list[Lesson]]:
+    def _others(self) -> dict[str, list[TaughtName]]:
         """Those of each other file of the project that has some."""
-        files = {file: self._read(file) for file in self._files.mentioning("/teach")}
-        leaves = {
-            file: [node for task in tasks for _, node in walk(task.root) if isinstance(node, Leaf)]
-            for file, tasks in files.items()
-        }
-        return {file: [lesson for node in nodes for lesson in _taught_by(node)] for file, nodes in leaves.items()}
+        files = self._files.mentioning("/teach")
+        return {file: [each for task in self._read(file) for each in _taught_in(task)] for file in files}
 
     def _read(self, file: str) -> list[Task]:
         try:
@@ -126,7 +123,8 @@ def only_if_empty(name: object, parts: Collection[str]) -> str:
     return next(iter(parts)) if name == "" and len(parts) == 1 else str(name)
 
 
-def _taught_by(leaf: Leaf) -> Iterator[Lesson]:
-    side, name = _TEACHERS.get(leaf.node), leaf.with_.get("name")
-    if side is not None and isinstance(name, str):
-        yield Lesson(side, str(leaf.with_.get(side, "")), name, leaf.with_.get("pose") is True)
+def _taught_in(task: Task) -> Iterator[TaughtName]:
+    for leaf in (node for _, node in walk(task.root) if isinstance(node, Leaf)):
+        side, name = _TEACHERS.get(leaf.node), leaf.with_.get("name")
+        if side is not None and isinstance(name, str):
+            yield TaughtName(side, str(leaf.with_.get(side, "")), name, leaf.with_.get("pose") is True)

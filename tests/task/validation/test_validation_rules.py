@@ -5,7 +5,7 @@ import pytest
 
 from grip_bt.task import loads, read_text
 from grip_bt.task.catalog import Catalog, TaskTexts, read_manifests
-from grip_bt.task.catalog.project_parts import Equipment, Equipped, Trouble
+from grip_bt.task.catalog.project_parts import PartNames, Problem, ProjectParts
 from grip_bt.task.validation import SEVERITY, validate
 
 DOC = (Path(__file__).parents[3] / "docs" / "validation_rules.md").read_text()
@@ -15,13 +15,13 @@ EXAMPLES = {
         r"^## ([a-z-]+)\n.*?^```yaml bad\n(.*?)^```.*?^```yaml good\n(.*?)^```", DOC, re.DOTALL | re.MULTILINE
     )
 }
-EQUIPMENT = Equipment(
+EQUIPMENT = ProjectParts(
     arms={
-        "left": Equipped({"state": ["home"], "taught": []}),
-        "right": Equipped(troubles=(Trouble("unfit-project", "grip.yaml: arms/right: unknown planner 'RRTConect'"),)),
-        "spare": Equipped(troubles=(Trouble("no-controller", "grip.yaml: ros/controllers: none for 'spare'"),)),
+        "left": PartNames({"state": ["home"], "taught": []}),
+        "right": PartNames(problems=(Problem("unfit-project", "grip.yaml: arms/right: unknown planner 'RRTConect'"),)),
+        "spare": PartNames(problems=(Problem("no-controller", "grip.yaml: ros/controllers: none for 'spare'"),)),
     },
-    hands={"claw": Equipped({"posture": ["open", "closed"], "finger": ["thumb"], "link": ["palm"]})},
+    hands={"claw": PartNames({"posture": ["open", "closed"], "finger": ["thumb"], "link": ["palm"]})},
     packages=["geometry_msgs", "std_msgs"],
 )
 
@@ -33,7 +33,7 @@ def catalog(tmp_path_factory):
     files = re.findall(r"^```yaml file (\S+)\n(.*?)^```", DOC, re.DOTALL | re.MULTILINE)
     tasks = TaskTexts({name: loads(text) for name, text in files})
     known = Catalog(read_manifests(file), tasks).with_(named=lambda: {"poses": {"above_bin"}})
-    return known.with_(equipment=lambda: EQUIPMENT)
+    return known.with_(parts=lambda: EQUIPMENT)
 
 
 def test_every_code_is_in_the_table_with_its_severity_and_has_examples():

@@ -32,7 +32,7 @@ Key = str | tuple[str | int, ...] | None
 
 
 @dataclass(frozen=True, slots=True)
-class Declared:
+class VariableDeclaration:
     """A declared variable; `bit` is its place in sets of variables, which are integers.
 
     `type` is None when it isn't a type, which is an issue of its own.
@@ -57,14 +57,14 @@ class Declared:
         return isinstance(self.variable, Variable) and self.variable.has_value
 
 
-Scope = Mapping[str, Declared]
+Scope = Mapping[str, VariableDeclaration]
 
 
 _NOTHING: Mapping[str, Any] = {}
 _UNASKED = frozenset({"?"})
 
 
-class Spot:
+class PlacedNode:
     """One node in its surroundings.
 
     Attributes:
@@ -86,12 +86,12 @@ class Spot:
         *("_codes", "reads", "scope", "writes"),
     )
 
-    def __init__(self, path: str, name: str, node: AnyNode, parent: Spot | None, scope: Scope):
+    def __init__(self, path: str, name: str, node: AnyNode, parent: PlacedNode | None, scope: Scope):
         self.path, self.name, self.node, self.parent, self.scope = path, name, node, parent, scope
         self.around = scope
         self.manifest: Manifest | None = None
         self.outcomes: Mapping[str, str] = _NOTHING
-        self.children: Mapping[str, Spot] = _NOTHING
+        self.children: Mapping[str, PlacedNode] = _NOTHING
         self.reads = self.writes = 0
         self._codes: frozenset[str] | None = _UNASKED
 
@@ -107,7 +107,7 @@ class Spot:
         """Return the variables that its expression at `key` sees: of a precondition, those around the node."""
         return self.around if key == "precondition" else self.scope
 
-    def expressions(self) -> Iterator[tuple[str, list[Declared]]]:
+    def expressions(self) -> Iterator[tuple[str, list[VariableDeclaration]]]:
         """Yield the key of each readable expression, and the declared variables that it reads."""
         for key, text in expressions_of(self.node):
             try:
@@ -123,13 +123,13 @@ class Spot:
         return self.parent is not None and isinstance(self.parent.node, StateMachine)
 
 
-class Survey:
+class TaskAnalysis:
     """All nodes and variables of a task.
 
     Attributes:
         task: the task.
         catalog: the nodes that exist.
-        spots: every node, parents first, in document order.
+        nodes: every node, parents first, in document order.
         leaves: those of them that are leaves.
         containers: those of them that are neither leaves nor subtasks.
         declared: every variable, in document order.
@@ -145,19 +145,19 @@ class Survey:
         self.subtasks = subtasks or Subtasks(catalog, lambda inside: ([], {}))
         self.written: dict[str, tuple[str, ...]] = {}
         self._document = document
-        self.declared: list[Declared] = []
+        self.declared: list[VariableDeclaration] = []
         self.issues: list[Issue] = []
         self.task_scope = self._scope({}, "", task.variables)
-        self.leaves: list[Spot] = []
-        self.containers: list[Spot] = []
-        self.spots = self._spots()
-        for spot in reversed(self.spots):
-            self._sum_up(spot)
+        self.leaves: list[PlacedNode] = []
+        self.containers: list[PlacedNode] = []
+        self.nodes = self._nodes()
+        for placed in reversed(self.nodes):
+            self._sum_up(placed)
 
     @property
-    def root(self) -> Spot:
-        """The root's spot."""
-        return self.spots[0]
+    def root(self) -> PlacedNode:
+        """The root's placed."""
+        return self.nodes[0]
 
     def add(
         self,
@@ -210,81 +210,81 @@ class Survey:
             bit = 1 << len(self.declared)
             key = "data" if owner or name in self.task.data else "inputs" if name in self.task.inputs else "outputs"
             text = variable if isinstance(variable, str) else variable.type
-            scope[name] = Declared(name, owner, variable, bit, type_or_none(text), key)
+            scope[name] = VariableDeclaration(name, owner, variable, bit, type_or_none(text), key)
             self.declared.append(scope[name])
         return scope
 
-    def _spots(self) -> list[Spot]:
-        spots: list[Spot] = []
-        stack = [Spot("/", self.task.name, self.task.root, None, self.task_scope)]
+    def _nodes(self) -> list[PlacedNode]:
+        nodes: list[PlacedNode] = []
+        stack = [PlacedNode("/", self.task.name, self.task.root, None, self.task_scope)]
         while stack:
-            spot = stack.pop()
-            spots.append(spot)
-            node = spot.node
+            placed = stack.pop()
+            nodes.append(placed)
+            node = placed.node
             if isinstance(node, Leaf):
-                self._look_up(spot, node)
+                self._look_up(placed, node)
                 continue
             if isinstance(node, Subtask):
-                self._look_inside(spot, node)
+                self._look_inside(placed, node)
                 continue
-            self.containers.append(spot)
-            spot.outcomes = outcomes_of(node)
-            scope = self._scope(spot.scope, spot.path, node.data)
+            self.containers.append(placed)
+            placed.outcomes = outcomes_of(node)
+            scope = self._scope(placed.scope, placed.path, node.data)
             for _, items, item in node.taken():
                 held = scope.get(items)
                 of_list = held.type.item if held is not None and held.type is not None else None
-                scope = self._scope(scope, spot.path, {item: str(of_list or "Any")})
-            above = join(spot.path, "")
-            spot.scope = scope
-            spot.children = {
-                name: Spot(above + name, name, child, spot, scope) for name, child in children_of(node).items()
+                scope = self._scope(scope, placed.path, {item: str(of_list or "Any")})
+            above = join(placed.path, "")
+            placed.scope = scope
+            placed.children = {
+                name: PlacedNode(above + name, name, child, placed, scope) for name, child in children_of(node).items()
             }
-            stack.extend(reversed(spot.children.values()))
-        return spots
+            stack.extend(reversed(placed.children.values()))
+        return nodes
 
-    def _look_up(self, spot: Spot, node: Leaf) -> None:
-        self.leaves.append(spot)
+    def _look_up(self, placed: PlacedNode, node: Leaf) -> None:
+        self.leaves.append(placed)
         if node.node not in self.catalog:
-            spot.outcomes = _expected_outcomes(spot)
+            placed.outcomes = _expected_outcomes(placed)
             return
-        manifest = spot.manifest = self.catalog.get(node.node)
-        spot.outcomes = manifest.outcomes
+        manifest = placed.manifest = self.catalog.get(node.node)
+        placed.outcomes = manifest.outcomes
         if node.meaning or node.precondition:
-            spot.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+            placed.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
 
-    def _look_inside(self, spot: Spot, node: Subtask) -> None:
-        manifest = spot.manifest = self.subtasks.look(node.task).face
+    def _look_inside(self, placed: PlacedNode, node: Subtask) -> None:
+        manifest = placed.manifest = self.subtasks.look(node.task).face
         if manifest is None:
-            spot.outcomes = _expected_outcomes(spot)
+            placed.outcomes = _expected_outcomes(placed)
         else:
-            spot.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+            placed.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
 
-    def _sum_up(self, spot: Spot) -> None:
-        node = spot.node
+    def _sum_up(self, placed: PlacedNode) -> None:
+        node = placed.node
         if isinstance(node, Leaf | Subtask):
-            _bind(spot, node)
+            _bind(placed, node)
         for _, items, _ in () if isinstance(node, Leaf) else node.taken():
-            if items in spot.scope:
-                spot.reads |= spot.scope[items].bit
-        for _, read in spot.expressions():
+            if items in placed.scope:
+                placed.reads |= placed.scope[items].bit
+        for _, read in placed.expressions():
             for declared in read:
-                spot.reads |= declared.bit
-        if spot.parent is not None:
-            spot.parent.reads |= spot.reads
-            spot.parent.writes |= spot.writes
+                placed.reads |= declared.bit
+        if placed.parent is not None:
+            placed.parent.reads |= placed.reads
+            placed.parent.writes |= placed.writes
 
 
-def codes_of(spot: Spot) -> frozenset[str] | None:
+def codes_of(placed: PlacedNode) -> frozenset[str] | None:
     """Return the codes that a node may fail with, without its precondition's; None when they aren't known."""
-    node = spot.node
+    node = placed.node
     if isinstance(node, Leaf):
-        fails = "failure" in spot.outcomes.values()
-        known = () if spot.manifest is None or not fails else spot.manifest.codes
-        return frozenset(known) if known or (not fails and spot.manifest is not None) else None
+        fails = "failure" in placed.outcomes.values()
+        known = () if placed.manifest is None or not fails else placed.manifest.codes
+        return frozenset(known) if known or (not fails and placed.manifest is not None) else None
     if isinstance(node, Subtask):
         return None  # a manifest has them, and the file's face has none
     found = set(node.codes)
-    for child in spot.children.values() if node.keeps_codes else ():
+    for child in placed.children.values() if node.keeps_codes else ():
         codes = child.codes
         if codes is None:
             return None
@@ -292,15 +292,15 @@ def codes_of(spot: Spot) -> frozenset[str] | None:
     return frozenset(found)
 
 
-def _bind(spot: Spot, node: Leaf | Subtask) -> None:
+def _bind(placed: PlacedNode, node: Leaf | Subtask) -> None:
     """Note which variables the ports of a node read and write."""
-    scope = spot.scope
+    scope = placed.scope
     for name in node.in_.values():
         if name in scope:
-            spot.reads |= scope[name].bit
+            placed.reads |= scope[name].bit
     for name in node.out.values():
         if name in scope:
-            spot.writes |= scope[name].bit
+            placed.writes |= scope[name].bit
 
 
 def type_or_none(text: str) -> Type | None:
@@ -311,20 +311,20 @@ def type_or_none(text: str) -> Type | None:
         return None
 
 
-def _expected_outcomes(spot: Spot) -> dict[str, str]:
+def _expected_outcomes(placed: PlacedNode) -> dict[str, str]:
     """Return what a task expects of a leaf that isn't known, so that one wrong name isn't reported many times."""
-    expected = dict.fromkeys((key.partition(".")[0] for key in spot.node.on), "failure")
-    parent = spot.parent.node if spot.parent is not None else None
+    expected = dict.fromkeys((key.partition(".")[0] for key in placed.node.on), "failure")
+    parent = placed.parent.node if placed.parent is not None else None
     if parent is not None and not isinstance(parent, Leaf | Subtask | StateMachine):
         for key in parent.exits:
             child, _, label = key.partition(".")
-            if child == spot.name:
+            if child == placed.name:
                 expected[label.partition(".")[0]] = "failure"
-    if spot.in_machine:
+    if placed.in_machine:
         expected = expected or {"success": "success"}
     else:
         expected["failure"] = "failure"
-    if "success" in expected or not spot.in_machine:
+    if "success" in expected or not placed.in_machine:
         expected["success"] = "success"
-    assert isinstance(spot.node, Leaf | Subtask)
-    return {**expected, **spot.node.meaning}
+    assert isinstance(placed.node, Leaf | Subtask)
+    return {**expected, **placed.node.meaning}
