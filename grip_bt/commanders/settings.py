@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from .trajectory import Timing
-
 
 class MotionSettings(BaseModel):
     """How an arm is asked to move; the defaults are those of a project."""
@@ -24,8 +22,6 @@ class MotionSettings(BaseModel):
     """CPU time for one request, all attempts together [s]; wall time ends it at 20 times as much."""
     attempts: int = Field(default=3, ge=1)
     """How often a plan is searched with other random numbers before it is given up."""
-    timing: Timing = "direct"
-    """Who finds the fastest velocities along a path: TOPP-RA solved directly, or the library `toppra`."""
 
 
 class PlanningSettings(MotionSettings):

@@ -257,9 +257,7 @@ def test_another_thing_beside_the_target_blocks_the_approach(chosen):
     assert set(caught.value.data["reasons"]) <= {"approach_blocked", "in_collision", "pre_grasp_in_collision"}
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"speed": 0.0}, {"speed": 1.5}, {"planning_time": 0.0}, {"margin": -0.1}, {"timing": "spline"}]
-)
+@pytest.mark.parametrize("wrong", [{"speed": 0.0}, {"speed": 1.5}, {"planning_time": 0.0}, {"margin": -0.1}])
 def test_settings_that_make_no_sense_are_refused(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):
         PlanningSettings(**wrong)

@@ -107,4 +107,4 @@ def timed_free(
         keeping = constraint is None or kept(constraint, chain, trajectory.positions, CONSTRAINT_SLACK)
         return keeping and trajectory_free(checker, trajectory)
 
-    return timed(chain.joints, path, chain.limits, allowed(chain, settings), acceptable, settings.timing)
+    return timed(chain.joints, path, chain.limits, allowed(chain, settings), acceptable)

@@ -2,8 +2,3 @@
 
 `stopping` and `jerk_limited` bring motions to rest on their path, and on again; `limits` looks at what others timed.
 """
-
-from typing import Literal
-
-Timing = Literal["direct", "toppra"]
-"""Who finds the fastest velocities along a path: TOPP-RA solved directly, or the library `toppra`; they agree."""

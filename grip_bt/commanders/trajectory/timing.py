@@ -12,10 +12,9 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Trajectory
 
-from . import Timing
 from .limits import Limits
 from .splines import averaged, slowed, smoothed
-from .topp_ra import squared_velocities, squared_velocities_of_library
+from .topp_ra import squared_velocities
 
 SAMPLING = 0.01
 """Time between two points of a trajectory [s]; of a short one, down to `_SHORTEST`."""
@@ -53,7 +52,6 @@ def timed(
     limits: Limits,
     allowed: Allowed,
     acceptable: Callable[[Trajectory], bool],
-    timing: Timing = "direct",
 ) -> Trajectory:
     """Return the path as a smooth trajectory that starts and ends at rest.
 
@@ -68,7 +66,6 @@ def timed(
         limits: of the joints' positions.
         allowed: what is used of the other limits.
         acceptable: takes the trajectory and tells whether it is free.
-        timing: who finds the velocities.
 
     Raises:
         PathInvalidError: no spacing of the knots is acceptable.
@@ -77,7 +74,7 @@ def timed(
     if len(rows) < 2:
         still = np.zeros((1, len(names)))
         return Trajectory(names, np.zeros(1), path[:1], still, still)
-    for trajectory in _candidates(names, rows, limits, allowed, timing):
+    for trajectory in _candidates(names, rows, limits, allowed):
         if acceptable(trajectory):
             return trajectory
     raise PathInvalidError("the path can't be timed without leaving the free space", knots=len(path))
@@ -97,13 +94,11 @@ def _apart(path: Array) -> Array:
     return rows
 
 
-def _candidates(
-    names: tuple[str, ...], path: Array, limits: Limits, allowed: Allowed, timing: Timing
-) -> Iterator[Trajectory]:
+def _candidates(names: tuple[str, ...], path: Array, limits: Limits, allowed: Allowed) -> Iterator[Trajectory]:
     slower = (1.0,) if allowed.jerk is None else _SLOWER
     for spacing in _SPACINGS:
         at, curve = _curve(_knots(path, spacing))
-        drive = _drive(at, curve, allowed, timing)
+        drive = _drive(at, curve, allowed)
         for factor in slower:
             step, rows = _sampled(curve, drive, factor, limits)
             if allowed.jerk is not None:
@@ -155,13 +150,11 @@ def _curve(knots: Array) -> tuple[Array, BSpline]:
     return at, BSpline(padded, controls, 3)
 
 
-def _drive(at: Array, curve: BSpline, allowed: Allowed, timing: Timing) -> _Drive:
+def _drive(at: Array, curve: BSpline, allowed: Allowed) -> _Drive:
     grid = _grid(at)
-    if timing == "toppra":
-        squared = squared_velocities_of_library(grid, at, curve, allowed.velocity, allowed.acceleration)
-    else:
-        squared = squared_velocities(grid, curve(grid, 1), curve(grid, 2), allowed.velocity, allowed.acceleration)
-    return _Drive(grid, squared)
+    return _Drive(
+        grid, squared_velocities(grid, curve(grid, 1), curve(grid, 2), allowed.velocity, allowed.acceleration)
+    )
 
 
 def _grid(at: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The fastest velocities along a path by reachability analysis (TOPP-RA): our own, and those of the library `toppra`.
+"""The fastest velocities along a path by reachability analysis (TOPP-RA).
 
 TOPP-RA (Pham and Pham 2018) asks at each point of a grid, from the end to the start, for the largest squared path
 velocity from which the rest of the path can be driven; then it drives from the start as fast as these allow. Each
@@ -14,10 +14,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.failures import PathInvalidError
 
 _TINY = 1e-12
 
@@ -85,28 +83,3 @@ def _driven(doubled: Array, lines: _Lines, highest: list[float]) -> Array:
         hardest = min([h - s * x for s, h in zip(slopes, heights, strict=True)])
         driven.append(min(top, max(0.0, x + twice * hardest)))
     return np.array(driven)
-
-
-def squared_velocities_of_library(
-    grid: Array, knots: Array, path: BSpline, velocity: Array, acceleration: Array
-) -> Array:
-    """Return the largest squared path velocities from rest to rest [1/s^2], shape (m + 1,), as `toppra` finds them.
-
-    Raises:
-        PathInvalidError: the library finds no timing.
-    """
-    import toppra  # a second to import, and seldom asked for
-    import toppra.algorithm
-    import toppra.constraint
-
-    toppra.setup_logging("ERROR")
-    limits = [
-        toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
-        toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
-    ]
-    ends = ((1, path(knots[0], 1)), (1, path(knots[-1], 1)))  # with these it is the same curve
-    curve = toppra.SplineInterpolator(knots, path(knots), bc_type=ends)
-    method = toppra.algorithm.TOPPRA(limits, curve, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    if method.compute_trajectory(0, 0) is None:
-        raise PathInvalidError("toppra finds no timing for the path", knots=len(knots))
-    return np.asarray(method.problem_data.sd_vec, dtype=np.float64) ** 2
