@@ -7,11 +7,10 @@ from pathlib import Path
 from played import TestClient
 
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.task import load, loads, read_text
+from grip_bt.task import load, loads
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.edit import Connect, Move, Remove, Rename, Set, Wrap, apply_to_document
 from grip_bt.task.walking import walk
-from grip_gui.view.projection import Drawn, Faces, project_task
+from grip_gui.view.projection import project_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"
 
@@ -188,37 +187,11 @@ root:
         a: {node: flow/succeed, on: {success: b}}
         b: {node: flow/succeed, on: {success: success}}
 """
-STEPS = [
-    Rename(path="group/one", name="first"),
-    Set(path="machine", key=("initial",), value="b"),
-    Connect(path="machine/a", outcome="success", target="success"),
-    Move(path="group/two", parent="/", index=0),
-    Wrap(paths=("machine",), kind="retry", name="again", fields={"times": 2}),
-    Set(path="", key=("name",), value="other"),
-    Set(path="", key=("outcomes",), value={"done": "failure"}),
-    Remove(path="group/first"),
-]
 
 
-def test_what_is_shared_with_the_view_before_is_what_would_be_drawn_anew() -> None:
-    face = Manifest(id="own/leaf", doc="mine", implementation="own:Leaf", outcomes={"success": "success"})
-    faces = {"own/leaf": face}
-    document, before = read_text(MIXED), None
-    for step in [None, *STEPS]:
-        if step is not None:
-            document = apply_to_document(document, step).document
-        now = Faces(faces.get)
-        view = project_task(document.task, "x.yaml", now, before=before)
-        assert view == project_task(document.task, "x.yaml", faces.get)
-        before = Drawn(document.task, view, now)
-
-
-def test_a_node_whose_face_has_changed_is_drawn_anew() -> None:
-    document = read_text(MIXED)
+def test_a_leaf_and_a_subtask_show_what_their_manifests_say() -> None:
     made = {"id": "own/leaf", "implementation": "own:Leaf", "outcomes": {"success": "success"}}
-    old = Faces({"own/leaf": Manifest(doc="before", **made)}.get)
-    before = Drawn(document.task, project_task(document.task, "x.yaml", old), old)
-    new = {"own/leaf": Manifest(doc="after", **made), "tasks/part.yaml": Manifest(doc="a part", **made)}
-    view = project_task(document.task, "x.yaml", new.get, before=before)
-    assert {node.path: node.doc for node in view.nodes}["group/two"] == "after"
+    manifests = {"own/leaf": Manifest(doc="a leaf", **made), "tasks/part.yaml": Manifest(doc="a part", **made)}
+    view = project_task(loads(MIXED), "x.yaml", manifests.get)
+    assert {node.path: node.doc for node in view.nodes}["group/two"] == "a leaf"
     assert {node.path: list(node.outcomes) for node in view.nodes}["part"] == ["success"]

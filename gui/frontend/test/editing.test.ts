@@ -1,7 +1,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 
 import { whereNow } from "../src/model/changes";
-import type { DocumentChange, DocumentView, NodeView } from "../src/protocol/generated";
+import type { DocumentView, NodeView } from "../src/protocol/generated";
 import { useDocument } from "../src/store/document";
 import { edit, take } from "../src/store/editing";
 import { usePage } from "../src/store/page";
@@ -18,22 +18,18 @@ const [pattern] = SMALL.nodes as [NodeView];
 const node = (path: string, parent: string | null, children: string[]): NodeView => ({ ...pattern, path, parent, name: path, children, on: [] });
 const BEFORE = [node("/", null, ["a", "box"]), node("a", "/", []), node("box", "/", ["box/b", "box/c"]), node("box/b", "box", []), node("box/c", "box", [])];
 
+const OPEN: DocumentView = { path: "t.yaml", revision: 1, text: "", saved: true, draft: false, checked: true, change: "", moved: {}, layout: { flow: {}, tree: {} }, history: { at: 0, moments: [], can_undo: false, can_redo: false }, task: { ...SMALL, nodes: BEFORE } };
+
 /** A document with a root, `a`, and `box` with two leaves. */
 function open(): void {
-  const document = { type: "document", path: "t.yaml", state: 1, revision: 1, text: "", saved: true, draft: false, checked: true, change: "", layout: { flow: {}, tree: {} }, history: { at: 0, moments: [], can_undo: false, can_redo: false }, task: { ...SMALL, nodes: BEFORE } };
   useDocument.setState({ document: null });
-  take(document as unknown as DocumentView);
+  take(OPEN);
   usePage.setState({ closed: new Set(), opened: new Set(), container: "/" });
 }
 
 /** `box` is wrapped in `late`. */
-const WRAPPED = {
-  type: "change", path: "t.yaml", since: 1, state: 2, revision: 2, splice: null, saved: false, change: "", layout: null, history: { at: 1, moments: [], can_undo: true, can_redo: false },
-  task: {
-    name: "t", doc: "", outcomes: {}, variables: null, gone: ["box", "box/b", "box/c"], moved: { box: "late/box" },
-    nodes: [node("/", null, ["a", "late"]), node("late", "/", ["late/box"]), node("late/box", "late", ["late/box/b", "late/box/c"]), node("late/box/b", "late/box", []), node("late/box/c", "late/box", [])],
-  },
-} as unknown as DocumentChange;
+const INSIDE = [node("late", "/", ["late/box"]), node("late/box", "late", ["late/box/b", "late/box/c"]), node("late/box/b", "late/box", []), node("late/box/c", "late/box", [])];
+const WRAPPED: DocumentView = { ...OPEN, revision: 2, checked: false, moved: { box: "late/box" }, task: { ...OPEN.task, nodes: [node("/", null, ["a", "late"]), node("a", "/", []), ...INSIDE] } };
 
 async function wrapped(meanwhile: () => void): Promise<ReturnType<typeof usePage.getState>> {
   vi.useFakeTimers(); // what is asked for afterwards isn't

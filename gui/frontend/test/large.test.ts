@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
 
-import { changed } from "../src/model/changes";
+import { sharing } from "../src/model/changes";
 import { layoutTree } from "../src/model/flowLayout";
 import { extent, foldedAtFirst, hasRoomForMap, isInSight, linesIn, nodesIn, opened, unfolded } from "../src/model/visibility";
-import type { DocumentChange, DocumentView, NodeView } from "../src/protocol/generated";
+import type { NodeView, Problem } from "../src/protocol/generated";
 import { SMALL } from "./tasks";
 
 const [pattern] = SMALL.nodes as [NodeView];
@@ -44,15 +44,17 @@ test("only what touches the part in sight is drawn, and everything is somewhere"
   expect(seen.length).toBeLessThan(20);
 });
 
-test("a change leaves every node that isn't in it the object that it was", () => {
-  const nodes = tree(2, 2);
-  const document = { path: "t", state: 1, text: "a😀bc", task: { ...SMALL, nodes, problems: [] } } as unknown as DocumentView;
-  const root = node("/", null, ["new", "g1"]);
-  const change = { type: "change", since: 1, state: 2, path: "t", splice: { start: 3, removed: 1, new: "X" }, layout: null, task: { name: "t", doc: "", outcomes: {}, nodes: [root, node("new", "/", [])], gone: ["g0", "g0/l0", "g0/l1"], variables: null } };
-  const next = changed(document, change as unknown as DocumentChange);
-  expect(next.text).toBe("a😀Xc");
-  expect(next.task.nodes.map((each) => each.path)).toEqual(["/", "new", "g1", "g1/l0", "g1/l1"]);
-  expect(next.task.nodes[2]).toBe(nodes.find((each) => each.path === "g1"));
+test("a node that an edit leaves as it was is the object that it was, and so is a task that stays the same", () => {
+  const problem = (path: string): Problem => ({ path, code: "c", severity: "error", message: "", fix: "", line: null, column: null, key: [], fixes: [] });
+  const before = { ...SMALL, nodes: tree(2, 2), problems: [problem("g0/l0"), problem("g1/l0")] };
+  const copy = (nodes: NodeView[]): NodeView[] => structuredClone(nodes);
+  expect(sharing({ ...before, nodes: copy(before.nodes), problems: [] }, before, false)).toBe(before);
+  const nodes = [node("/", null, ["new", "g1"]), node("new", "/", []), ...copy(before.nodes.slice(4))];
+  const next = sharing({ ...before, nodes, problems: [] }, before, false);
+  expect(next.nodes.map((each) => each.path)).toEqual(["/", "new", "g1", "g1/l0", "g1/l1"]);
+  expect(next.nodes[2]).toBe(before.nodes[4]);
+  expect(next.problems.map(({ path }) => path)).toEqual(["g1/l0"]);
+  expect(sharing({ ...before, nodes, problems: [] }, before, true).problems).toEqual([]);
 });
 
 test("a node is in sight where all of it is in the pane, and not below the map in the corner", () => {

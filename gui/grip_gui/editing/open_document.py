@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from grip_bt.base.errors import DocumentError, EditError
-from grip_bt.task import read_text
+from grip_bt.task import Task, join, read_text, walk
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Edited, Group, History, Patch, command_of, path_after, rewrite
 from grip_bt.task.edit.history import history_path, load_history, save_history
 from grip_bt.task.edit.steps import Step
 from grip_bt.task.layout import Layout, read_layout, write_layout
 from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError, Unsaved
-from grip_gui.view.projection import Drawn
 
 log = logging.getLogger(__name__)
 KEPT = 1000
@@ -28,9 +27,10 @@ Meaning: TypeAlias = Callable[[AnyCommand, Document], AnyCommand]
 
 @dataclass(frozen=True)
 class _Past:
-    """What the edit that led to a revision did."""
+    """What the edit that led to a revision did, and to which task."""
 
     revision: int
+    before: Task | None
     steps: tuple[Step, ...]
 
 
@@ -38,8 +38,8 @@ class Sheet:
     """A task file that is open.
 
     A text that isn't a task is kept beside the last good task (`draft`) until it is one again; it is saved as it
-    is, and nothing drawn is changed meanwhile. `revision` grows with whatever changes what a page shows. `drawn` is
-    what was last drawn of it, kept by who draws; `followed` is told what each edit did.
+    is, and nothing drawn is changed meanwhile. `revision` grows with whatever changes what a page shows. `followed`
+    is told what each edit did.
 
     Args:
         file: the task's file.
@@ -54,11 +54,11 @@ class Sheet:
         self.file, self._layout_file, self._recovery = file, layout, recovery
         self.history: History | None = None
         self.draft: str | None = None
-        self.drawn: Drawn | None = None
         self.followed: Callable[[tuple[Step, ...]], object] = lambda _: None
         self.revision = 1
         self._dropped: str | None = None
         self._past: list[_Past] = []
+        self._task: Task | None = None
         self._first_layout = Layout()
         self._layouts: dict[int, Layout] = {}
         self._history_file = history_path(file.path)
@@ -93,6 +93,7 @@ class Sheet:
         except DocumentError as error:
             log.warning("%s", error)
             self.history = History(document)
+        self._task = document.task
         self._first_layout = self._read_layout()
         self._layouts = {self.history.at.number: self._first_layout}
 
@@ -260,9 +261,25 @@ class Sheet:
             raise StaleEditError(f"{self.file.name}: revision {base} isn't known here; the page shows the newest now")
         return [past.steps for past in self._past if past.revision > base]
 
-    def steps_since(self, revision: int) -> list[Step]:
-        """Return what edits have done since a revision, as far as that is known."""
-        return [step for past in self._past if past.revision > revision for step in past.steps]
+    def moved_since(self, revision: int) -> dict[str, str]:
+        """Return where nodes are that edits since a revision have moved; what is below one has moved along with it."""
+        past = [each for each in self._past if each.revision > revision]
+        if self.history is None or not past or past[0].before is None:
+            return {}
+        there = {path for path, _ in walk(self.history.document.task.root)}
+        steps = [step for each in past for step in each.steps]
+        moved: dict[str, str] = {}
+        along: dict[str, str] = {}
+        for path in [path for path, _ in walk(past[0].before.root) if path not in there]:
+            above, _, name = path.rpartition("/")
+            now: str | None = join(along[above], name) if above in along else None
+            if now not in there:
+                now = path_after(path, steps)
+                if now is None or now not in there:
+                    continue
+                moved[path] = now
+            along[path] = now
+        return moved
 
     def _enter(self, steps: tuple[Step, ...], layout: Layout) -> None:
         """Note that the document has changed; a moment whose layout isn't known gets this one."""
@@ -270,7 +287,8 @@ class Sheet:
         self.revision += 1
         self._layouts.setdefault(self.history.at.number, layout)
         self.followed(steps)
-        self._past.append(_Past(self.revision, steps))
+        self._past.append(_Past(self.revision, self._task, steps))
+        self._task = self.history.document.task
         del self._past[:-KEPT]
 
     # --- the file ---------------------------------------------------------------------------------------------------

@@ -11,7 +11,6 @@ from pydantic import ValidationError
 
 from grip_bt.base.errors import EditError
 from grip_bt.task.edit import AnyCommand, command_of
-from grip_gui.editing.changes import Shown
 from grip_gui.editing.conversion import conversion_view, convert, forms_view
 from grip_gui.editing.document_store import EditDesk, carry_out, takes_catalogue
 from grip_gui.editing.files import StaleEditError
@@ -105,14 +104,11 @@ def _add_questions(api: APIRouter, desk: EditDesk) -> None:
 
 
 def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> None:
-    shown = Shown(desk.folder)
-
     async def change(path: str, work: Callable[[Sheet], object], since: int | None, status: int = 200) -> Response:
         def changed() -> str:
             with desk.changing(path) as sheet:
                 work(sheet)
-                view = document_view(desk.folder, sheet) if since is None else shown.answer(sheet, since)
-            return view.model_dump_json()
+                return document_view(desk.folder, sheet, since).model_dump_json()
 
         body = await asyncio.to_thread(changed)
         notify()

@@ -12,7 +12,14 @@ from grip_bt.task.edit import Set, apply, clip_of, comment_of
 from grip_bt.task.validation import validate
 from grip_gui.editing.open_document import Sheet
 from grip_gui.project import ProjectFolder
-from grip_gui.view.documents import catalog_of, drawn, problems_of, trouble_of, unchecked_view
+from grip_gui.view.documents import (
+    catalog_of,
+    problems_of,
+    trouble_of,
+    unchecked_view,
+    unreadable_view,
+    view_of_document,
+)
 from grip_gui.wire.editing import (
     Change,
     CommentView,
@@ -33,13 +40,14 @@ SHOWN = 200
 """Moments of a history that a page gets."""
 
 
-def document_view(folder: ProjectFolder, sheet: Sheet, checked: bool = True) -> DocumentView:
+def document_view(folder: ProjectFolder, sheet: Sheet, since: int | None = None) -> DocumentView:
     """Return a document as it is now.
 
     Args:
         folder: the project.
         sheet: the open file.
-        checked: with the problems; without them the view is there several times sooner.
+        since: the revision that the page has; it is told what has moved, and asks for the problems by themselves,
+            which take longer than all the rest.
     """
     change = sheet.file.change()
     assert change in get_args(Change)
@@ -52,8 +60,9 @@ def document_view(folder: ProjectFolder, sheet: Sheet, checked: bool = True) -> 
         change=change,
         history=_history(sheet),
         layout=LayoutView(**{view: dict(spots) for view, spots in sheet.layout.pinned.items()}),
-        task=_task(folder, sheet, checked),
-        checked=checked or sheet.draft is not None,
+        task=_task(folder, sheet, checked=since is None),
+        moved={} if since is None else sheet.moved_since(since),
+        checked=since is None or sheet.draft is not None,
     )
 
 
@@ -81,12 +90,10 @@ def _history(sheet: Sheet) -> HistoryView:
 def _task(folder: ProjectFolder, sheet: Sheet, checked: bool) -> TaskView:
     name = sheet.file.name
     if sheet.draft is None and sheet.history is not None:
-        sheet.drawn = drawn(folder, sheet.history.document, name, sheet.drawn)
-        view = sheet.drawn.view
-        return view.model_copy(update={"problems": problems_of(folder, sheet.history.document)}) if checked else view
+        return (view_of_document if checked else unchecked_view)(folder, sheet.history.document, name)
     fault = _fault(sheet)
     if sheet.history is None:
-        return TaskView(path=name, name=name.rsplit("/", 1)[-1].rsplit(".", 1)[0], problems=[fault])
+        return unreadable_view(name, [fault])
     stale = unchecked_view(folder, sheet.history.document, name)
     return stale.model_copy(update={"problems": [fault]})
 

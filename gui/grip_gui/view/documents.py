@@ -6,12 +6,12 @@ from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError, GripError, SubtaskError, UnknownNameError
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
-from grip_bt.task.catalog import Catalog, manifest_of_task
+from grip_bt.task.catalog import Catalog, Manifest, manifest_of_task
 from grip_bt.task.document import Document, read_text
 from grip_bt.task.validation import validate
 from grip_bt.task.validation.fixes import Fixer
 from grip_gui.project import ProjectFolder
-from grip_gui.view.projection import Drawn, Faces, FindManifest, project_task
+from grip_gui.view.projection import FindManifest, project_task
 from grip_gui.wire.task import FixView, Problem, TaskView
 
 FIXED = 100
@@ -29,7 +29,7 @@ def task_view(folder: ProjectFolder, path: str) -> TaskView:
     try:
         text = read_file(file)
     except DocumentError as error:
-        return _unreadable(path, [trouble_of("document", error)])
+        return unreadable_view(path, [trouble_of("document", error)])
     return view_of_text(folder, text, path)
 
 
@@ -38,7 +38,7 @@ def view_of_text(folder: ProjectFolder, text: str, path: str) -> TaskView:
     try:
         document = read_text(text, path)
     except GripError as error:
-        return _unreadable(path, [trouble_of("document", error)])
+        return unreadable_view(path, [trouble_of("document", error)])
     return view_of_document(folder, document, path)
 
 
@@ -50,13 +50,7 @@ def view_of_document(folder: ProjectFolder, document: Document, path: str) -> Ta
 
 def unchecked_view(folder: ProjectFolder, document: Document, path: str) -> TaskView:
     """Return the view of a task without its problems, which take longer than all the rest."""
-    return drawn(folder, document, path, None).view
-
-
-def drawn(folder: ProjectFolder, document: Document, path: str, before: Drawn | None) -> Drawn:
-    """Return the view of a task without its problems, with what the next one can share of it."""
-    faces = Faces(finder(catalog_of(folder)[0]))
-    return Drawn(document.task, project_task(document.task, path, faces, before=before), faces)
+    return project_task(document.task, path, finder(catalog_of(folder)[0]))
 
 
 def problems_of(folder: ProjectFolder, document: Document) -> list[Problem]:
@@ -81,7 +75,7 @@ def catalog_of(folder: ProjectFolder) -> tuple[Catalog, Problem | None]:
 def finder(catalog: Catalog) -> FindManifest:
     """Return what finds the face of a leaf by its id, and of a subtask by its file."""
 
-    def find(node: str) -> object:
+    def find(node: str) -> Manifest | None:
         try:
             if node.endswith((".yaml", ".yml")):
                 return manifest_of_task(node, catalog.tasks.read(node))
@@ -89,7 +83,7 @@ def finder(catalog: Catalog) -> FindManifest:
         except (UnknownNameError, SubtaskError):
             return None
 
-    return find  # type: ignore[return-value]
+    return find
 
 
 def _problem(issue: Issue, fixer: Fixer | None) -> Problem:
@@ -107,7 +101,8 @@ def _problem(issue: Issue, fixer: Fixer | None) -> Problem:
     )
 
 
-def _unreadable(path: str, problems: list[Problem]) -> TaskView:
+def unreadable_view(path: str, problems: list[Problem]) -> TaskView:
+    """Return the view of a file that isn't a task, with what is wrong with it."""
     return TaskView(path=path, name=path.rsplit("/", 1)[-1].rsplit(".", 1)[0], problems=problems)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, TypeAlias
 
@@ -13,7 +12,7 @@ from grip_bt.task.canonical import file_data as plain_data
 from grip_bt.task.catalog.manifest import Manifest
 from grip_bt.task.kind_analysis import derived_edges, surely_first
 from grip_bt.task.model import AnyNode, Kind, Leaf, Subtask, Task, Variable
-from grip_bt.task.walking import children_of, join, outcomes_of, walk
+from grip_bt.task.walking import join, outcomes_of, walk
 from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
@@ -23,111 +22,57 @@ PREVIEW = 2000
 """Longest initial value that is shown whole, in characters."""
 
 
-class Faces:
-    """The manifests that a view was drawn with.
-
-    Args:
-        find: returns the manifest of a catalogue id or of a task's file, None for one that isn't known.
-    """
-
-    def __init__(self, find: FindManifest):
-        self._find = find
-        self._known: dict[str, Manifest | None] = {}
-
-    def __call__(self, node: str) -> Manifest | None:
-        """Return the manifest of an id."""
-        if node not in self._known:
-            self._known[node] = self._find(node)
-        return self._known[node]
-
-    def still(self, before: Faces) -> bool:
-        """Tell whether all that an earlier view was drawn with is as it was."""
-        return all(self(node) == face for node, face in before._known.items())
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A task, its view and the faces of its nodes: for the view of a task that shares most of it."""
-
-    task: Task
-    view: TaskView
-    faces: Faces
-
-
-def project_task(
-    task: Task,
-    path: str,
-    find: FindManifest | Faces,
-    problems: list[Problem] | None = None,
-    before: Drawn | None = None,
-) -> TaskView:
+def project_task(task: Task, path: str, find: FindManifest, problems: list[Problem] | None = None) -> TaskView:
     """Return the view of a task.
 
     Args:
         task: what was read.
         path: the file, relative to the project folder.
-        find: returns the manifest of a catalogue id, None for one that isn't known.
+        find: returns the manifest of a catalogue id or of a task's file, None for one that isn't known.
         problems: what the validation found.
-        before: a task whose view is known: the views of what both share are the same objects.
     """
-    faces = find if isinstance(find, Faces) else Faces(find)
     return TaskView.model_construct(  # nothing here comes from elsewhere, and the check copies every list
         path=path,
         name=task.name,
         doc=task.doc,
         outcomes=dict(task.outcomes),
-        nodes=_nodes(task, faces, before if before and faces.still(before.faces) else None),
+        nodes=_nodes(task, cache(find)),
         variables=_variables(task),
         problems=problems or [],
     )
 
 
-def _nodes(task: Task, find: Faces, before: Drawn | None) -> list[NodeView]:
+def _nodes(task: Task, find: FindManifest) -> list[NodeView]:
     """Return the views of all nodes, parents first and in document order."""
-    known = {view.path: view for view in before.view.nodes} if before else {}
     views: list[NodeView] = []
 
-    def keep(path: str) -> None:
-        view = known[path]
+    def draw(node: AnyNode, view: NodeView) -> None:
         views.append(view)
-        for child in view.children:
-            keep(child)
-
-    def draw(path: str, node: AnyNode, view: NodeView, old: AnyNode | None) -> None:
-        views.append(view)
-        if node is old:  # then so is all below it, and what it says about its children
-            for child in view.children:
-                keep(child)
-            return
         if isinstance(node, Leaf):
             return
-        olds = children_of(old) if old is not None else {}
         first, derived = surely_first(node), derived_edges(node)
         for name, below in node.below.items():
-            place = join(path, name)
-            shown = _node(place, path, name, below, find, _edges_below(node, name, below))
-            if first == name or name in derived:
-                shown = shown.model_copy(update={"initial": first == name, "derived": _derived(derived.get(name, {}))})
-            draw(place, below, shown, olds.get(name))
+            leads = derived.get(name, {}).items()
+            position: dict[str, Any] = {
+                "path": join(view.path, name),
+                "parent": view.path,
+                "name": name,
+                "on": _edges_below(node, name, below),
+                "initial": first == name,
+                "derived": [Transition(outcome=meaning, target=to, ends=ends) for meaning, (to, ends) in leads],
+            }
+            draw(below, _node(below, find, position))
 
-    root = _node("/", None, task.name, task.root, find, _edges(task.root.on, ends=task.outcomes))
-    draw("/", task.root, root, before.task.root if before else None)
+    position = {"path": "/", "parent": None, "name": task.name, "on": _edges(task.root.on, ends=task.outcomes)}
+    draw(task.root, _node(task.root, find, position))
     return views
 
 
-def _node(
-    path: str,
-    parent: str | None,
-    name: str,
-    node: AnyNode,
-    find: Faces,
-    edges: list[Transition],
-) -> NodeView:
-    common: dict[str, Any] = {"path": path, "parent": parent, "name": name, "on": edges}
+def _node(node: AnyNode, find: FindManifest, position: dict[str, Any]) -> NodeView:
     if isinstance(node, Leaf):
         manifest = find(node.node)
         return NodeView(
-            **common,
+            **position,
             kind="leaf",
             label=node.node,
             doc=node.doc or (manifest.doc if manifest else ""),
@@ -137,16 +82,17 @@ def _node(
             parameters=dict(node.with_),
             fields=_fields(node),
         )
+    ports = (node.in_, node.out, node.with_) if isinstance(node, Subtask) else ({}, {}, {})
     return NodeView(
-        **common,
+        **position,
         kind=node.kind,
         label=node.settings(),
         doc=node.doc,
-        children=[join(path, child) for child in children_of(node)],
+        children=[join(position["path"], child) for child in node.below],
         outcomes=_outcomes_of(find(node.task), node.meaning) if isinstance(node, Subtask) else outcomes_of(node),
-        inputs=dict(getattr(node, "in_", {})),
-        outputs=dict(getattr(node, "out", {})),
-        parameters=dict(getattr(node, "with_", {})),
+        inputs=dict(ports[0]),
+        outputs=dict(ports[1]),
+        parameters=dict(ports[2]),
         fields=_fields(node),
     )
 
@@ -162,10 +108,6 @@ def _fields(node: AnyNode) -> dict[str, Any]:
     if node.model_fields_set <= _SHOWN_FIELDS:
         return {}  # most nodes: the long way takes a third of the time of a large task's view
     return {key: plain_data(value) for key, value in data_of(node).items() if key not in _SHOWN}
-
-
-def _derived(leads: Mapping[Meaning, tuple[str, bool]]) -> list[Transition]:
-    return [Transition(outcome=meaning, target=target, ends=ends) for meaning, (target, ends) in leads.items()]
 
 
 def _edges_below(parent: Kind, name: str, child: AnyNode) -> list[Transition]:

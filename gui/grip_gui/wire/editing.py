@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from grip_gui.wire.runs import RunEvent
-from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, VariableView, Wire
+from grip_gui.wire.task import Meaning, Problem, TaskView, Wire
 
 TaskPath = Annotated[str, Field(max_length=1024)]
 View = Literal["flow", "tree"]
@@ -89,9 +89,6 @@ class LayoutView(Wire):
 class DocumentView(Wire):
     """A task file that is open for editing."""
 
-    type: Literal["document"] = "document"
-    state: int = 0
-    """Number of what is shown; who says it with the next wish is sent what has changed since."""
     path: str
     revision: int
     text: str
@@ -103,49 +100,10 @@ class DocumentView(Wire):
     history: HistoryView
     layout: LayoutView
     task: TaskView
+    moved: dict[str, str] = {}
+    """Old path -> new path of nodes that moved since the revision that the page has; their children moved along."""
     checked: bool = True
     """Whether `task.problems` are known; where they aren't yet, they are asked for by themselves."""
-
-
-class TextSplice(Wire):
-    """One piece of a text that was replaced; counted in UTF-16 units, as pages count."""
-
-    start: int
-    removed: int
-    new: str
-
-
-class TaskChange(Wire):
-    """What is different in a task. The order of the nodes follows from the children of each."""
-
-    name: str
-    doc: str
-    outcomes: dict[str, Meaning]
-    nodes: list[NodeView]
-    """Those that are new or different."""
-    gone: list[str]
-    moved: dict[str, str]
-    """Where those that are gone are now, by their old paths; what is below one that moved has moved with it."""
-    variables: list[VariableView] | None
-    """All of them; None where none is different."""
-
-
-class DocumentChange(Wire):
-    """What has changed in a document since a state that the page has. Problems are asked for by themselves."""
-
-    type: Literal["change"] = "change"
-    since: int
-    state: int
-    path: str
-    revision: int
-    splice: TextSplice | None
-    saved: bool
-    change: Change
-    history: HistoryView
-    layout: LayoutView | None
-    """None where no position is different."""
-    task: TaskChange | None
-    """None where nothing is drawn differently."""
 
 
 class ProblemsView(Wire):

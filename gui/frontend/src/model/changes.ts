@@ -1,50 +1,19 @@
-/** A document after a change that the server sent: only what is different is new, the rest are the objects that were there. */
-import type { DocumentChange, DocumentView, NodeView, Problem, TaskChange, TaskView, TextSplice } from "../protocol/generated";
+/** A document after an edit: what is the same as before is the object that was there, so that it isn't drawn again. */
+import type { TaskView } from "../protocol/generated";
 
-export function changed(document: DocumentView, change: DocumentChange): DocumentView {
-  const { state, revision, saved, history, layout, task, splice } = change;
-  return {
-    ...document,
-    state,
-    revision,
-    saved,
-    history,
-    change: change.change,
-    draft: false,
-    checked: false,
-    text: splice === null ? document.text : spliced(document.text, splice),
-    layout: layout ?? document.layout,
-    task: task === null ? document.task : changedTask(document.task, task),
-  };
-}
-
-function spliced(text: string, { start, removed, new: put }: TextSplice): string {
-  return text.slice(0, start) + put + text.slice(start + removed);
-}
-
-function changedTask(task: TaskView, { name, doc, outcomes, nodes, gone, variables }: TaskChange): TaskView {
-  const byPath = new Map(task.nodes.map((node) => [node.path, node]));
-  for (const path of gone) byPath.delete(path);
-  for (const node of nodes) byPath.set(node.path, node);
-  return { ...task, name, doc, outcomes, nodes: inOrder(byPath), variables: variables ?? task.variables, problems: stillThere(task.problems, byPath) };
-}
-
-/** Parents first, in the order of the document. */
-function inOrder(byPath: ReadonlyMap<string, NodeView>): NodeView[] {
-  const order: NodeView[] = [];
-  const open = ["/"];
-  for (let path = open.pop(); path !== undefined; path = open.pop()) {
-    const node = byPath.get(path);
-    if (node === undefined) continue;
-    order.push(node);
-    for (let i = node.children.length - 1; i >= 0; i--) open.push(node.children[i] as string);
-  }
-  return order;
-}
-
-/** Problems of a state before, until the new ones are known: those of nodes that are gone are gone. */
-function stillThere(problems: readonly Problem[], byPath: ReadonlyMap<string, NodeView>): Problem[] {
-  return problems.filter(({ path }) => path === "" || byPath.has(path));
+/** @param checked whether its problems are known; until they are, those of before are shown, of nodes that are still there. */
+export function sharing(task: TaskView, before: TaskView, checked: boolean): TaskView {
+  const known = new Map(before.nodes.map((node) => [node.path, node]));
+  const nodes = task.nodes.map((node) => {
+    const old = known.get(node.path);
+    return old !== undefined && JSON.stringify(old) === JSON.stringify(node) ? old : node;
+  });
+  const there = new Set(task.nodes.map((node) => node.path));
+  const problems = checked ? task.problems : before.problems.filter(({ path }) => path === "" || there.has(path));
+  const now = { ...task, nodes, problems };
+  const rest = (view: TaskView): string => JSON.stringify({ ...view, nodes: [] });
+  const same = nodes.length === before.nodes.length && nodes.every((node, i) => node === before.nodes[i]) && rest(now) === rest(before);
+  return same ? before : now;
 }
 
 /** Where a node is after a change: what is below one that was moved has moved with it. */

@@ -10,7 +10,6 @@ import type {
   ConvertWish,
   DeskView,
   DiskWish,
-  DocumentChange,
   DocumentView,
   Done,
   EditWish,
@@ -98,13 +97,10 @@ async function ask<T>(path: string, body?: unknown): Promise<T> {
   return (await answer.json()) as T;
 }
 
-/** A document, or what has changed in it since the state that was said. */
-export type Answer = DocumentView | DocumentChange;
-
 export const server = {
   project: () => ask<ProjectView>("project"),
   catalog: () => ask<CatalogView>("catalog"),
-  document: (path: string, since = 0) => ask<Answer>(`document?path=${encodeURIComponent(path)}&since=${since}`),
+  document: (path: string, since = 0) => ask<DocumentView>(`document?path=${encodeURIComponent(path)}&since=${since}`),
   problems: (path: string) => ask<ProblemsView>(`document/problems?path=${encodeURIComponent(path)}`),
   forms: (path: string) => ask<FormsView>(`document/forms?path=${encodeURIComponent(path)}`),
   places: (path: string) => ask<PlacesView>(`document/places?path=${encodeURIComponent(path)}`),
@@ -113,13 +109,13 @@ export const server = {
     ask<PartsView>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
   conversion: (path: string, node: string, form: ConvertWish["form"], approximate: boolean) =>
     ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}&approximate=${approximate}`),
-  convert: (wish: ConvertWish, since: number) => ask<Answer>(`document/convert?since=${since}`, wish),
-  edit: (wish: EditWish, since: number) => ask<Answer>(`document/edit?since=${since}`, wish),
-  text: (wish: TextWish, since: number) => ask<Answer>(`document/text?since=${since}`, wish),
-  step: (wish: StepWish, since: number) => ask<Answer>(`document/step?since=${since}`, wish),
-  pin: (wish: PinWish, since: number) => ask<Answer>(`document/pin?since=${since}`, wish),
-  save: (wish: SaveWish, since: number) => ask<Answer>(`document/save?since=${since}`, wish),
-  disk: (wish: DiskWish, since: number) => ask<Answer>(`document/disk?since=${since}`, wish),
+  convert: (wish: ConvertWish, since: number) => ask<DocumentView>(`document/convert?since=${since}`, wish),
+  edit: (wish: EditWish, since: number) => ask<DocumentView>(`document/edit?since=${since}`, wish),
+  text: (wish: TextWish, since: number) => ask<DocumentView>(`document/text?since=${since}`, wish),
+  step: (wish: StepWish, since: number) => ask<DocumentView>(`document/step?since=${since}`, wish),
+  pin: (wish: PinWish, since: number) => ask<DocumentView>(`document/pin?since=${since}`, wish),
+  save: (wish: SaveWish, since: number) => ask<DocumentView>(`document/save?since=${since}`, wish),
+  disk: (wish: DiskWish, since: number) => ask<DocumentView>(`document/disk?since=${since}`, wish),
   newTask: (wish: NewTask) => ask<DocumentView>("document/new", wish),
   expression: (wish: ExpressionWish) => ask<ExpressionView>("document/expression", wish),
   runs: () => ask<RunRecord[]>("runs"),

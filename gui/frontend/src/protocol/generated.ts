@@ -94,25 +94,8 @@ export interface DiskWish {
   path: string;
 }
 
-/** What has changed in a document since a state that the page has. Problems are asked for by themselves. */
-export interface DocumentChange {
-  type: "change";
-  since: number;
-  state: number;
-  path: string;
-  revision: number;
-  splice: TextSplice | null;
-  saved: boolean;
-  change: "" | "changed" | "deleted";
-  history: HistoryView;
-  layout: LayoutView | null;
-  task: TaskChange | null;
-}
-
 /** A task file that is open for editing. */
 export interface DocumentView {
-  type: "document";
-  state: number;
   path: string;
   revision: number;
   text: string;
@@ -122,6 +105,7 @@ export interface DocumentView {
   history: HistoryView;
   layout: LayoutView;
   task: TaskView;
+  moved: Record<string, string>;
   checked: boolean;
 }
 
@@ -813,17 +797,6 @@ export interface Subscribe {
   from_seq: number;
 }
 
-/** What is different in a task. The order of the nodes follows from the children of each. */
-export interface TaskChange {
-  name: string;
-  doc: string;
-  outcomes: Record<string, "success" | "failure">;
-  nodes: NodeView[];
-  gone: string[];
-  moved: Record<string, string>;
-  variables: VariableView[] | null;
-}
-
 /** A task file of the project. */
 export interface TaskEntry {
   path: string;
@@ -846,13 +819,6 @@ export interface Template {
   title: string;
   key: string[];
   value: unknown;
-}
-
-/** One piece of a text that was replaced; counted in UTF-16 units, as pages count. */
-export interface TextSplice {
-  start: number;
-  removed: number;
-  new: string;
 }
 
 /** Take a text that was typed on a revision. */

@@ -116,7 +116,7 @@ export function openTask(path: string, node?: string): Promise<void> {
   const wish = ++wishes;
   return trying(async () => {
     const document = await server.document(path);
-    if (wish !== wishes || document.type !== "document") return;
+    if (wish !== wishes) return;
     useDocument.getState().setConflict(null);
     usePage.setState({ closed: foldedAtFirst(document.task.nodes), opened: new Set() });
     useRun.getState().showTask(document.task);

@@ -1,7 +1,7 @@
 /** What edits do: each goes to the server, one after the other, and its answer is the new state. */
 import type { Command } from "../model/commands";
-import { changed, whereNow } from "../model/changes";
-import { type Answer, RefusedError, server } from "../protocol/client";
+import { sharing, whereNow } from "../model/changes";
+import { RefusedError, server } from "../protocol/client";
 import type { DocumentView, PinWish } from "../protocol/generated";
 import { type Conflict, useDocument } from "./document";
 import { usePage } from "./page";
@@ -18,23 +18,16 @@ export function editable(): boolean {
   return useRun.getState().record === null && useDocument.getState().document !== null;
 }
 
-/** Take what the server sent, a document or a change of it; an older one than that which is shown comes too late. */
-export function take(answer: Answer): void {
+/** Take what the server sent; an older document than that which is shown comes too late. */
+export function take(answer: DocumentView): void {
   const { document, setDocument } = useDocument.getState();
   if (document?.path === answer.path && answer.revision < document.revision) return;
-  if (answer.type === "change" && (document?.path !== answer.path || document.state !== answer.since)) {
-    // The page has gone on meanwhile: ask for the whole.
-    if (document?.path === answer.path) void server.document(answer.path).then(take);
-    return;
-  }
-  const view = answer.type === "change" ? changed(document as DocumentView, answer) : answer;
-  // What was wrong is shown until it is known what is wrong now.
-  if (answer.type === "document" && document?.path === view.path && !view.checked) view.task = { ...view.task, problems: document.task.problems };
+  const view = document?.path === answer.path ? { ...answer, task: sharing(answer.task, document.task, answer.checked) } : answer;
   setDocument(view);
   const { record, task, showTask } = useRun.getState();
   if (record !== null) return;
   if (task !== view.task) showTask(view.task);
-  keepSelection(answer.type === "change" ? (answer.task?.moved ?? {}) : {});
+  keepSelection(answer.moved);
   if (!view.checked) loadProblems();
   loadForms();
 }
@@ -69,7 +62,7 @@ export function settingNow(path: string, key: string): unknown {
 }
 
 /** Send a wish when its turn comes; one that finds nothing to wish for any more (null) is left out. */
-function send(wish: (document: DocumentView) => Promise<Answer> | null, text?: string, taken: Refused = () => false): Promise<boolean> {
+function send(wish: (document: DocumentView) => Promise<DocumentView> | null, text?: string, taken: Refused = () => false): Promise<boolean> {
   const sent = queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null) return false;
@@ -106,7 +99,7 @@ export async function edit(command: Command | (() => Command), select?: string |
   }
   const { picks } = usePage.getState();
   const done = await send(
-    ({ path, revision, state }) => server.edit({ path, base: revision, command: typeof command === "function" ? command() : command }, state),
+    ({ path, revision }) => server.edit({ path, base: revision, command: typeof command === "function" ? command() : command }, revision),
     undefined,
     taken,
   );
@@ -121,10 +114,10 @@ export async function edit(command: Command | (() => Command), select?: string |
 }
 
 function step(what: "undo" | "redo" | "go", number: number | null = null): Promise<boolean> {
-  return send(({ path, revision, state, history }) => {
+  return send(({ path, revision, history }) => {
     // Who presses faster than the answers come has come to the end meanwhile.
     if ((what === "undo" && !history.can_undo) || (what === "redo" && number === null && !history.can_redo)) return null;
-    return server.step({ path, base: revision, step: what, number }, state);
+    return server.step({ path, base: revision, step: what, number }, revision);
   });
 }
 
@@ -134,23 +127,23 @@ export const goTo = (number: number): Promise<boolean> => step("go", number);
 
 /** Take a text that was typed on the revision `base`; null puts it over whatever is there. */
 export function typeText(text: string, base: number | null): Promise<boolean> {
-  return send(({ path, revision, state }) => server.text({ path, base: base ?? revision, text, over: base === null }, state), text);
+  return send(({ path, revision }) => server.text({ path, base: base ?? revision, text, over: base === null }, revision), text);
 }
 
 export function pin(view: PinWish["view"], positions: Record<string, [number, number] | null>): Promise<boolean> {
-  return send(({ path, state }) => server.pin({ path, view, positions }, state));
+  return send(({ path, revision }) => server.pin({ path, view, positions }, revision));
 }
 
 export function convert(node: string, form: "tree" | "machine", approximate: boolean): Promise<boolean> {
-  return send(({ path, revision, state }) => server.convert({ path, base: revision, node, form, approximate }, state));
+  return send(({ path, revision }) => server.convert({ path, base: revision, node, form, approximate }, revision));
 }
 
 export function save(over = false): Promise<boolean> {
-  return send(({ path, state }) => server.save({ path, over }, state));
+  return send(({ path, revision }) => server.save({ path, over }, revision));
 }
 
 export function takeFromDisk(): Promise<boolean> {
-  return send(({ path, state }) => server.disk({ path }, state));
+  return send(({ path, revision }) => server.disk({ path }, revision));
 }
 
 /** Ask for the newest state where the server has told of one. */
@@ -158,7 +151,7 @@ export function heardOfRevisions(revisions: Record<string, number>): void {
   void queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null || (revisions[document.path] ?? 0) <= document.revision) return;
-    take(await server.document(document.path, document.state));
+    take(await server.document(document.path, document.revision));
   });
 }
 
