@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
@@ -136,21 +136,38 @@ class TopicSensor:
             return value  # an image has a frame, but no points in it
 
 
-class BrokenSensor:
-    """A sensor that couldn't be set up; others go on without it. Implements `grip_bt.base.ports.Sensor`."""
+class UnavailableSensor:
+    """A sensor or a camera that couldn't be set up; others go on without it. Implements `ports.Sensor` and `Camera`.
 
-    def __init__(self, name: str, reason: str):
-        self.name, self.reason = name, reason
-        self.process: Process | None = None
+    Args:
+        what: such as `sensor left`.
+        reason: what is wrong with it.
+    """
 
-    def capture(self) -> Operation[Mapping[str, object]]:
-        """End with SensorError, which says what is wrong."""
-        return Operation.failed(SensorError(f"sensor {self.name}: {self.reason}"))
+    process: Process | None = None
+
+    def __init__(self, what: str, reason: str):
+        self.what, self.reason = what, reason
+
+    def info(self) -> NoReturn:
+        """Raise SensorError, which says what is wrong."""
+        raise SensorError(f"{self.what}: {self.reason}")
+
+    def capture(self) -> Operation[Any]:
+        """End with SensorError, likewise."""
+        return Operation.failed(SensorError(f"{self.what}: {self.reason}"))
+
+
+def unnamed_camera(name: str) -> UnavailableSensor:
+    """Return a camera whose topics nobody has named; it says what to write."""
+    topics = "{image: /camera/color/image_raw, depth: /camera/depth/image_raw, info: /camera/color/camera_info}"
+    advice = f"add to grip.yaml: `ros: {{cameras: {{{name}: {topics}}}}}`"
+    return UnavailableSensor(f"camera {name}", f"its topics are not configured; {advice}")
 
 
 def open_sensors(
     sensors: Mapping[str, SensorConfig], door: RosInterface, project: Path, domain_id: int | None = None
-) -> dict[str, TopicSensor | BrokenSensor]:
+) -> dict[str, TopicSensor | UnavailableSensor]:
     """Start the drivers of sensors and listen to their topics; what is wrong with one is said when it is asked.
 
     Args:
@@ -160,19 +177,19 @@ def open_sensors(
         domain_id: the DDS domain of the drivers.
     """
     _, broken = mounted_frames(sensors)
-    opened: dict[str, TopicSensor | BrokenSensor] = {}
+    opened: dict[str, TopicSensor | UnavailableSensor] = {}
     for name, config in sensors.items():
         if name in broken:
-            opened[name] = BrokenSensor(name, broken[name])
+            opened[name] = UnavailableSensor(f"sensor {name}", broken[name])
             continue
         try:
             opened[name] = TopicSensor(name, config, door, _driver(name, config, project, domain_id))
         except (GripError, OSError) as error:
-            opened[name] = BrokenSensor(name, str(error))
+            opened[name] = UnavailableSensor(f"sensor {name}", str(error))
     return opened
 
 
-def close_sensors(sensors: Mapping[str, TopicSensor | BrokenSensor]) -> None:
+def close_sensors(sensors: Mapping[str, TopicSensor | UnavailableSensor]) -> None:
     """End all drivers, together."""
     stop_all([s.process for s in sensors.values() if s.process is not None])
 
@@ -252,21 +269,3 @@ class RosCamera:
             raise SensorError(f"camera {self._name}: {reason}")
         self._info = info
         return made
-
-
-class UnnamedCamera:
-    """A sensor whose topics nobody has named; others go on without it. Implements `grip_bt.base.ports.Camera`."""
-
-    def __init__(self, name: str):
-        topics = "{image: /camera/color/image_raw, depth: /camera/depth/image_raw, info: /camera/color/camera_info}"
-        self._reason = (
-            f"camera {name}: its topics are not configured; add to grip.yaml: `ros: {{cameras: {{{name}: {topics}}}}}`"
-        )
-
-    def info(self) -> CameraInfo:
-        """Raise SensorError, which says what to write."""
-        raise SensorError(self._reason)
-
-    def capture(self) -> Operation[RgbdFrame]:
-        """End with SensorError, likewise."""
-        return Operation.failed(SensorError(self._reason))

@@ -26,7 +26,7 @@ from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.build import provide
 from grip_bt.ros.moveit import MoveGroupExecutor
-from grip_bt.ros.sensing import RosCamera, UnnamedCamera
+from grip_bt.ros.sensing import RosCamera, unnamed_camera
 from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.ros_config import ControllerConfig, RosRobotConfig
 
@@ -101,7 +101,7 @@ def _cameras(project: Project, settings: RosRobotConfig, bus: Bus, progress: Pro
     for name, topics in settings.cameras.items():
         progress("camera", f"{name}: {topics.image}, {topics.depth}, {topics.info}")
     return {
-        name: RosCamera(name, settings.cameras[name], door) if name in settings.cameras else UnnamedCamera(name)
+        name: RosCamera(name, settings.cameras[name], door) if name in settings.cameras else unnamed_camera(name)
         for name in sensors
     }
 

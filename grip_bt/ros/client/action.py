@@ -14,12 +14,11 @@ import time
 import uuid
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from action_msgs.msg import GoalStatusArray
 from action_msgs.srv import CancelGoal
-from rclpy.node import Node
+from rclpy.client import Client as RclpyClient
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
@@ -55,6 +54,11 @@ class _Entry(Request):
     result: Future | None = None
     futures: list[Future] = field(default_factory=list)
 
+    @property
+    def uuid(self) -> UUID:
+        """The goal's id as a message."""
+        return UUID(uuid=np.frombuffer(self.goal_id, np.uint8))
+
 
 class ActionClient(ServedClient[_Entry]):
     """The client of one action; made by `Bus.action`."""
@@ -67,12 +71,12 @@ class ActionClient(ServedClient[_Entry]):
             lambda: action_servers(bus.node, name),
             lambda servers: check_action_servers(bus.node, type_, name, servers),
         )
-        self._wire: ActionWire | None = None
+        self._services: tuple[RclpyClient, ...] = ()
 
     @property
     def idle(self) -> bool:
         """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
-        return self._wire is None and not self._requests
+        return not self._services and not self._requests
 
     @property
     def busy(self) -> bool:
@@ -162,9 +166,25 @@ class ActionClient(ServedClient[_Entry]):
         self._do(request, request.machine.server_unfit(error))
 
     def _connected(self) -> bool:
-        if self._wire is None:
-            self._wire = ActionWire(self._bus.node, self.type, self.name, self._progressed, self._statuses)
-        return self._wire.server_is_ready()
+        """Connect: an answer is rclpy's future; one that is cancelled is forgotten, and its answer ignored."""
+        node, impl = self._bus.node, self.type.Impl
+        topics = feedback, status = [f"{self.name}/_action/{topic}" for topic in ("feedback", "status")]
+        if not self._services:
+            self._services = tuple(
+                node.create_client(kind, f"{self.name}/_action/{end}", qos_profile=SERVICE_QOS)
+                for kind, end in (
+                    (impl.SendGoalService, "send_goal"),
+                    (impl.GetResultService, "get_result"),
+                    (CancelGoal, "cancel_goal"),
+                )
+            )
+            node.create_subscription(
+                impl.FeedbackMessage, feedback, self._progressed, QoSProfile(depth=_FEEDBACK_DEPTH)
+            )
+            node.create_subscription(GoalStatusArray, status, self._statuses, qos_profile_action_status_default)
+        return all(service.service_is_ready() for service in self._services) and all(
+            node.count_publishers(topic) for topic in topics
+        )
 
     def _do(self, entry: _Entry, commands: list[Command]) -> None:
         """Carry out what the machine of a goal says; forget the goal when it is over."""
@@ -175,10 +195,14 @@ class ActionClient(ServedClient[_Entry]):
                 case RequestResult():
                     if entry.result is not None:
                         entry.result.cancel()  # that request, or its answer, was dropped on the way
-                    entry.result = self._connection.ask_result(entry.goal_id)
+                    _, results, _ = self._services
+                    entry.result = results.call_async(self.type.Impl.GetResultService.Request(goal_id=entry.uuid))
                     self._later(entry, entry.result, self._resulted)
                 case RequestCancel():
-                    self._later(entry, self._connection.ask_cancel(entry.goal_id), self._cancel_answered)
+                    _, _, cancels = self._services
+                    asked = CancelGoal.Request()
+                    asked.goal_info.goal_id = entry.uuid
+                    self._later(entry, cancels.call_async(asked), self._cancel_answered)
                 case Tell(end):
                     entry.on_feedback = None
                     if isinstance(end, GoalEnd):
@@ -197,12 +221,6 @@ class ActionClient(ServedClient[_Entry]):
             if entry.goal_id and entry.guard is not None:
                 entry.guard.over(entry.goal_id)
 
-    @property
-    def _connection(self) -> ActionWire:
-        """The connection of goals that were sent; it was made before them."""
-        assert self._wire is not None
-        return self._wire
-
     def _send(self, request: _Entry, now: float) -> None:
         self._do(request, request.machine.server_fits(now))
 
@@ -210,9 +228,13 @@ class ActionClient(ServedClient[_Entry]):
         entry.servers, entry.goal_id = self._check.servers, new_goal_id()
         if entry.guard is not None:
             entry.guard.sent(self.name, entry.goal_id)
-        assert entry.message is not None
+        goals, _, _ = self._services
         try:
-            future = self._connection.send_goal(entry.goal_id, entry.message)
+            if not isinstance(entry.message, self.type.Goal):
+                named = f"{self.type.__name__}.Goal"
+                raise TypeError(f"a goal of {self.type.__name__} has to be a {named}, not {entry.message!r}")
+            request = self.type.Impl.SendGoalService.Request(goal_id=entry.uuid, goal=entry.message)
+            future = goals.call_async(request)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal
             self._do(entry, entry.machine.send_failed(error))
             return
@@ -255,12 +277,13 @@ class ActionClient(ServedClient[_Entry]):
         self._do(entry, entry.machine.cancel_answered(stops, known, now))
         self._advance(now)
 
-    def _progressed(self, goal_id: bytes, feedback: Message) -> None:
+    def _progressed(self, message: Message) -> None:
+        goal_id = bytes(message.goal_id.uuid)
         entry = next((e for e in self._requests if e.goal_id == goal_id), None)
         if entry is not None and entry.machine.phase in LIVE:
-            entry.operation.report(feedback)
+            entry.operation.report(message.feedback)
             if entry.on_feedback is not None:
-                entry.on_feedback(feedback)
+                entry.on_feedback(message.feedback)
 
     def _statuses(self, message: GoalStatusArray) -> None:
         """Hear of goals from the server, also of such whose acceptance was lost."""
@@ -271,82 +294,6 @@ class ActionClient(ServedClient[_Entry]):
                 self._do(entry, entry.machine.status(entry.status, time.monotonic()))
 
 
-class ActionWire:
-    """Sends to and hears of the server of one action; answers are rclpy's futures.
-
-    A future that is cancelled is forgotten, and its answer, if it comes, ignored.
-
-    Args:
-        node: the node it lives on.
-        type_: the action's class.
-        name: the action's full name.
-        on_feedback: called on the executor's thread with a goal's id and the feedback message.
-        on_status: called on the executor's thread with the statuses of the goals that the server remembers.
-    """
-
-    def __init__(
-        self,
-        node: Node,
-        type_: InterfaceType,
-        name: str,
-        on_feedback: Callable[[bytes, Message], None],
-        on_status: Callable[[GoalStatusArray], None],
-    ):
-        self._type, self._impl = type_, type_.Impl
-        self._services = [
-            node.create_client(kind, f"{name}/_action/{end}", qos_profile=SERVICE_QOS)
-            for kind, end in (
-                (self._impl.SendGoalService, "send_goal"),
-                (self._impl.GetResultService, "get_result"),
-                (CancelGoal, "cancel_goal"),
-            )
-        ]
-        self._goals, self._results, self._cancels = self._services
-        self._topics = [f"{name}/_action/feedback", f"{name}/_action/status"]
-        self._node = node
-
-        def heard(message: Message) -> None:
-            on_feedback(bytes(message.goal_id.uuid), message.feedback)
-
-        node.create_subscription(
-            self._impl.FeedbackMessage,
-            self._topics[0],
-            heard,
-            QoSProfile(depth=_FEEDBACK_DEPTH),
-        )
-        node.create_subscription(GoalStatusArray, self._topics[1], on_status, qos_profile_action_status_default)
-
-    def server_is_ready(self) -> bool:
-        """Tell whether there is a server, and all of its services are connected to us."""
-        return all(s.service_is_ready() for s in self._services) and all(
-            self._node.count_publishers(topic) for topic in self._topics
-        )
-
-    def send_goal(self, goal_id: bytes, goal: Message) -> Future:
-        """Send a goal under a new id; the answer tells whether it is accepted.
-
-        Raises:
-            TypeError: it isn't a goal of this action.
-        """
-        if not isinstance(goal, self._type.Goal):
-            raise TypeError(f"a goal of {self._type.__name__} has to be a {self._type.__name__}.Goal, not {goal!r}")
-        return self._goals.call_async(self._impl.SendGoalService.Request(goal_id=_uuid(goal_id), goal=goal))
-
-    def ask_result(self, goal_id: bytes) -> Future:
-        """Ask for the result, to be sent when there is one; at once when the server doesn't know the goal."""
-        return self._results.call_async(self._impl.GetResultService.Request(goal_id=_uuid(goal_id)))
-
-    def ask_cancel(self, goal_id: bytes) -> Future:
-        """Ask the server to cancel a goal, whether or not its acceptance came."""
-        request = CancelGoal.Request()
-        request.goal_info.goal_id = _uuid(goal_id)
-        return self._cancels.call_async(request)
-
-
 def new_goal_id() -> bytes:
     """Return an id that no other goal has, 16 bytes."""
     return uuid.uuid4().bytes
-
-
-def _uuid(goal_id: bytes) -> Any:
-    return UUID(uuid=np.frombuffer(goal_id, np.uint8))

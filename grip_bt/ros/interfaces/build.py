@@ -27,7 +27,7 @@ from grip_bt.base.errors import NotWritableError, UnknownNameError
 from grip_bt.ros.interfaces.definition import check_package
 
 from .ament import activate, search_path, share_folder
-from .compiler import Compilation, compilers, install_package
+from .compiler import compile_sources, compilers, install_package
 from .generate import generate
 from .package import Package, find_packages
 
@@ -144,9 +144,8 @@ def _build(package: Package, prefix: Path, prefixes: Sequence[Path]) -> bool:
         with tempfile.TemporaryDirectory(prefix=f".{package.name}-", dir=prefix.parent) as work:
             target = Path(work) / "install"
             target.mkdir()
-            with Compilation(prefixes, jobs=os.cpu_count() or 1) as compilation:
-                generated = generate(package, Path(work) / "build", prefixes, compilation.begin)
-                objects = compilation.objects()
+            generated = generate(package, Path(work) / "build", prefixes)
+            objects = compile_sources(generated, prefixes, jobs=os.cpu_count() or 1)
             install_package(generated, objects, target, prefixes)
             shutil.move(target, prefix)
     return False

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -52,46 +52,33 @@ def compilers() -> tuple[str, str]:
     return found[0], found[1]
 
 
-class Compilation:
-    """Compiles what generators have made, several files at once, while the next generator works.
+def compile_sources(generated: Generated, prefixes: Sequence[Path], jobs: int) -> dict[str, list[Path]]:
+    """Compile what the generators have made, several files at once; return the objects of each library.
 
     Sources of one kind are compiled some together, since most of the time goes into headers that all of them include;
     where a compiler refuses that (two interfaces of one name), one by one.
 
     Args:
+        generated: what is compiled.
         prefixes: where the packages are that are needed.
         jobs: how many compilers run at once.
+
+    Raises:
+        MissingPartError: no compiler.
+        InterfaceBuildError: the compiler failed.
     """
-
-    def __init__(self, prefixes: Sequence[Path], jobs: int):
-        self._prefixes, self._jobs = prefixes, jobs
-        self._pool = ThreadPoolExecutor(jobs)
-        self._running: list[tuple[str, Future[list[Path]]]] = []
-
-    def __enter__(self) -> Compilation:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._pool.shutdown(cancel_futures=True)
-
-    def begin(self, generated: Generated, generator: str) -> None:
-        """Begin to compile the sources of one generator; those that it includes are there already."""
-        flags = _flags(generated, self._prefixes)
-        for library, sources in _units(generated, generator, self._jobs):
-            work = self._pool.submit(_compile, generated, library, sources, flags)
-            self._running.append((library, work))
-
-    def objects(self) -> dict[str, list[Path]]:
-        """Wait until all are compiled; return the objects of each library.
-
-        Raises:
-            MissingPartError: no compiler.
-            InterfaceBuildError: the compiler failed.
-        """
-        found: dict[str, list[Path]] = {}
-        for library, work in self._running:
-            found.setdefault(library, []).extend(work.result())
-        return found
+    flags = _flags(generated, prefixes)
+    units = [unit for generator in _LIBRARIES for unit in _units(generated, generator, jobs)]
+    found: dict[str, list[Path]] = {}
+    with ThreadPoolExecutor(jobs) as pool:
+        try:
+            made = pool.map(lambda unit: _compile(generated, unit[0], unit[1], flags), units)
+            for (library, _), objects in zip(units, made, strict=True):
+                found.setdefault(library, []).extend(objects)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return found
 
 
 def install_package(

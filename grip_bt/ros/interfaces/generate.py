@@ -8,14 +8,12 @@ from __future__ import annotations
 import contextlib
 import io
 import json
-import pickle
 import re
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from grip_bt.base.errors import DocumentError, GripError, MissingPartError
 
@@ -68,29 +66,23 @@ class Generated:
         return sorted(p for suffix in ("*.c", "*.cpp") for p in root.rglob(suffix))
 
 
-def generate(
-    package: Package,
-    folder: Path,
-    prefixes: Sequence[Path],
-    generated: Callable[[Generated, str], None] = lambda package, generator: None,
-) -> Generated:
+def generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
     """Generate all sources of `package` below `folder`.
 
     Args:
         package: whose.
         folder: where they come.
         prefixes: where the packages are that it needs.
-        generated: told each generator that is through, so that its sources can be compiled while the next one works.
 
     Raises:
         DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.
         InterfaceBuildError: a generator failed.
     """
-    with _quietly(package.name), _parsed_once():
-        made = hash_types(package, folder, prefixes)
-        _generate(made, prefixes, generated)
-        return made
+    generated = hash_types(package, folder, prefixes)
+    with _quietly(package.name):
+        _generate(generated, prefixes)
+    return generated
 
 
 @contextlib.contextmanager
@@ -108,26 +100,6 @@ def _quietly(package: str) -> Iterator[None]:
     except (Exception, SystemExit) as error:
         output = f"{said.getvalue()}\n{type(error).__name__}: {error}"
         raise InterfaceBuildError(package, ["the interface generator"], output) from error
-
-
-@contextlib.contextmanager
-def _parsed_once() -> Iterator[None]:
-    """Have each .idl file parsed by the first generator only: their parser takes a third of their time."""
-    from rosidl_parser import parser
-
-    parsed: dict[str, bytes] = {}
-    original = parser.parse_idl_string
-
-    def parse(text: str, png_file: Any = None) -> Any:
-        if text not in parsed:
-            parsed[text] = pickle.dumps(original(text, png_file))
-        return pickle.loads(parsed[text])  # a copy of its own for each, whatever it does to it
-
-    parser.parse_idl_string = parse
-    try:
-        yield
-    finally:
-        parser.parse_idl_string = original
 
 
 def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
@@ -151,7 +123,7 @@ def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Gene
         return generated
 
 
-def _generate(generated: Generated, prefixes: Sequence[Path], told: Callable[[Generated, str], None]) -> None:
+def _generate(generated: Generated, prefixes: Sequence[Path]) -> None:
     package, folder = generated.package, generated.folder
     for generator, run in _generators().items():
         output = folder / generator / package.name
@@ -160,7 +132,6 @@ def _generate(generated: Generated, prefixes: Sequence[Path], told: Callable[[Ge
         _write_visibility(package.name, generator, output, prefixes)
         with _argument_file(_arguments(generated, generator, output, prefixes)) as file:
             run(file)
-        told(generated, generator)
 
 
 def _generators() -> dict[str, Callable[[str], object]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from grip_bt.base.failures import BadReplyError, EmptyQueueError, NoEntryError
 from grip_bt.base.message_store import Entry
@@ -16,9 +16,9 @@ from ..client.types import ConversionError, Message, load_type
 from ..convert_geometry import seconds
 from ..interface import BadRequestError
 from ..interfaces.build import provide
-from .wire import PREFIX, RawMessage, message_of, pack, unpack
+from .wire import CHANGES, PREFIX, RawMessage, message_of, pack, unpack
 
-_KINDS = ("put", "deleted", "pushed", "taken")
+T = TypeVar("T")
 
 
 class RosMessages:
@@ -48,52 +48,53 @@ class RosMessages:
             return Operation.failed(error)
         entry = load_type("grip_msgs/msg/Entry")(store=store, name=name, type=raw.type, provenance=provenance)
         entry.data = array("B", raw.data)
-        return self._ask("add", "AddMessage", BadReplyError, entry=entry).then(lambda _: Operation.finished(None))
+        return self._call("add", "AddMessage", lambda answer: BadReplyError(answer.message), entry=entry).then(_nothing)
 
     def get(self, store: str, name: str) -> Operation[Entry[Any]]:
         """Return an entry; without a name the oldest of the store's queue, which is removed."""
-        return self._asked_for(store, name, unpack)
+        return self._entry(store, name, unpack)
 
-    def message(self, store: str, name: str) -> Operation[Entry[Any]]:
+    def message(self, store: str, name: str) -> Operation[Entry[Message]]:
         """Return an entry with its ROS message as it was sent, header and all; otherwise like `get`."""
-        return self._asked_for(store, name, lambda _, raw: message_of(raw))
+        return self._entry(store, name, lambda _, raw: message_of(raw))
 
-    def _asked_for(self, store: str, name: str, read: Callable[[str, RawMessage], Any]) -> Operation[Entry[Any]]:
+    def _entry(self, store: str, name: str, read: Callable[[str, RawMessage], T]) -> Operation[Entry[T]]:
         def refusal(answer: Message) -> Exception:
             empty = answer.code == EmptyQueueError.code
             return EmptyQueueError(store) if empty else NoEntryError(answer.message)
 
-        asked = self._call("get", "GetMessage", refusal, store=store, name=name)
-        return asked.then(lambda answer: _entry(store, answer.entry, read))
+        def entry(answer: Message) -> Operation[Entry[T]]:
+            found = answer.entry
+            try:
+                value = read(store, RawMessage(found.type, bytes(found.data)))
+            except (ConversionError, BadRequestError) as error:
+                raise BadReplyError(f"store {store!r}: {found.name!r}: {error}") from None
+            made = Entry(found.name, value, seconds(found.stamp), found.provenance, found.revision)
+            return Operation.finished(made)
+
+        return self._call("get", "GetMessage", refusal, store=store, name=name).then(entry)
 
     def names(self, store: str) -> Operation[tuple[str, ...]]:
         """Return the names in a store."""
-        return self.entries(store).then(lambda entries: Operation.finished(tuple(e.name for e in entries)))
-
-    def entries(self, store: str = "") -> Operation[tuple[Entry[None], ...]]:
-        """Return what is known of the entries of a store, or of all, without their values."""
-
-        def read(answer: Message) -> Operation[tuple[Entry[None], ...]]:
-            found = (Entry(e.name, None, seconds(e.stamp), e.provenance, e.revision) for e in answer.entries)
-            return Operation.finished(tuple(found))
-
-        return self._ask("list", "ListMessages", NoEntryError, store=store).then(read)
+        answer = self._call("list", "ListMessages", store=store)
+        return answer.then(lambda answer: Operation.finished(tuple(entry.name for entry in answer.entries)))
 
     def listing(self) -> Operation[Message]:
         """Return the server's whole answer to `list`: entries, stores, and the lengths of their queues."""
-        return self._ask("list", "ListMessages", NoEntryError, store="")
+        return self._call("list", "ListMessages", store="")
 
     def delete(self, store: str, name: str) -> Operation[None]:
         """Remove an entry."""
-        return self._done("delete", "DeleteMessage", store=store, name=name)
+        return self._call("delete", "DeleteMessage", store=store, name=name).then(_nothing)
 
     def reset(self, store: str = "") -> Operation[None]:
         """Empty a store, or all, and have the server read its project's files again."""
-        return self._done("reset", "ResetMessages", store=store)
+        return self._call("reset", "ResetMessages", store=store).then(_nothing)
 
     def save(self) -> Operation[int]:
         """Have the server keep everything for later runs; return how many entries there are."""
-        return self._ask("save", "SaveMessages", BadReplyError).then(lambda answer: Operation.finished(answer.count))
+        answer = self._call("save", "SaveMessages", lambda answer: BadReplyError(answer.message))
+        return answer.then(lambda answer: Operation.finished(answer.count))
 
     def next_of(self, topic: str, type_: str, within: float) -> Message:
         """Wait for the next message of a topic and return it, so that it can be put; for scripts, it blocks.
@@ -121,21 +122,17 @@ class RosMessages:
             entry = received.message.entry
             raw = RawMessage(entry.type, bytes(entry.data))
             value = unpack(entry.store, raw) if entry.type else None
-            callback(entry.store, _KINDS[received.message.kind], entry.name, value)
+            callback(entry.store, CHANGES[received.message.kind], entry.name, value)
 
         reader.listen(heard).wait(self._timeout)
         return lambda: reader.ignore(heard)
 
-    def _done(self, service: str, type_: str, **fields: object) -> Operation[None]:
-        return self._ask(service, type_, NoEntryError, **fields).then(lambda _: Operation.finished(None))
-
-    def _ask(
-        self, service: str, type_: str, refusal: Callable[[str], Exception], **fields: object
-    ) -> Operation[Message]:
-        return self._call(service, type_, lambda answer: refusal(answer.message), **fields)
-
     def _call(
-        self, service: str, type_: str, refusal: Callable[[Message], Exception], **fields: object
+        self,
+        service: str,
+        type_: str,
+        refusal: Callable[[Message], Exception] = lambda answer: NoEntryError(answer.message),
+        **fields: object,
     ) -> Operation[Message]:
         cls = load_type(f"grip_msgs/srv/{type_}")
         client = self._bus.service(cls, f"{self._prefix}/{service}")
@@ -146,9 +143,5 @@ class RosMessages:
         return client.call(cls.Request(**fields), self._timeout, self._wait).then(check)
 
 
-def _entry(store: str, message: Message, read: Callable[[str, RawMessage], Any]) -> Operation[Entry[Any]]:
-    try:
-        value = read(store, RawMessage(message.type, bytes(message.data)))
-    except (ConversionError, BadRequestError) as error:
-        raise BadReplyError(f"store {store!r}: {message.name!r}: {error}") from None
-    return Operation.finished(Entry(message.name, value, seconds(message.stamp), message.provenance, message.revision))
+def _nothing(answer: Message) -> Operation[None]:
+    return Operation.finished(None)

@@ -18,9 +18,8 @@ from ..client.bus import Bus
 from ..client.types import Message, load_type
 from ..convert_geometry import seconds
 from ..interfaces.build import provide
-from .wire import MESSAGES, PREFIX, RawMessage, message_of, pack
+from .wire import CHANGES, MESSAGES, PREFIX, RawMessage, message_of, pack
 
-_KINDS = {"put": 0, "deleted": 1, "pushed": 2, "taken": 3}
 _DEPTH = 100
 
 
@@ -152,7 +151,7 @@ class MessageServer:
             entry = self._entry(store=name, name=change.name, revision=change.revision)
             if change.value is not None:
                 entry.type, entry.data = change.value.type, array("B", change.value.data)
-            self._publisher.publish(self._change(kind=_KINDS[change.kind], entry=entry))
+            self._publisher.publish(self._change(kind=CHANGES.index(change.kind), entry=entry))
 
         store.watch(tell)
 

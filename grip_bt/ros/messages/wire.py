@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
@@ -33,6 +33,8 @@ MESSAGES: dict[str, str] = {
     "images": "sensor_msgs/msg/Image",
 }
 """ROS types of the standard stores."""
+CHANGES = ("put", "deleted", "pushed", "taken")
+"""Kinds of changes, in the order of their numbers."""
 _POSTURES = ("pre_posture", "posture")
 
 
@@ -104,9 +106,6 @@ def _message(store: str, value: object) -> Message:
     cls = load_type(MESSAGES[store])
     if store == "robot_poses":
         return _robot_pose(cls, value)
-    if isinstance(value, Grasp):
-        said = {f.name: getattr(value, f.name) for f in fields(value)}
-        return to_message({name: part for name, part in said.items() if part is not None}, cls)
     return to_message(value, cls)
 
 
