@@ -29,7 +29,7 @@ from grip_bt.base.errors import UnfitSolverError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.commanders.description.load import build_robot
-from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.ik import SOLVERS, solver
 from grip_bt.commanders.kinematics.model import RobotModel

@@ -31,7 +31,7 @@ from searches import SOLVED
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.load import build_robot
-from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning import answer

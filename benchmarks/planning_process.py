@@ -21,7 +21,7 @@ from plan_ways import queries
 from grip_bt.base.failures import CanceledError, ExpectedError
 from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.commanders.description.load import build_robot
-from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import answer

@@ -1,7 +1,12 @@
-"""Names for arrays of numbers. Units are those of the joints and frames that a function is about."""
+"""Arrays by what they hold, and values that hold some: copied, checked, read-only, compared by content."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 Array = NDArray[np.float64]
 """Of any shape; points are `(n, 3)`, transforms `(4, 4)`."""
@@ -13,3 +18,45 @@ Mask = NDArray[np.bool_]
 """One truth value for each."""
 Indices = NDArray[np.intp]
 """Rows or columns of another array."""
+
+
+def frozen_array(
+    value: ArrayLike, shape: tuple[int | None, ...], name: str, dtype: DTypeLike = np.float64
+) -> NDArray[Any]:
+    """Return a read-only copy of `value`.
+
+    Args:
+        value: anything that numpy makes an array of.
+        shape: wanted shape; None stands for any length.
+        name: used in the error message.
+        dtype: element type of the copy.
+
+    Raises:
+        ValueError: the shape differs.
+    """
+    array = np.array(value, dtype=dtype)
+    fits = array.ndim == len(shape) and all(w is None or w == n for w, n in zip(shape, array.shape, strict=True))
+    if not fits:
+        wanted = tuple("any" if w is None else w for w in shape)
+        raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
+    array.setflags(write=False)
+    return array
+
+
+class ComparesArrays:
+    """Field-by-field equality that understands arrays. Values are not hashable."""
+
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        for field in fields(self):  # type: ignore[arg-type]
+            mine, yours = getattr(self, field.name), getattr(other, field.name)
+            if isinstance(mine, np.ndarray) or isinstance(yours, np.ndarray):
+                if not np.array_equal(mine, yours):
+                    return False
+            elif mine != yours:
+                return False
+        return True

@@ -10,7 +10,7 @@ from pathlib import Path
 from grip_bt.base.errors import GripError
 from grip_bt.commanders.description.files import Finding
 from grip_bt.commanders.description.from_files import Inspected
-from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.description.summary import facts, told
 
 WHAT = (

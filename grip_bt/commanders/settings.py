@@ -4,6 +4,27 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+PLANNERS = (
+    "AORRTC",
+    "BFMT",
+    "BITstar",
+    "BKPIECE1",
+    "BiTRRT",
+    "FMT",
+    "InformedRRTstar",
+    "KPIECE1",
+    "LBKPIECE1",
+    "PRM",
+    "PRMstar",
+    "RRT",
+    "RRTConnect",
+    "RRTstar",
+    "SORRTstar",
+)
+"""What `planning.search.planners()` returns; a test compares them."""
+SOLVERS = ("damped_least_squares", "trac_ik", "analytic")
+"""The keys of `ik.SOLVERS`; likewise."""
+
 
 class MotionSettings(BaseModel):
     """How an arm is asked to move; the defaults are those of a project."""

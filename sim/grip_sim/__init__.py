@@ -1,8 +1,7 @@
 """The simulated world: SAPIEN in a process of its own, and adapters to GRIP's ports. Importing this loads no sapien."""
 
 from grip_sim.referee import ObjectTruth
-from grip_sim.rendering import render_support
-from grip_sim.simulation import Simulation, start_simulation
+from grip_sim.simulation import Simulation, render_support, start_simulation
 from grip_sim.specs import WorldSpec, table_world
 
 __all__ = ["ObjectTruth", "Simulation", "WorldSpec", "render_support", "start_simulation", "table_world"]

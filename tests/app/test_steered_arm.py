@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
-from grip_sim.adapters import SimExecutor
+from grip_sim.simulation import SimExecutor
 
 PROJECT = """grip: 1
 robot: panda_allegro

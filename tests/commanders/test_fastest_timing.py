@@ -6,8 +6,7 @@ import toppra
 import toppra.algorithm
 import toppra.constraint
 
-from grip_bt.commanders.trajectory.timing import _curve
-from grip_bt.commanders.trajectory.topp_ra import squared_velocities
+from grip_bt.commanders.trajectory.timing import _curve, squared_velocities
 
 
 def ours(rows, points, velocity, acceleration):

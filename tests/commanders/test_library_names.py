@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from grip_bt.commanders.kinematics.ik import SOLVERS
-from grip_bt.commanders.names import PLANNERS
-from grip_bt.commanders.names import SOLVERS as WRITTEN
 from grip_bt.commanders.planning.search import planners
+from grip_bt.commanders.settings import PLANNERS
+from grip_bt.commanders.settings import SOLVERS as WRITTEN
 
 
 def test_planners_are_those_that_are_bound_and_ours():

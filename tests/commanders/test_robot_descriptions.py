@@ -10,7 +10,7 @@ from table_top import AT_TABLES, named, robot_model
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.load import build_robot
-from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.description.packages import ROBOTS
 
 EYE = np.array([0.53, 0.10, 1.3])
 """Of the overhead camera."""

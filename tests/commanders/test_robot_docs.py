@@ -8,7 +8,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.cli.shell import make_parser
 from grip_bt.commanders.description import check_urdf, from_files, load, srdf
 from grip_bt.commanders.description import moveit_package as moveit
-from grip_bt.commanders.description.ready import ROBOTS
+from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.description.robot import RobotDescription
 
 TEXT = (Path(__file__).parents[2] / "docs" / "robots.md").read_text()

@@ -8,10 +8,10 @@ from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartErr
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.files import noting_files
+from grip_bt.commanders.description.from_files import expand
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.moveit_package import read_package
 from grip_bt.commanders.description.packages import Packages
-from grip_bt.commanders.description.xacro_files import expand
 from grip_bt.commanders.kinematics.model import RobotModel
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from grip_bt.base.errors import DocumentError
+from grip_bt.commanders.description.from_files import expand
 from grip_bt.commanders.description.packages import Packages
-from grip_bt.commanders.description.xacro_files import expand
 
 
 def made(folder: Path, value: str) -> str:

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.base.ports import Clock
-from grip_sim import clock as clock_module
-from grip_sim.clock import SimClock
+from grip_sim import client as clock_module
+from grip_sim.client import SimClock
 
 
 class Wall:

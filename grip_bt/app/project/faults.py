@@ -12,8 +12,8 @@ from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.files import FileCache, note
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.names import PLANNERS, SOLVERS
 from grip_bt.commanders.scene_file import load_scene
+from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 from grip_sim.specs import WorldSpec
 

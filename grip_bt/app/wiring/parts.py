@@ -13,8 +13,7 @@ from grip_bt.base.ports import Clock
 from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.runtime import RunContext, RunParts
-from grip_sim.adapters import SimReferee
-from grip_sim.simulation import Simulation
+from grip_sim.simulation import SimReferee, Simulation
 
 from ..project.folder import Project
 from .progress import Progress, silent

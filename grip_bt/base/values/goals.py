@@ -7,7 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from ._frozen import ComparesArrays
+from grip_bt.base.arrays import ComparesArrays
+
 from .joints import JointState
 from .pose import Pose, check_frame
 

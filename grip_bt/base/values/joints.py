@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from grip_bt.base.arrays import Array, Indices
-
-from ._frozen import ComparesArrays, frozen_array
+from grip_bt.base.arrays import Array, ComparesArrays, Indices, frozen_array
 
 
 @dataclass(frozen=True, slots=True, eq=False)

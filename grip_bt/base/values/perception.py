@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.base.arrays import Array
+from grip_bt.base.arrays import Array, ComparesArrays, frozen_array
 
-from ._frozen import ComparesArrays, frozen_array
 from .pose import Pose
 
 

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from grip_bt.base.arrays import Array
-
-from ._frozen import ComparesArrays, frozen_array
+from grip_bt.base.arrays import Array, ComparesArrays, frozen_array
 
 
 def _zeros() -> Array:

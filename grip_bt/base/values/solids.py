@@ -12,9 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grip_bt.base.arrays import Array
-
-from ._frozen import ComparesArrays, frozen_array
+from grip_bt.base.arrays import Array, ComparesArrays, frozen_array
 
 _SLIVER = 1e-3
 """What is shrunk keeps this size [m]."""

@@ -13,12 +13,12 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.yaml.models import check_model, document_error, read_model
 from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
+from grip_bt.commanders.description.packages import EXTRAS, ROBOTS
 
 from .compose import Placed, in_one_world, namespaced, on_arm
 from .config import RobotConfig
 from .files import Finding, errors, finding_of, note
 from .from_files import Inspected, load_single
-from .ready import EXTRAS, ROBOTS
 from .robot import RobotDescription
 
 PROJECT = "grip.yaml"

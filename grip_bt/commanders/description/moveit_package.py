@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from grip_bt.base.errors import DocumentError, MissingPartError
+from grip_bt.commanders.settings import SOLVERS
 
-from ..names import SOLVERS
 from . import moveit_files
 from .files import Finding, Reading, read_yaml
 from .moveit_files import Controller, JointLimits, PlannerChoice, Sensor

@@ -1,6 +1,6 @@
 """Where `package://NAME/...` and `$(find NAME)` lie: given folders, packages beside them, ROS's, Python's.
 
-Nothing is imported, and no ROS has to be there.
+Nothing is imported, and no ROS has to be there. The files of ready-made robots are named here, too.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
+from types import MappingProxyType
 
 from grip_bt.base.errors import DocumentError, MissingPartError
-
-from .xml import read_xml
+from grip_bt.commanders.description.xml import read_xml
 
 SCHEMES = ("package://", "model://")
 
@@ -102,3 +102,13 @@ def _name_in(manifest: Path) -> str:
         return (read_xml(manifest, "package").findtext("name") or "").strip()
     except DocumentError:
         return ""
+
+
+ROBOTS: Mapping[str, Path] = MappingProxyType(
+    {file.stem: file for file in sorted((Path(__file__).parents[1] / "robots").glob("*.yaml"))}
+)
+"""Ready-made robot -> its file, which holds what `robot:` in a project file may hold. A new robot is a new file."""
+EXTRAS: Mapping[str, str] = MappingProxyType(
+    {"airo_models": "grippers", "gym_xarm": "grippers", "robopianist": "shadow", "example-robot-data": "motion"}
+)
+"""Package with models of ready-made robots -> our extra that brings it."""

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from ..names import PLANNERS, SOLVERS
+from grip_bt.commanders.settings import PLANNERS, SOLVERS
+
 from .moveit_files import JointLimits
 from .moveit_package import MoveItPackage
 from .robot import RobotDescription

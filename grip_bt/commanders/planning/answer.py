@@ -13,6 +13,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.values import Plan, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
+from grip_bt.commanders.planning.checks import goals_of, out_of_limits, touching
 
 from ..kinematics.collision import CollisionChecker, recent_checker
 from ..kinematics.model import RobotModel
@@ -20,7 +21,6 @@ from ..trajectory.limits import longer, refuse_beyond_limits
 from .budget import REAL, Budget, Clocks
 from .checks import allowed, chain_and_checker, free_start, timed_free
 from .continuous import first_touch
-from .goals import goals_of, out_of_limits, touching
 from .grasps import choose_grasp
 from .requests import (
     CheckTogether,

@@ -8,6 +8,7 @@ import pinocchio as pin
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Trajectory
+from grip_bt.commanders.planning.checks import out_of_limits, touching
 
 from ..kinematics.collision import recent_checker
 from ..kinematics.model import Chain, RobotModel
@@ -15,7 +16,6 @@ from ..steered_motion import velocity_of
 from ..steering import bounded, steered
 from .checks import allowed
 from .continuous import first_touch
-from .goals import out_of_limits, touching
 from .requests import PlanServoStep
 
 DAMPING = 1e-4

@@ -15,8 +15,8 @@ from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.files import FileCache, Stamps
 from grip_bt.commanders.description.load import load_robot
-from grip_bt.commanders.description.ready import ROBOTS
-from grip_bt.commanders.names import PLANNERS, SOLVERS
+from grip_bt.commanders.description.packages import ROBOTS
+from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
 _known: FileCache[tuple[str, str], dict[str, Any]] = FileCache()

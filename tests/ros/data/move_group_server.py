@@ -34,8 +34,7 @@ from grip_bt.base.values.solids import Box, Cylinder, Mesh, Sphere
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import plan_to
-from grip_bt.commanders.planning.checks import chain_and_checker
-from grip_bt.commanders.planning.goals import goals_of
+from grip_bt.commanders.planning.checks import chain_and_checker, goals_of
 from grip_bt.commanders.planning.requests import PlanStraight, PlanTo, Situation
 from grip_bt.commanders.planning.straight import plan_straight
 from grip_bt.commanders.scene import SceneObject, SceneSnapshot
