@@ -25,7 +25,6 @@ from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
 from grip_bt.task.catalog.manifest import Manifest
 
-from .beginning import begin
 from .node import STATUS, Node
 from .preemption import AskedContext, Asker
 
@@ -62,7 +61,7 @@ class Leaf(Node):
         params: Mapping[str, Any],
         meaning: Mapping[str, str],
     ):
-        begin(self, name)
+        super().__init__(name)
         self.path, self.manifest, self.params = path, manifest, dict(params)
         self.meaning = {**manifest.outcomes, **meaning} if meaning else manifest.outcomes
         self.inputs_read: dict[str, Any] = {}

@@ -15,17 +15,11 @@ if TYPE_CHECKING:
 
 
 class WallClock:
-    """Seconds since it was made, pauses left out; never goes back.
-
-    Attributes:
-        turns: (moment [s, monotonic], its time then [s], 1 where it went from then on and 0 where it stood still); with
-            them the journal turns moments into times long after.
-    """
+    """Seconds since it was made, pauses left out; never goes back."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
         self._stood_at: float | None = None
-        self.turns: list[tuple[float, float, int]] = [(self._start, 0.0, 1)]
 
     def now(self) -> float:
         """Return the time [s]."""
@@ -35,16 +29,12 @@ class WallClock:
     def pause(self) -> None:
         """Stand still; harmless when it does already."""
         if self._stood_at is None:
-            moment = time.monotonic()
-            self._stood_at = moment - self._start
-            self.turns.append((moment, self._stood_at, 0))
+            self._stood_at = time.monotonic() - self._start
 
     def resume(self) -> None:
         """Go on from where it stands; harmless when it goes."""
         if self._stood_at is not None:
-            moment = time.monotonic()
-            self._start = moment - self._stood_at
-            self.turns.append((moment, self._stood_at, 1))
+            self._start = time.monotonic() - self._stood_at
             self._stood_at = None
 
 

@@ -22,7 +22,7 @@ from grip_bt.runtime.journal_rows import JournalError, prepare_to_write
 
 from .journal_writer import RunWriter
 from .process_identity import process_facts
-from .run_log import RunLog
+from .run_log import ENTRIES, RunLog
 
 _log = logging.getLogger(__name__)
 
@@ -227,7 +227,7 @@ class Journal:
         """The journal can't be written: keep what waits from growing until it is closed."""
         while not self._closing:
             for log in self._logs.values():
-                del log.buffer[: len(log.buffer) // log.stride * log.stride]
+                del log.buffer[: len(log.buffer) // ENTRIES * ENTRIES]
             for job in self._gather(IDLE):
                 if isinstance(job, threading.Event):
                     job.set()

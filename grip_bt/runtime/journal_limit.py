@@ -10,9 +10,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.runtime.journal_rows import has_table, refuse_newer
-
-from .journal_rows import JournalError
+from .journal_rows import JournalError, refuse_other_versions
 
 ROOM = 0.9
 """Part of the limit that is left in use: a journal that has reached it isn't looked through after each run."""
@@ -56,7 +54,7 @@ def prune(file: Path, limit: int, keep: Callable[[str], bool] = lambda run: Fals
     """
     try:
         with closing(sqlite3.connect(f"file:{file}?mode=rw", uri=True, timeout=30, isolation_level=None)) as database:
-            refuse_newer(database)
+            refuse_other_versions(database)
             before = _in_use(database)
             removed = _make_room(database, limit, keep) if before > limit else ()
             if give_back:
@@ -85,15 +83,8 @@ def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], b
             continue
         database.execute("BEGIN IMMEDIATE")
         seen = _take_note(database, users, seen)  # what was written meanwhile
-        for table, key in (
-            ("blocks", "run"),
-            ("names", "run"),
-            ("events", "run"),
-            ("processes", "run"),
-            ("runs", "id"),
-        ):
-            if has_table(database, table):
-                database.execute(f"DELETE FROM {table} WHERE {key}=?", (run,))
+        for table, key in (("blocks", "run"), ("names", "run"), ("processes", "run"), ("runs", "id")):
+            database.execute(f"DELETE FROM {table} WHERE {key}=?", (run,))
         for hash, runs in list(users.items()):
             runs.discard(run)
             if not runs:

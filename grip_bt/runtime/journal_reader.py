@@ -14,7 +14,7 @@ from typing import Any
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime.journal_events import expanded
 
-from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, sound, unpacked
+from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, unpacked
 from .journal_rows import DamagedError, JournalError, Rows
 from .process_identity import is_there
 from .value_codec import OpaqueValueError, decode
@@ -23,6 +23,7 @@ PAGE = 10_000
 """Events that `iterate` holds at a time."""
 _GOOD = f"typeof(first)='integer' AND typeof(last)='integer' AND last BETWEEN first AND first+{MOST - 1} AND first>0"
 """Blocks whose place among the events is known."""
+_BLOCKS = "SELECT first, last, name, t, wall, wall_offset, data, sum FROM blocks"
 _COLUMNS = "id, task_name, task_path, task_text, target, seed, started, ended, status, outcome"
 
 
@@ -72,7 +73,6 @@ class JournalReader:
         self._names: dict[str, dict[int, Name]] = {}
         self._meanings: dict[str, dict[str, Any]] = {}
         self._found: dict[str, list[tuple[Any, ...]]] = {}  # blocks of runs whose tables are damaged
-        self._sum = ""
 
     @property
     def damage(self) -> list[str]:
@@ -109,16 +109,17 @@ class JournalReader:
 
     def count(self, run: str) -> int:
         """Return how many events of a run there are so far."""
-        tables = ["blocks"] * self._rows.packed + ["events"] * self._rows.in_rows
-        return max(self._last(table, run) for table in tables)
+        sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
+        try:
+            return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
+        except DamagedError:
+            return max((row[1] for row in self._all_blocks(run)), default=0)
 
     def damage_of(self, run: str) -> str:
         """Return which events of a run can't be read, by their numbers and checksums; empty where nothing is known.
 
-        Nothing is unpacked; runs that an earlier version wrote, without checksums, aren't looked at.
+        Nothing is unpacked.
         """
-        if not self._rows.packed or self._old(run):
-            return ""
         after, bad = 0, 0
         for row in self._stored(run, 0):
             spoilt = row[-1] is not None and row[-1] != checksum(row[:-1])
@@ -159,7 +160,7 @@ class JournalReader:
         elif "hash" in event.data:
             content = self.content(event.data["hash"])
         else:
-            why = event.data.get("dropped", "the journal was written before values were kept")
+            why = event.data.get("dropped", "it was not kept")
             raise JournalError(f"{self.file}: event {event.seq} ({event.event} at {event.path}) has no value: {why}")
         try:
             return decode(content)
@@ -176,7 +177,7 @@ class JournalReader:
             UnknownNameError: there is none of this hash.
             JournalError: it is damaged.
         """
-        rows = self._rows.query("SELECT size, content FROM big_values WHERE hash=?", hash) if self._rows.packed else []
+        rows = self._rows.query("SELECT size, content FROM big_values WHERE hash=?", hash)
         if not rows:
             raise UnknownNameError("value", str(hash), [], str(self.file))
         try:
@@ -214,8 +215,7 @@ class JournalReader:
         """Tell whether the process that executes a run is there; None where that isn't known."""
         rows: list[tuple[Any, ...]] = []
         try:
-            if self._rows.columns("processes"):
-                rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
+            rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
         except DamagedError as error:
             self._rows.note(f"{error}; which process executes run {run} isn't known")
         return is_there(dict(zip(("pid", "since", "host"), rows[0], strict=True)) if rows else {})
@@ -256,43 +256,26 @@ class JournalReader:
 
     # --- events ---
 
-    def _last(self, table: str, run: str) -> int:
-        sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
-        if table == "events":
-            sql = "SELECT max(seq) FROM events WHERE run=? AND typeof(seq)='integer'"
-        try:
-            return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
-        except DamagedError:
-            return max((row[1] for row in self._all_blocks(run)), default=0)
-
     def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
         """Yield the writes in order, of blocks that have any."""
         until, done = 2**62 if until_seq is None else until_seq, 0
-        bounds: list[tuple[int, int]] | None = None
-        if self._rows.packed and not self._old(run):
-            some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
-            sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND first<=? AND {_GOOD} ORDER BY first"
-            try:
-                bounds = [(row[0], row[1]) for row in self._rows.query(sql, run, until)]
-            except DamagedError:
-                bounds = None
+        bounds: list[tuple[int, int]] | None
+        some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
+        sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND first<=? AND {_GOOD} ORDER BY first"
+        try:
+            bounds = [(row[0], row[1]) for row in self._rows.query(sql, run, until)]
+        except DamagedError:
+            bounds = None
         pages = [self.iterate(run)] if bounds is None else (self.events(run, a - 1, b - a + 1) for a, b in bounds)
         for event in chain.from_iterable(pages):
             if event.event == "write" and done < event.seq <= until:  # pages overlap where blocks are damaged
                 done = event.seq
                 yield event
 
-    def _old(self, run: str) -> bool:
-        """Tell whether a run was written by an earlier version, a row per event."""
-        return self._rows.in_rows and bool(self._rows.query("SELECT 1 FROM events WHERE run=? LIMIT 1", run))
-
     def _blocks(self, run: str, after: int, limit: int | None) -> Iterator[list[Event]]:
         left, after = 2**62 if limit is None else limit, max(after, 0)
-        if self._old(run):
-            yield self._of_rows(run, after, left)
-            return
         t = 0.0
-        for row in self._stored(run, after) if left > 0 and self._rows.packed else ():
+        for row in self._stored(run, after) if left > 0 else ():
             first, last = row[:2]
             if last <= after:
                 continue  # of a damaged file: the events of another block
@@ -331,7 +314,7 @@ class JournalReader:
                 ):
                     self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
                 condition = f"run=? AND first>? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
-                return self._rows.query(f"{self._select()} WHERE {condition}", run, since, after)
+                return self._rows.query(f"{_BLOCKS} WHERE {condition}", run, since, after)
             except DamagedError:
                 self._all_blocks(run)
         return [row for row in self._found[run] if row[0] > since and row[1] > after][:64]
@@ -350,15 +333,9 @@ class JournalReader:
     def _all_blocks(self, run: str) -> list[tuple[Any, ...]]:
         """Return what can be found of a run's blocks in a damaged table."""
         if run not in self._found:
-            rows = self._rows.whole(self._select(), "blocks", f"run=? AND {_GOOD}", run)
+            rows = self._rows.whole(_BLOCKS, "blocks", f"run=? AND {_GOOD}", run)
             self._found[run] = sorted(rows, key=lambda row: (row[0], row[1]))
         return self._found[run]
-
-    def _select(self) -> str:
-        """Return what reads blocks; those of earlier versions have no checksum."""
-        if not self._sum:
-            self._sum = "sum" if "sum" in self._rows.columns("blocks") else ""
-        return f"SELECT first, last, name, t, wall, wall_offset, data, {self._sum or 'NULL'} FROM blocks"
 
     def _hole(self, run: str, first: int, last: int, t: float, why: str) -> Event:
         which = f"event {first}" if first == last else f"events {first} to {last}"
@@ -412,21 +389,3 @@ class JournalReader:
         if meaning in ("success", "failure"):
             return meaning
         return "failure" if code is not None else outcome if outcome in ("success", "failure") else None
-
-    def _of_rows(self, run: str, after: int, most: int) -> list[Event]:
-        columns = "seq, t, wall, path, event, outcome, code, data"
-        sql = f"SELECT {columns} FROM events WHERE run=? AND seq>? AND typeof(seq)='integer' ORDER BY seq LIMIT ?"
-        found = []
-        for seq, t, wall, path, kind, outcome, code, data in self._rows.query(sql, run, after, most):
-            if seq > after + 1:
-                found.append(self._hole(run, after + 1, seq - 1, 0.0, "they aren't there"))
-            after = seq
-            try:
-                if not (is_time(t) and is_time(wall) and is_name(path, kind, outcome, code)):
-                    raise ValueError("it has no name or time")
-                more = sound(kind, json.loads(data) if data else {})
-                meaning = self._meaning(run, path, kind, outcome, code) if outcome is not None else None
-                found.append(Event(seq, float(t), float(wall), path, kind, outcome, code, more, meaning))
-            except (ValueError, TypeError, RecursionError) as error:
-                found.append(self._hole(run, seq, seq, 0.0, str(error)))
-        return found

@@ -10,7 +10,7 @@ from typing import Any
 from grip_bt.base.errors import GripError
 
 VERSION = 2
-"""Of the tables, kept in `PRAGMA user_version`. Journals of version 1 (a row per event) are read and continued."""
+"""Of the tables, kept in `PRAGMA user_version`; 0 where there are none yet."""
 
 TABLES = """
 CREATE TABLE IF NOT EXISTS runs(
@@ -34,36 +34,28 @@ class JournalError(GripError):
     """The journal can't be written or read."""
 
 
-def has_table(database: sqlite3.Connection, name: str) -> bool:
-    """Tell whether there is such a table."""
-    found = database.execute("SELECT 1 FROM sqlite_master WHERE type='table' AND name=?", (name,)).fetchone()
-    return found is not None
-
-
 def prepare_to_write(database: sqlite3.Connection) -> None:
-    """Make what is missing; a journal written before keeps its rows.
+    """Make the tables that are missing.
 
     Raises:
-        sqlite3.DatabaseError: it is no database, or of a version that this one doesn't know.
+        sqlite3.DatabaseError: it is no database, or of another version.
     """
     database.execute("PRAGMA journal_mode=WAL")
     database.execute("PRAGMA synchronous=FULL")  # a power cut loses nothing that was acknowledged
-    refuse_newer(database)
+    refuse_other_versions(database)
     database.executescript(TABLES)
-    if all(row[1] != "sum" for row in database.execute("PRAGMA table_info(blocks)")):
-        database.execute("ALTER TABLE blocks ADD COLUMN sum INTEGER")
     database.execute(f"PRAGMA user_version={VERSION}")
 
 
-def refuse_newer(database: sqlite3.Connection) -> None:
-    """Raise where the journal was written by a later version.
+def refuse_other_versions(database: sqlite3.Connection) -> None:
+    """Raise where the journal was written by another version.
 
     Raises:
         sqlite3.DatabaseError: so it is.
     """
     (version,) = database.execute("PRAGMA user_version").fetchone()
-    if version > VERSION:
-        raise sqlite3.DatabaseError(f"it is of version {version}, this GRIP reads up to {VERSION}: use a newer one")
+    if version not in (0, VERSION):
+        raise sqlite3.DatabaseError(f"it is of version {version}, this GRIP reads version {VERSION}")
 
 
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
@@ -104,10 +96,8 @@ class Rows:
             raise JournalError(f"{file}: can't be read: {error}; mend its rights, or name another file") from error
         try:
             self._database.execute("PRAGMA query_only=ON")
-            refuse_newer(self._database)
-            self.packed, self.in_rows = has_table(self._database, "blocks"), has_table(self._database, "events")
-            if not self.packed and not self.in_rows:
-                raise sqlite3.DatabaseError("no such table: blocks")
+            refuse_other_versions(self._database)
+            self._database.execute("SELECT 1 FROM blocks LIMIT 0")
         except BAD as error:
             self._database.close()
             raise JournalError(f"{file}: isn't a journal: {error}") from error
@@ -133,10 +123,6 @@ class Rows:
         except BAD as error:
             busy = getattr(error, "sqlite_errorcode", None) in _BUSY
             raise (JournalError if busy else DamagedError)(f"{self._file}: can't be read: {error}") from error
-
-    def columns(self, table: str) -> set[str]:
-        """Return the names of a table's columns; none where there is no such table."""
-        return {row[1] for row in self.query(f"PRAGMA table_info({table})")}
 
     def whole(self, statement: str, table: str, condition: str, *values: Any) -> list[tuple[Any, ...]]:
         """Return the rows of a table, in the order of its rowids; of a damaged one those that can be found.

@@ -12,17 +12,18 @@ from itertools import repeat
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grip_bt.runtime.journal_events import pack_numbers, pack_times
 
 from .journal_events import MOST, checksum
-from .run_log import ENTER, INTERRUPTED, Noted, RunLog
+from .run_log import ENTER, ENTRIES, INTERRUPTED, Noted, RunLog
 from .value_codec import encode
 
 INLINE = 512
 """Values of at most so many bytes stand in the event itself."""
 
+SAME = 1e-3
+"""Where the run's clock and the wall's differ by a constant, to so much [s], wall times of events aren't written."""
 _Key = tuple[str, str, str | None, str | None]
 _repr = reprlib.Repr()
 _repr.maxstring, _repr.maxother, _repr.maxlist, _repr.maxtuple = 60, 100, 3, 4
@@ -58,22 +59,22 @@ class RunWriter:
     def write(self) -> int:
         """Take what has gathered and write it; return how many events that were."""
         log = self._log
-        stride, buffer = log.stride, log.buffer
-        total = len(buffer) // stride
+        buffer = log.buffer
+        total = len(buffer) // ENTRIES
         for _ in range(0, total, MOST):
-            taken = buffer[: stride * MOST]
+            taken = buffer[: ENTRIES * MOST]
             del buffer[: len(taken)]
             if log.last is not None and log.last in taken:
-                taken = taken[: stride * (taken[1::stride].index(log.last) + 1)]
+                taken = taken[: ENTRIES * (taken[1::ENTRIES].index(log.last) + 1)]
                 self._over = True
             elif self._over:
                 continue
-            self._write_block(taken, stride)
+            self._write_block(taken)
         return total
 
-    def _write_block(self, taken: list[Any], stride: int) -> None:
-        paths, whats = taken[0::stride], taken[1::stride]
-        monotonic = np.array(taken[2::stride], float)
+    def _write_block(self, taken: list[Any]) -> None:
+        paths, whats = taken[0::ENTRIES], taken[1::ENTRIES]
+        moments, t = np.array(taken[2::ENTRIES], float), np.array(taken[3::ENTRIES], float)
         count = len(paths)
         names = np.fromiter(map(self._ids.get, zip(paths, whats, strict=True), repeat(-1)), np.int64, count)
         data: dict[int, Any] = {}
@@ -84,16 +85,9 @@ class RunWriter:
                 data[i] = more
                 writes += whats[i].event == "write"
         since_epoch = time.time() - time.monotonic()
-        wall, offset = None, None
-        if self._log.turns is None:
-            t = np.array(taken[3::stride], float)
-        else:
-            t = _on_clock(self._log.turns, monotonic)
-            offset = float(monotonic[0] - t[0]) + since_epoch
-            if monotonic[-1] - t[-1] != monotonic[0] - t[0] and len(self._log.turns) > 1:
-                offset = None  # the clock stood still meanwhile
-        if offset is None:
-            wall = pack_times(monotonic + since_epoch)
+        apart = moments - t + since_epoch
+        together = bool(np.ptp(apart) < SAME)  # the run's clock went as the wall's
+        wall, offset = (None, float(apart[0])) if together else (pack_times(moments + since_epoch), None)
         text = json.dumps(data, default=str) if data else None
         row = (self.last + 1, self.last + count, pack_numbers(names), pack_times(t), wall, offset, text)
         values = (self._log.id, *row, writes, checksum(row))
@@ -139,11 +133,3 @@ class RunWriter:
             row = (digest, type_name, len(content), zlib.compress(content, 1))
             self._database.execute("INSERT INTO big_values VALUES(?,?,?,?)", row)
         return {"hash": digest, "size": len(content)}
-
-
-def _on_clock(turns: list[tuple[float, float, int]], moments: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the times [s] of a `WallClock` at moments [s, monotonic]."""
-    starts, times, going = (np.array(column, float) for column in zip(*turns, strict=True))
-    turn = np.maximum(np.searchsorted(starts, moments, "right") - 1, 0)
-    found: NDArray[np.float64] = times[turn] + going[turn] * (moments - starts[turn])
-    return found

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
-from grip_bt.runtime.clock import WallClock
 from grip_bt.runtime.recording import PREEMPT
 from grip_bt.runtime.value_codec import snapshot
 
@@ -23,6 +22,8 @@ ENTER, INTERRUPTED = 0, 1
 DIED = "died"
 """Status of a run that was cut off: nobody has stopped it, and it can be gone on with."""
 
+ENTRIES = 4
+"""Entries of `RunLog.buffer` for an event."""
 LIMIT = 2_000_000
 """Events that may wait for the writer; beyond that, whoever appends waits for it."""
 
@@ -57,10 +58,8 @@ class RunLog:
     Attributes:
         id: the run's id.
         buffer: four entries an event: path, what (`ENTER`, `INTERRUPTED`, an outcome, or a `Noted`), the moment
-            [s, monotonic] and the time on the run's clock [s]; three, without the last, where that is a `WallClock`. It
-            is extended by whole events, at once, and only the writer takes from its front.
-        stride: how many entries an event has.
-        turns: those of the `WallClock`; None where it is another.
+            [s, monotonic] and the time on the run's clock [s]. It is extended by whole events, at once, and only the
+            writer takes from its front.
         ended: whether the run's end was entered.
         last: the event after which nothing is written any more; None as long as the run isn't cut off.
 
@@ -72,17 +71,10 @@ class RunLog:
     def __init__(self, journal: Journal, run: str):
         self.journal, self.id = journal, run
         self.buffer: list[Any] = []
-        self.stride = 4
-        self.turns: list[tuple[float, float, int]] | None = None
         self.ended = False
         self.last: Noted | None = None
         self._cutting = threading.RLock()
         journal.follow(self)
-
-    def follow(self, clock: Clock) -> None:
-        """Take times from this clock; before the first event."""
-        if isinstance(clock, WallClock) and not self.buffer:
-            self.turns, self.stride = clock.turns, 3
 
     def append(
         self,
@@ -96,7 +88,7 @@ class RunLog:
         """Add an event; returns before it is committed.
 
         Args:
-            t: time on the run's clock [s]; after `follow(WallClock)` that clock is asked instead.
+            t: time on the run's clock [s].
             path: the node; `/` for the root and for the run itself.
             event: its kind.
             outcome: of an end.
@@ -107,16 +99,15 @@ class RunLog:
 
     def note(self, t: float, path: str, what: Noted) -> None:
         """Add an event at the time `t` on the run's clock [s]."""
-        event = (path, what, time.monotonic(), t)
-        self.buffer.extend(event[: self.stride])
+        self.buffer.extend((path, what, time.monotonic(), t))
         if self.ended:
             self.journal.follow(self)
-        if len(self.buffer) > 4 * LIMIT:
+        if len(self.buffer) > ENTRIES * LIMIT:
             self.wait_for_room()
 
     def wait_for_room(self) -> None:
         """Return when the writer has caught up; memory is bounded by that."""
-        while len(self.buffer) > 2 * LIMIT and self.journal.writing:
+        while len(self.buffer) > ENTRIES * LIMIT // 2 and self.journal.writing:
             time.sleep(0.001)
 
     def end(self, status: str, outcome: str | None) -> None:
@@ -142,22 +133,11 @@ class RunLog:
 
 
 class Recorder:
-    """The observer that writes a journal. Called in the threads that tick; blocks only where the writer is far behind.
-
-    Attributes:
-        entered: `entered(path)`: an activation begins.
-        ended: `ended(path, outcome, failure)`: an activation ended.
-        interrupted: `interrupted(path)`: an activation was halted.
-    """
+    """The observer that writes a journal; blocks the threads that tick only where the writer is far behind."""
 
     def __init__(self, log: RunLog, clock: Clock):
         self._append, self._note, self._now, self._log = log.append, log.note, clock.now, log
-        self.entered: Callable[[str], None]
-        self.ended: Callable[[str, str, Failure | None], None]
-        self.interrupted: Callable[[str], None]
-        log.follow(clock)
-        make = _transitions if log.turns is None else _transitions_by_the_wall
-        self.entered, self.ended, self.interrupted = make(log, clock.now, self._failed)
+        self._extend = log.buffer.extend
 
     # --- the run ---
 
@@ -207,6 +187,26 @@ class Recorder:
 
     # --- its nodes ---
 
+    def entered(self, path: str) -> None:
+        """An activation begins."""
+        self._extend((path, ENTER, time.monotonic(), self._now()))
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """An activation ended."""
+        if failure is not None:
+            data: dict[str, Any] = {"message": failure.message}
+            if failure.data:
+                data["data"] = dict(failure.data)
+            self._append(self._now(), path, "exit", outcome, failure.code, data)
+            return
+        self._extend((path, outcome, time.monotonic(), self._now()))
+        if len(self._log.buffer) > ENTRIES * LIMIT:
+            self._log.wait_for_room()
+
+    def interrupted(self, path: str) -> None:
+        """An activation was halted."""
+        self._extend((path, INTERRUPTED, time.monotonic(), self._now()))
+
     def message(self, path: str, text: str) -> None:
         """A running node says how it goes."""
         self._append(self._now(), path, "message", data={"text": text})
@@ -219,51 +219,3 @@ class Recorder:
     def kept(self, path: str, part: str, state: Any) -> None:
         """The state of a part beside the task is this, when a node ends; see `runtime.keeping`."""
         self._note(self._now(), path, Noted("kept", data={"part": part}, written=(snapshot(state),)))
-
-    def _failed(self, path: str, outcome: str, failure: Failure) -> None:
-        data: dict[str, Any] = {"message": failure.message}
-        if failure.data:
-            data["data"] = dict(failure.data)
-        self._append(self._now(), path, "exit", outcome, failure.code, data)
-
-
-def _transitions(log: RunLog, now: Callable[[], float], failed: Callable[[str, str, Failure], None]) -> Any:
-    """Return `entered`, `ended` and `interrupted`: functions without attributes to look up, of one C call each."""
-    buffer, extend, monotonic, limit = log.buffer, log.buffer.extend, time.monotonic, log.stride * LIMIT
-
-    def entered(path: str) -> None:
-        extend((path, ENTER, monotonic(), now()))
-
-    def ended(path: str, outcome: str, failure: Failure | None) -> None:
-        if failure is None:
-            extend((path, outcome, monotonic(), now()))
-        else:
-            failed(path, outcome, failure)
-        if len(buffer) > limit:
-            log.wait_for_room()
-
-    def interrupted(path: str) -> None:
-        extend((path, INTERRUPTED, monotonic(), now()))
-
-    return entered, ended, interrupted
-
-
-def _transitions_by_the_wall(log: RunLog, _: Callable[[], float], failed: Callable[[str, str, Failure], None]) -> Any:
-    """Likewise where the run's clock is the wall's."""
-    buffer, extend, monotonic, limit = log.buffer, log.buffer.extend, time.monotonic, log.stride * LIMIT
-
-    def entered(path: str) -> None:
-        extend((path, ENTER, monotonic()))
-
-    def ended(path: str, outcome: str, failure: Failure | None) -> None:
-        if failure is None:
-            extend((path, outcome, monotonic()))
-        else:
-            failed(path, outcome, failure)
-        if len(buffer) > limit:
-            log.wait_for_room()
-
-    def interrupted(path: str) -> None:
-        extend((path, INTERRUPTED, monotonic()))
-
-    return entered, ended, interrupted

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from old_journal import OLD
 
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock, WallClock
 from grip_bt.runtime import run_log as run_logs
@@ -114,7 +113,7 @@ def test_who_appends_faster_than_is_written_waits(file: Path, monkeypatch: pytes
         recorder = Recorder(log := journal.begin("fast"), WallClock())
         for n in range(20_000):
             recorder.ended("a", str(n % 10), None)
-            longest = max(longest, len(log.buffer) // log.stride)
+            longest = max(longest, len(log.buffer) // 4)
     assert longest <= 1001
     with JournalReader(file) as reader:
         assert reader.count(log.id) == 20_000
@@ -133,38 +132,14 @@ def test_a_run_goes_on_where_another_process_stopped_writing_it(file: Path) -> N
         assert [(e.seq, e.path) for e in reader.events(log.id)] == [(1, "a"), (2, "b"), (3, "b"), (4, "c")]
 
 
-VERSION_1 = (
-    OLD
-    + """INSERT INTO events VALUES('old', 1, 0.5, 1.5, 'a', 'enter', NULL, NULL, NULL);
-INSERT INTO events VALUES('old', 2, 0.6, 1.6, 'a', 'write', NULL, NULL, '{"variable": "x", "preview": "1"}');
-INSERT INTO events VALUES('old', 3, 0.7, 1.7, 'a', 'exit', 'success', NULL, NULL);
-"""
-)
-
-
-def test_a_journal_of_rows_is_read_and_new_runs_are_added_to_it(file: Path) -> None:
-    with sqlite3.connect(file) as database:
-        database.executescript(VERSION_1)
-    database.close()
-    for _ in range(2):
-        with JournalReader(file) as reader:
-            assert [(e.seq, e.t, e.path, e.event) for e in reader.events("old", 1, 1)] == [(2, 0.6, "a", "write")]
-            assert (reader.count("old"), len(list(reader.iterate("old")))) == (3, 3)
-            with pytest.raises(JournalError, match="has no value: the journal was written before values were kept"):
-                reader.value(reader.variables("old")["x"])
-        with Journal(file) as journal:
-            journal.begin("new").append(0, "/", "enter")
-    with JournalReader(file) as reader:
-        assert [len(reader.events(run.id)) for run in reader.runs()] == [1, 1, 3]
-
-
-def test_a_journal_of_a_later_version_is_refused(file: Path) -> None:
+@pytest.mark.parametrize("version", [1, 99])
+def test_a_journal_of_another_version_is_refused(file: Path, version: int) -> None:
     Journal(file).close()
     with sqlite3.connect(file) as database:
-        database.execute("PRAGMA user_version=99")
+        database.execute(f"PRAGMA user_version={version}")
     database.close()
     for opened in (JournalReader, Journal):
-        with pytest.raises(JournalError, match="of version 99, this GRIP reads up to 2"):
+        with pytest.raises(JournalError, match=f"of version {version}, this GRIP reads version 2"):
             opened(file)
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from old_journal import OLD
 
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, ManualClock
 from grip_bt.runtime.journal_events import DAMAGED
@@ -224,34 +223,6 @@ def test_a_field_of_a_run_that_is_no_such_thing_is_named_and_the_others_are_show
             else:
                 assert field == "id"
                 assert "has no id" in said
-            file.write_bytes(content)
-
-
-def test_a_row_of_an_old_journal_that_is_none_is_named_and_the_others_are_shown(tmp_path: Path) -> None:
-    file = tmp_path / "runs.sqlite"
-    with closing(sqlite3.connect(file)) as database, database:
-        database.executescript(OLD)
-        for seq in range(1, 13):
-            row = ("old", seq, seq / 2, 1e9 + seq, "a", *(("enter", None), ("exit", "success"))[seq % 2], None, None)
-            database.execute("INSERT INTO events VALUES(?,?,?,?,?,?,?,?,?)", row)
-    content = file.read_bytes()
-    with JournalReader(file) as reader:
-        written = {event.seq: event for event in reader.events("old")}
-    assert len(written) == 12
-    for column in ("seq", "t", "wall", "path", "event", "outcome", "code", "data"):
-        for value in WRONG:
-            change(file, f"UPDATE OR IGNORE events SET {column}=? WHERE seq=5", value)
-            with JournalReader(file) as reader:
-                found = {event.seq: event for event in reader.events("old")}
-                kept = found.get(5)
-                assert {seq: event for seq, event in found.items() if seq in written and seq != 5} == {
-                    seq: event for seq, event in written.items() if seq != 5
-                }
-                assert kept is not None
-                assert all(isinstance(text, str) and text for text in (kept.path, kept.event))
-                assert abs(kept.t) < 1e11
-                assert abs(kept.wall) < 1e11
-                assert kept.event != DAMAGED or kept.data["message"] in reader.damage
             file.write_bytes(content)
 
 
