@@ -19,7 +19,7 @@ from grip_bt.compilers import to_tree
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.leaf import Status
 from grip_bt.runtime import Journal, RunContext, Runner
-from grip_bt.runtime.durable import Durable
+from grip_bt.runtime.observers import Durable
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 

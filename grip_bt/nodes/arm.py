@@ -53,10 +53,6 @@ class MoveTo(KeepingLeaf):
         """Plan and follow."""
         return go(self.arm, self.params["state"], self.constraint())
 
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
-
 
 class MoveToPose(KeepingLeaf):
     """Go to a pose of the hand's grasp frame."""
@@ -66,10 +62,6 @@ class MoveToPose(KeepingLeaf):
         return self.arm.plan(self.read("pose"), free=self.params["free"], constraint=self.constraint()).then(
             self.arm.execute
         )
-
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
 
 
 LOOK = 0.1

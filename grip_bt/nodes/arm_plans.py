@@ -22,15 +22,7 @@ THERE = 0.005
 """An arm so near to the beginning of a trajectory [rad or m] needn't be led there."""
 
 
-class PlanLeaf(ArmLeaf):
-    """A leaf whose result is a plan."""
-
-    def finish(self, result: Plan) -> Status:
-        """Hand the plan out."""
-        return self.end(plan=result)
-
-
-class PlanTo(KeepingLeaf, PlanLeaf):
+class PlanTo(KeepingLeaf):
     """Plan to a named state, or to the state or pose that is bound."""
 
     def prepare(self) -> None:
@@ -62,7 +54,7 @@ class MakeConstraint(ArmLeaf):
         return self.end(constraint=read_keep(self.params["keep"], self.arm.grasp_pose()))
 
 
-class PlanStraight(PlanLeaf):
+class PlanStraight(ArmLeaf):
     """Plan straight lines through poses."""
 
     def start(self) -> Operation[Plan]:
@@ -76,10 +68,6 @@ class Execute(ArmLeaf):
     def start(self) -> Operation[JointState]:
         """Follow."""
         return self.arm.execute(self.read("plan"))
-
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
 
 
 class ExecuteTrajectory(ArmLeaf):
@@ -100,10 +88,6 @@ class ExecuteTrajectory(ArmLeaf):
             return self.arm.execute(plan)
         begun = go(self.arm, JointState(trajectory.names, trajectory.positions[0]))
         return begun.then(lambda _: self.arm.execute(plan)) if trajectory.duration else begun
-
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
 
 
 class ExecuteTogether(OperationLeaf):
@@ -137,10 +121,6 @@ class MoveToJoints(KeepingLeaf):
         """Plan and follow."""
         return go(self.arm, self.read("state"), self.constraint())
 
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
-
 
 class MoveStraight(ArmLeaf):
     """Go straight: to a pose, or by an offset from where the hand is."""
@@ -159,10 +139,6 @@ class MoveStraight(ArmLeaf):
         pose: Pose | None = self.read("pose")
         goal = self.arm.grasp_pose().moved(self.params["offset"]) if pose is None else pose
         return go_straight(self.arm, [goal], self.context.scene(), self.params["ignore"])
-
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
 
 
 @dataclass(frozen=True, slots=True)

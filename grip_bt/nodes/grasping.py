@@ -116,10 +116,6 @@ class Choose(ArmLeaf):
             )
         return self.arm.choose_grasp(fresh)
 
-    def finish(self, result: Grasp) -> Status:
-        """Hand the grasp out."""
-        return self.end(grasp=result)
-
 
 class Remember(Leaf):
     """Add a grasp to those that did not work."""

@@ -56,10 +56,6 @@ class Close(HandLeaf):
             limit = grasp.torque_limit if limit is None else limit
         return self.hand.close(posture, limit)
 
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
-
 
 class ReadState(HandLeaf):
     """Hand out the hand's measured joints."""
@@ -71,10 +67,6 @@ class ReadState(HandLeaf):
 
 class MovingHandLeaf(HandLeaf):
     """A leaf that moves the fingers without asking whether they touch."""
-
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
 
     def move(self, posture: JointState | str) -> Operation[JointState]:
         """Go, with the task's torque limit and time."""

@@ -23,10 +23,10 @@ from grip_bt.base.failures import CanceledError, ExpectedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
+from grip_bt.nodes.node import AskedContext, Asker
 from grip_bt.task.catalog.manifest import Manifest
 
 from .node import STATUS, Node
-from .preemption import AskedContext, Asker
 
 T = TypeVar("T")
 STOPPING = 60.0
@@ -266,8 +266,9 @@ class OperationLeaf(Leaf):
         raise NotImplementedError(f"{type(self).__name__}.start")
 
     def finish(self, result: Any) -> Status:
-        """Turn the operation's result into an outcome."""
-        return self.end()
+        """Turn the operation's result into an outcome: by default success, with it as the one output, if any."""
+        outputs = list(self.manifest.outputs)
+        return self.end(**({outputs[0]: result} if len(outputs) == 1 else {}))
 
     def waiting(self, operation: Operation[Any]) -> str:
         """Say how far the work is, for people; called at each tick while it is under way."""

@@ -109,7 +109,3 @@ class SaveMessages(OperationLeaf):
     def start(self) -> Operation[int]:
         """Have them written."""
         return self.context.messages().save()
-
-    def finish(self, result: int) -> Status:
-        """Say how many there are."""
-        return self.end(count=result)

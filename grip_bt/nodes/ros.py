@@ -28,10 +28,6 @@ class WaitForMessage(OperationLeaf):
         limit = math.inf if p["timeout"] is None else p["timeout"]
         return self.context.ros().next(p["topic"], p["type"], p["value"], limit)
 
-    def finish(self, result: Any) -> Status:
-        """Hand the message out."""
-        return self.end(message=result)
-
 
 class LatestMessage(WaitForMessage):
     """Take the last message of a topic, when it is fresh enough, else wait for the next."""
@@ -88,10 +84,6 @@ class LookUpTransform(OperationLeaf):
             raise DataError(self.path, "at", f"is a {type(at).__name__}: give seconds, or a picture or joint state")
         return self.context.ros().transform(p["target"], p["source"], p["timeout"], time)
 
-    def finish(self, result: Pose) -> Status:
-        """Hand the pose out."""
-        return self.end(pose=result)
-
 
 class GetParameter(OperationLeaf):
     """Read a parameter of a node."""
@@ -103,10 +95,6 @@ class GetParameter(OperationLeaf):
     def start(self) -> Operation[Any]:
         """Ask the node."""
         return self.context.ros().get_parameter(self.params["node"], self.params["name"], self.params["timeout"])
-
-    def finish(self, result: Any) -> Status:
-        """Hand the value out."""
-        return self.end(value=result)
 
 
 class SetParameter(OperationLeaf):

@@ -45,10 +45,6 @@ class MoveToTaught(KeepingLeaf):
             )
         return go(self.arm, taught[name], self.constraint())
 
-    def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
-        return self.end(reached=result)
-
 
 class TeachHand(HandLeaf):
     """Remember the fingers' posture."""

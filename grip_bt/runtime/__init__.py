@@ -1,16 +1,18 @@
 """Running compiled tasks: clock, context, runner, tick engine, journal, control.
 
 * Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine/` (py_trees trees as
-  closures), `lockstep` (turns of a run and its simulated world), `watchdog` (ticks that don't end), `workers`.
-* Stopping: `stopping`, `motion_end` (what was told to stop is measured to rest), `heartbeat` (what the parent
-  sees).
+  closures), `lockstep` (turns of a run and its simulated world), `workers`.
+* Stopping: `stopping` (also of ticks that don't end), `motion_end` (what was told to stop is measured to rest),
+  `heartbeat` (what the parent sees).
 * Journal: `run_log` (the ticking thread) -> `journal_writer` (with `value_codec`) -> SQLite ->
   `journal_reader`.
 * Control: `control` (over streams), `debugger` (with breakpoints).
-* Executing a recorded run again: `recording`, `re_execution`, `recorded_leaf`, `recorded_time`; `keeping`: state beside
-  the task.
+* Executing a recorded run again: `recording`, `re_execution`, `recorded_leaf`, `recorded_time`; `observers`: state
+  beside the task.
 * Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """
+
+from grip_bt.runtime.journal_events import Moment, NodeState
 
 from .clock import ManualClock, Waker, WallClock
 from .context import RunContext, RunParts
@@ -24,7 +26,6 @@ from .pacing import Pacing
 from .re_execution import ReExecution, Result
 from .recording import Recording
 from .run_log import RunLog
-from .run_state import Moment, NodeState
 from .runner import Runner, RunResult
 from .smach_choice import Choose, Each, Joining
 from .smach_states import BehaviourTree, TreeRun

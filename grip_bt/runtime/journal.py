@@ -18,10 +18,9 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from grip_bt.runtime.journal_rows import JournalError, prepare_to_write
+from grip_bt.runtime.journal_rows import JournalError, prepare_to_write, process_facts
 
 from .journal_writer import RunWriter
-from .process_identity import process_facts
 from .run_log import ENTRIES, RunLog
 
 _log = logging.getLogger(__name__)

@@ -13,10 +13,10 @@ from typing import Any
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime.journal_events import expanded
+from grip_bt.runtime.journal_rows import is_there
 
 from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, unpacked
 from .journal_rows import DamagedError, JournalError, Rows
-from .process_identity import is_there
 from .value_codec import OpaqueValueError, decode
 
 PAGE = 10_000

@@ -10,7 +10,7 @@ from py_trees.common import Status
 
 from grip_bt.base.values import Failure
 from grip_bt.nodes import Leaf
-from grip_bt.nodes.preemption import AskedBefore
+from grip_bt.nodes.node import AskedBefore
 
 from .journal_events import Event
 from .recording import Activation, Recording

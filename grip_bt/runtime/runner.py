@@ -21,13 +21,14 @@ from grip_bt.nodes.control import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended
+from grip_bt.runtime.observers import Keeper, Kept
 from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.stopping import Watchdog
 
 from .context import RunContext
 from .debugger import Debugger
 from .engine import TickEngine, make_ticker
 from .journal import Journal
-from .keeping import Keeper, Kept
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
 from .re_execution import NewEvents, ReExecution, ReExecutionPacer
@@ -43,7 +44,6 @@ from .stopping import (
     still_moving,
     terminate_outside,
 )
-from .watchdog import Watchdog
 
 INSIST = 0.03
 """How long [s] after a stop the run may take to end by itself before leaves are terminated from another thread."""

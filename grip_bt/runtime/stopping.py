@@ -1,4 +1,7 @@
-"""The certain end of a run: leaves terminated from outside, the robot held, and what hangs named and left behind."""
+"""The certain end of a run: ticks that hang are noticed, leaves terminated from outside, the robot held.
+
+What hangs all the same is named and left behind.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,19 @@ import logging
 import sys
 import threading
 import time
+import traceback
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.base.errors import GripError
-from grip_bt.compilers import Halted
+from grip_bt.base.errors import GripError, HungError, NodeError
+from grip_bt.compilers import BehaviourState, Halted
+from grip_bt.compilers.behaviour_state import drive
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Silent
+from grip_bt.runtime.pacing import Pacing
 
 _log = logging.getLogger(__name__)
 
@@ -126,3 +132,64 @@ def left_working(leaves: Mapping[str, Leaf]) -> list[Zombie]:
 def still_moving(leaves: Mapping[str, Leaf]) -> list[str]:
     """Return the leaves whose interrupted operations may move something and haven't ended."""
     return [path for path, leaf in leaves.items() if leaf.manifest.may_move and leaf.unended]
+
+
+LIMIT = 10.0
+"""How long [s] one tick may take by default; `update` never blocks, so that this is far more than any needs."""
+
+
+class Watchdog:
+    """Looks at a run's ticks from a thread of its own, a few times within the limit.
+
+    Args:
+        pacing: knows which ticks are under way.
+        leaves: by path.
+        limit: how long a tick may take [s].
+        bark: called once with the error, a `NodeError` of a `HungError`, and where the code is, as a traceback.
+    """
+
+    def __init__(
+        self, pacing: Pacing, leaves: Mapping[str, Leaf], limit: float, bark: Callable[[NodeError, str], None]
+    ):
+        self._pacing, self._leaves, self._limit, self._bark = pacing, leaves, limit, bark
+        self._over = threading.Event()
+
+    def start(self) -> None:
+        """Begin to look."""
+        threading.Thread(target=self._watch, name="grip_watchdog", daemon=True).start()
+
+    def stop(self) -> None:
+        """Look no more."""
+        self._over.set()
+
+    def _watch(self) -> None:
+        while not self._over.wait(self._limit / 4):
+            late = time.monotonic() - self._limit
+            for thread, began in list(self._pacing.begun.items()):
+                if began < late and _ticks(thread) and self._pacing.begun.get(thread) == began:
+                    self._bark(*self._finding(thread))
+                    return
+
+    def _finding(self, thread: int) -> tuple[NodeError, str]:
+        inside = code_running(self._leaves, [thread])
+        path, where = next(iter(inside.items()), ("/", "a tick"))
+        frame = sys._current_frames().get(thread)
+        trace = "".join(traceback.format_stack(frame)) if frame is not None else ""
+        return NodeError(path, HungError(where, self._limit)), trace
+
+
+def _ticks(thread: int) -> bool:
+    """Tell whether a thread is inside a tick: in a loop that drives a behaviour, and not waiting for its turn.
+
+    Entries of threads that wait for others, or that have ended, are old and mean nothing.
+    """
+    frame, codes = sys._current_frames().get(thread), set()
+    while frame is not None:
+        codes.add(frame.f_code)
+        frame = frame.f_back
+    return bool(codes & _LOOPS) and not codes & _WAITING
+
+
+_LOOPS = {drive.__code__, BehaviourState.execute.__code__}
+"""The loops that tick: of a tree, and of a state of a machine."""
+_WAITING = {Pacing.turn.__code__, Pacing.rest.__code__, Pacing.hold.__code__}

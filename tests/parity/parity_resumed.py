@@ -16,7 +16,7 @@ from py_trees.common import Status
 
 from grip_bt.base.errors import DivergedError, NodeError
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, to_machine, to_tree
-from grip_bt.nodes.preemption import AskedBefore
+from grip_bt.nodes.node import AskedBefore
 from grip_bt.runtime import Event, ReExecution
 from grip_bt.runtime.pacing import Pacing
 from grip_bt.runtime.re_execution import NewEvents, ReExecutionPacer

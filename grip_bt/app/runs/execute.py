@@ -17,9 +17,8 @@ from grip_bt.nodes import Leaf
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
-from grip_bt.runtime.durable import Durable
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
-from grip_bt.runtime.keeping import Kept
+from grip_bt.runtime.observers import Durable, Kept
 from grip_bt.task import Document, Variable, read, read_text
 from grip_bt.task.model import type_of
 from grip_bt.task.validation import validate

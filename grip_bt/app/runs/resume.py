@@ -21,7 +21,7 @@ from grip_bt.runtime import (
     RunLog,
     WallClock,
 )
-from grip_bt.runtime.keeping import Kept
+from grip_bt.runtime.observers import Kept
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
 from grip_bt.task.catalog import Manifest, check_value

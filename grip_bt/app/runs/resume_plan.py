@@ -19,7 +19,7 @@ from grip_bt.runtime import (
 )
 from grip_bt.runtime.debugger import node_path
 from grip_bt.runtime.journal_events import DAMAGED
-from grip_bt.runtime.keeping import KEPT
+from grip_bt.runtime.observers import KEPT
 from grip_bt.task import model
 
 from ..project.catalogue import catalogue_of

@@ -11,7 +11,7 @@ from typing import Any
 from grip_bt.base.errors import GripError, ResumeError
 from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary, MessageStore
 from grip_bt.runtime import Event, JournalReader
-from grip_bt.runtime.keeping import KEPT, Kept
+from grip_bt.runtime.observers import KEPT, Kept
 from grip_bt.runtime.value_codec import encode
 
 from ..wiring.parts import Resources

@@ -1,16 +1,14 @@
-"""State beside the task that a run changes and that its process takes along when it dies, kept in the journal.
-
-The planning scene, named messages, a simulated world: where a leaf may have changed one, its state is noted in the
-journal just before the leaf's end, so that whoever goes on with the run brings it back.
-"""
+"""Observers of a run beside its journal: one that keeps state beside the task, one that waits for the disk."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, Protocol
 
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Silent
+from grip_bt.runtime.journal import Journal
+from grip_bt.runtime.journal_rows import JournalError
 
 KEPT = "kept"
 """The event; its data has `part` and, as a write has, the state."""
@@ -57,3 +55,36 @@ class Keeper(Silent):
             state = self._parts[name].changed()
             if state is not None:
                 self._note(path, name, state)
+
+
+class Durable:
+    """An observer that waits, as some leaves begin, until that is on the disk; told after the recorder.
+
+    Args:
+        journal: where the run is written.
+        leaves: paths of those leaves.
+    """
+
+    def __init__(self, journal: Journal, leaves: Collection[str]):
+        self._journal, self._leaves = journal, frozenset(leaves)
+
+    def entered(self, path: str) -> None:
+        """Wait for the disk; a journal that can't be written has said so in the log, and the run goes on without."""
+        if path in self._leaves:
+            try:
+                self._journal.flush()
+            except JournalError:
+                self._leaves = frozenset()
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """Wait for the disk too: what has been done isn't asked about."""
+        self.entered(path)
+
+    def interrupted(self, path: str) -> None:
+        """Do nothing: it may have been stopped, which nobody waits for."""
+
+    def message(self, path: str, text: str) -> None:
+        """Do nothing."""
+
+    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+        """Do nothing."""
