@@ -28,7 +28,7 @@ _HOME = {
     "OperationLeaf": "grip_bt.nodes",
     "AsyncLeaf": "grip_bt.nodes.async_leaf",
     "leaf": "grip_bt.nodes.function",
-    "End": "grip_bt.nodes.function",
+    "End": "grip_bt.nodes.async_leaf",
     "Input": "grip_bt.nodes.function",
     "Output": "grip_bt.nodes.function",
     "Param": "grip_bt.nodes.function",

@@ -217,5 +217,5 @@ class Recorder:
         self._note(self._now(), path, Noted("write", data=data, written=(snapshot(value),)))
 
     def kept(self, path: str, part: str, state: Any) -> None:
-        """The state of a part beside the task is this, when a node ends; see `runtime.keeping`."""
+        """The state of a part beside the task is this, when a node ends; see `runtime.observers`."""
         self._note(self._now(), path, Noted("kept", data={"part": part}, written=(snapshot(state),)))
