@@ -13,7 +13,7 @@ from typing import Any
 from grip_bt.app.project.examples import DEMOS, Demo, find_demo
 from grip_bt.app.runs.execute import Session, open_session
 from grip_bt.app.runs.verdict import Attempt, AttemptRecorder, Verdict, attempt_line, object_table
-from grip_bt.compilers.probe import parts_of
+from grip_bt.compilers.binding import parts_of
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import result_facts
 from grip_bt.task import walk

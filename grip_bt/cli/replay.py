@@ -12,7 +12,7 @@ from pathlib import Path
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.runtime import Event, JournalReader, Moment
+from grip_bt.runtime import Event, JournalReader, RunSnapshot
 
 from .parser import number
 
@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
             _check_place(reader, found, until)
         speed = args.speed if args.speed is not None else float(sys.stdout.isatty())
 
-        def show(event: Event, moment: Moment) -> None:
+        def show(event: Event, moment: RunSnapshot) -> None:
             print(json.dumps(asdict(event), ensure_ascii=False) if args.json else line_of(event), flush=bool(speed))
             if args.step and not (until is not None and until.reached(event)):
                 _wait_for_enter()

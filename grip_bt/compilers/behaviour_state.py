@@ -98,8 +98,6 @@ class TaskEnd:
     failure: Failure | None
 
 
-RUNNING = Status.RUNNING
-
 Refined = Collection[tuple[str, str]]
 """(outcome, failure code) pairs that have a label of their own, `outcome.code`."""
 
@@ -210,17 +208,9 @@ class BehaviourState(TaskState):
         if self._make_ticker is not run.make_ticker:
             self._make_ticker = run.make_ticker
             self._tick = node.tick_once if self._make_ticker is None else self._make_ticker(node)
-        try:  # `drive`, in place
-            while True:
-                seen = run.pacer.turn()
-                if run.error is not None:
-                    raise Halted
-                self._tick()
-                if node.status is not RUNNING:
-                    break
-                run.pacer.rest(seen)
+        try:
+            drive(node, run, self._tick)
         except BaseException as error:
-            halt_after(error, node)
             run.fail(error)
             raise
         self.outcome = outcome = node.outcome

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
+from grip_bt.base.errors import ExpressionError, UnknownNameError
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
+from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import Cell, Scope, Scopes
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.control import Condition
 from grip_bt.task.model import Kind
-
-if TYPE_CHECKING:
-    from grip_bt.compilers.resolve import Part
 
 
 def bind_condition(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Condition:
@@ -69,3 +68,30 @@ def _cell(scope: Scope, name: str) -> Cell:
     cell = scope.find(name)
     assert cell is not None, "resolved variables are declared"
     return cell
+
+
+class Compiled(Protocol):
+    """A compiled task, tree or machine."""
+
+    data: Scopes
+    _resolved: Resolved
+
+
+def parts_of(compiled: Compiled) -> Mapping[str, Part]:
+    """Return every node of a compiled task by path, in document order."""
+    return {part.path: part for part in compiled._resolved.root.walk()}
+
+
+def probe(compiled: Compiled, part: Part, text: str) -> Callable[[], bool]:
+    """Return what computes a condition over the variables that a node sees.
+
+    Raises:
+        ExpressionError: the text isn't a condition.
+        UnknownNameError: it names a variable that isn't declared there or above.
+    """
+    if not text.strip():
+        raise ExpressionError(text, "a condition is missing, such as `count > 3`")
+    for name in parse_expression(text).names:
+        if part.scope.find(name) is None:
+            raise UnknownNameError("variable", name, part.scope.visible(), f"`{text}` at {part.path}")
+    return bind_condition(part.path, "if", text, part.scope, compiled.data).holds

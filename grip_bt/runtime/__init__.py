@@ -12,7 +12,7 @@
 * Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """
 
-from grip_bt.runtime.journal_events import Moment, NodeState
+from grip_bt.runtime.journal_events import NodeState, RunSnapshot
 
 from .clock import ManualClock, Waker, WallClock
 from .context import RunContext, RunParts
@@ -40,7 +40,7 @@ __all__ = [
     "JournalError",
     "JournalReader",
     "ManualClock",
-    "Moment",
+    "RunSnapshot",
     "NodeState",
     "Pacing",
     "TickEngine",

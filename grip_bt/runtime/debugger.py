@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree
-from grip_bt.compilers.probe import parts_of, probe
+from grip_bt.compilers.binding import parts_of, probe
 from grip_bt.nodes.node import Silent
 from grip_bt.runtime.pacing import Pacing
 

@@ -212,7 +212,7 @@ class NodeState:
 
 
 @dataclass
-class Moment:
+class RunSnapshot:
     """A run after some of its events.
 
     Attributes:

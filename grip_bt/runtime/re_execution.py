@@ -21,7 +21,7 @@ from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted
 from grip_bt.compilers.behaviour_state import BehaviourState
-from grip_bt.compilers.probe import parts_of
+from grip_bt.compilers.binding import parts_of
 from grip_bt.compilers.task_machine import TaskMachine
 from grip_bt.nodes import Leaf, control
 from grip_bt.nodes.answers import Answers

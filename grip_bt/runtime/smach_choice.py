@@ -1,4 +1,4 @@
-"""SMACH states and containers that behave as a task's: they ask rules who is next, and answer preempt requests."""
+"""SMACH states and containers that behave as a task's: they choose who is next, and answer preempt requests."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import Any, Self
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import DataError, NodeError
-from grip_bt.base.evaluation import condition_of, value_of
+from grip_bt.base.evaluation import condition_of, same_literal, value_of
 from grip_bt.base.expression import Expression, parse_expression
+from grip_bt.base.values import Failure
 from grip_bt.compilers.behaviour_state import Refined, label, labels
-from grip_bt.nodes.control import Cases, Condition, Passes, Rule
 from grip_bt.runtime.smach_states import TreeRun
 from grip_bt.smach_compat import Concurrence, Iterator, State
 
 
 class Choose(State):
-    """Asks a rule; ends with `do CHILD`, `success`, or `failure`. Made by `case` or `loop`.
+    """Chooses a child; ends with `do CHILD`, `success`, or `failure`. Made by `case` or `loop`.
 
     Its machine begins with it; a loop's child leads back to it. Register `begin` as a start callback of the machine.
     """
@@ -29,7 +29,8 @@ class Choose(State):
         ends = labels(("success", "failure"), self._refined)
         super().__init__([*(f"do {child}" for child in children), *ends], list(names), list(names))
         self.run, self.place = run, place
-        self.rule = Rule()
+        self._choose: Callable[[], str | Failure | None] = lambda: None
+        self._passes = 0
         self._userdata: Any = None
 
     @classmethod
@@ -56,8 +57,14 @@ class Choose(State):
         expression = parse_expression(value)
         children = list(dict.fromkeys([*cases, *([default] if default else [])]))
         state = cls(run, expression.names, children, place, codes)
-        pairs = [(child, literal) for child, literals in cases.items() for literal in literals]
-        state.rule = Cases(value_of(expression, state._readers(expression, "on_value")), pairs, default)
+        value_now = value_of(expression, state._readers(expression, "on_value"))
+
+        def choose() -> str | Failure:
+            value = value_now()
+            fitting = (child for child, literals in cases.items() for each in literals if same_literal(value, each))
+            return next(fitting, default) or Failure("no_case", f"no case is for {value!r}")
+
+        state._choose = choose
         return state
 
     @classmethod
@@ -83,19 +90,25 @@ class Choose(State):
         """
         expression = parse_expression(condition) if condition else None
         state = cls(run, expression.names if expression else (), [child], place, codes)
-        holds = None
-        if expression is not None:
-            readers = state._readers(expression, "while")
-            holds = Condition(expression.text, condition_of(expression, readers), lambda written: None)
-        state.rule = Passes(child, holds, times)
+        holds = None if expression is None else condition_of(expression, state._readers(expression, "while"))
+
+        def choose() -> str | Failure | None:
+            if holds is not None and not holds():
+                return None
+            if state._passes == times:
+                return Failure("loop_limit", f"it was still looping after {times} passes")
+            state._passes += 1
+            return child
+
+        state._choose = choose
         return state
 
     def begin(self, userdata: Any, states: Any) -> None:
         """Begin anew; called when the machine is entered."""
-        self.rule.begin()
+        self._passes = 0
 
     def execute(self, userdata: Any) -> str:
-        """Ask.
+        """Choose.
 
         Raises:
             NodeError: the expression can't be computed.
@@ -104,12 +117,14 @@ class Choose(State):
         self.run.shared.turn()
         self._userdata = userdata
         try:
-            turn = self.rule.choose()
+            chosen = self._choose()
         except Exception as error:
             wrapped = NodeError(self.place, error)
             self.run.shared.fail(wrapped)
             raise wrapped from error
-        return f"do {turn.child}" if turn.child is not None else label(turn.outcome, turn.failure, self._refined)
+        if isinstance(chosen, str):
+            return f"do {chosen}"
+        return label("success" if chosen is None else "failure", chosen, self._refined)
 
     def _readers(self, expression: Expression, key: str) -> dict[str, Callable[[], Any]]:
         def reader(name: str) -> Callable[[], Any]:

@@ -17,7 +17,7 @@ from typing import Any
 from py_trees.common import Status
 
 from grip_bt.base.errors import GripError, HungError, NodeError
-from grip_bt.compilers import BehaviourState, Halted
+from grip_bt.compilers import Halted
 from grip_bt.compilers.behaviour_state import drive
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Silent
@@ -190,6 +190,6 @@ def _ticks(thread: int) -> bool:
     return bool(codes & _LOOPS) and not codes & _WAITING
 
 
-_LOOPS = {drive.__code__, BehaviourState.execute.__code__}
-"""The loops that tick: of a tree, and of a state of a machine."""
+_LOOPS = {drive.__code__}
+"""The loop that ticks: a tree, or a state of a machine."""
 _WAITING = {Pacing.turn.__code__, Pacing.rest.__code__, Pacing.hold.__code__}

@@ -157,7 +157,7 @@ def test_the_page_begins_with_the_run_that_is_replayed(folder):
 
 def test_a_run_that_was_gone_on_with_says_so_and_what_ran_runs_on():
     from grip_bt.app.runs.replay import line_of
-    from grip_bt.runtime import Moment
+    from grip_bt.runtime import RunSnapshot
 
     def event(seq, path, kind, **data):
         return Event(seq, float(seq), 0.0, path, kind, None, None, data)
@@ -170,7 +170,7 @@ def test_a_run_that_was_gone_on_with_says_so_and_what_ran_runs_on():
         event(5, "/", "run_resumed", restored={"scene": 2}),
         event(6, "a", "went_on", how="restart"),
     ]
-    moment = Moment()
+    moment = RunSnapshot()
     for each in events[:4]:
         moment.apply(each)
     assert (moment.state, moment.nodes["a"].phase) == ("error", "error")

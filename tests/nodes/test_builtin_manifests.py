@@ -52,7 +52,11 @@ def test_a_leaf_writes_exactly_its_declared_outputs(manifest):
     written = {word.arg for call in ends for word in call.keywords if word.arg}
     written |= set(re.findall(r'(?:points|outputs) = \{"(\w+)"', text))
     leaf = load_implementation(manifest)
-    if issubclass(leaf, OperationLeaf) and leaf.start is not OperationLeaf.start and leaf.finish is OperationLeaf.finish:
+    if (
+        issubclass(leaf, OperationLeaf)
+        and leaf.start is not OperationLeaf.start
+        and leaf.finish is OperationLeaf.finish
+    ):
         written |= set(manifest.outputs) if len(manifest.outputs) == 1 else set()  # the operation's result
     assert written == set(manifest.outputs)
 

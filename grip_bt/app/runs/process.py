@@ -71,7 +71,7 @@ def _interrupted(*_: Any) -> None:
 
 
 def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
-    from grip_bt.compilers.probe import parts_of
+    from grip_bt.compilers.binding import parts_of
     from grip_bt.runtime.heartbeat import Heartbeat
 
     from .execute import RunOptions, open_session

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
-from grip_bt.runtime import Event, JournalReader, Moment, RunRecord
+from grip_bt.runtime import Event, JournalReader, RunRecord, RunSnapshot
 from grip_bt.runtime.debugger import node_path
 
 from ..project.folder import find_project
@@ -118,11 +118,11 @@ def events_of(reader: JournalReader, run: str, follow: bool = True) -> Iterator[
 
 def replay(
     events: Iterator[Event],
-    show: Callable[[Event, Moment], None],
+    show: Callable[[Event, RunSnapshot], None],
     speed: float | None = None,
     until: Until | None = None,
     sleep: Callable[[float], None] = time.sleep,
-) -> tuple[Moment, bool]:
+) -> tuple[RunSnapshot, bool]:
     """Show one event after the other.
 
     Args:
@@ -135,7 +135,7 @@ def replay(
     Returns:
         the last moment, and whether `until` was reached.
     """
-    moment = Moment()
+    moment = RunSnapshot()
     began = 0.0
     for event in events:
         if speed is not None:
@@ -194,7 +194,7 @@ def _words(event: Event) -> str:
     return f" {event.event.replace('_', ' ')}" + (f": {more}" if more else "")
 
 
-def moment_lines(moment: Moment, record: RunRecord | None = None) -> list[str]:
+def moment_lines(moment: RunSnapshot, record: RunRecord | None = None) -> list[str]:
     """Return what runs, and the variables, at a moment.
 
     Args:

@@ -10,7 +10,7 @@ from typing import Any
 from grip_bt.base.errors import GripError, ResumeError, UnknownNameError, WrongTypeError
 from grip_bt.base.ports import Clock
 from grip_bt.compilers import CompiledMachine, CompiledTree
-from grip_bt.compilers.probe import parts_of
+from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import (
     Event,

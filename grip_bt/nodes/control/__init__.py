@@ -10,12 +10,10 @@ from .guard import Guard
 from .parallel import End, Match, Parallel, Ruling, decide, first_reason
 from .prompt import PromptParallel
 from .subtask import Subtask
-from .turns import Cases, Passes, Rule, Turn
 
 __all__ = [
     "MAX_TRANSITIONS",
     "PLAIN",
-    "Cases",
     "Condition",
     "Conditional",
     "Container",
@@ -29,16 +27,13 @@ __all__ = [
     "Invert",
     "Match",
     "Parallel",
-    "Passes",
     "PromptParallel",
     "Repeat",
     "Retry",
-    "Rule",
     "Ruling",
     "Sequence",
     "Subtask",
     "Timeout",
-    "Turn",
     "conditional",
     "decide",
     "first_reason",
