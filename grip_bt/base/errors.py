@@ -246,14 +246,6 @@ class NotStoppedError(GripError):
         )
 
 
-class LivelockError(GripError):
-    """A task changed state too often within one tick."""
-
-    def __init__(self, path: str, transitions: int):
-        self.path, self.transitions = path, transitions
-        super().__init__(f"{path}: {transitions} transitions in one tick: the task loops without waiting for anything")
-
-
 class DivergedError(GripError):
     """A recorded run doesn't happen again: its task, its nodes or its inputs aren't those that they were.
 

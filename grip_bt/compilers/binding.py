@@ -11,7 +11,7 @@ from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import Cell, Scope, Scopes
 from grip_bt.nodes.answers import Answers
-from grip_bt.nodes.control import Condition
+from grip_bt.nodes.condition import Condition
 from grip_bt.task.model import Kind
 
 
@@ -41,7 +41,10 @@ def bind_answers(answers: Answers, part: Part, kind: Kind, scopes: Scopes) -> No
     for key, text in kind.expressions():
         field = next(name for name in (*kind.conditions, *kind.values) if name.rstrip("_") == key)
         if field in kind.conditions:
-            answers.conditions[field] = bind_condition(path, key, text, scope, scopes).holds
+            condition = bind_condition(path, key, text, scope, scopes)
+            answers.conditions[field] = condition.holds
+            if kind.reactive:
+                condition.watch(answers.written)
         else:
             answers.readers[field] = bind_value(path, key, text, scope, scopes)
     for key in kind.reads:

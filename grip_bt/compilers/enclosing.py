@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from grip_bt.nodes.container import KindNode
-from grip_bt.nodes.control import Container
 from grip_bt.nodes.node import LABEL, Node
 from grip_bt.nodes.smach_activation import AmongStates
 from grip_bt.nodes.smach_asking import MARK, Enclosing
@@ -33,8 +32,8 @@ def enclose(root: Part, nodes: Mapping[str, Node], states: Mapping[str, Any]) ->
         if isinstance(node, AmongStates):
             node.enclosing = around
         kind = part.node.x.get(MARK)
-        made = node if isinstance(node, Container | KindNode) else states.get(part.path)
-        if isinstance(kind, str) and isinstance(made, Container | KindNode | TaskContainer):
+        made = node if isinstance(node, KindNode) else states.get(part.path)
+        if isinstance(kind, str) and isinstance(made, KindNode | TaskContainer):
             around = (*around, _enclosing(part.path, kind, made))
         stack.extend((child, around) for child in part.children)
 

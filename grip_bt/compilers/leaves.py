@@ -151,7 +151,14 @@ def _refused(path: str, message: str) -> InvalidTaskError:
 _Move = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
-def hand_in(part: Part, scopes: Scopes) -> Callable[[], None]:
+def variables_of(part: Part, scopes: Scopes) -> tuple[Callable[[], None] | None, Callable[[], None] | None]:
+    """Return what a container calls when it is entered, and when it has ended by itself: its variables begin anew."""
+    if isinstance(part.node, model.Subtask):
+        return _hand_in(part, scopes), _hand_out(part, scopes)
+    return (part.scope.reset if part.declares else None), None
+
+
+def _hand_in(part: Part, scopes: Scopes) -> Callable[[], None]:
     """Return what begins the variables of a subtask anew and gives it its inputs."""
     node = part.node
     assert isinstance(node, model.Subtask), "only these have ports of their own file"
@@ -169,7 +176,7 @@ def hand_in(part: Part, scopes: Scopes) -> Callable[[], None]:
     return enter
 
 
-def hand_out(part: Part, scopes: Scopes) -> Callable[[], None]:
+def _hand_out(part: Part, scopes: Scopes) -> Callable[[], None]:
     """Return what gives the outputs of a subtask to the variables around it; an output that wasn't made is none."""
     node = part.node
     assert isinstance(node, model.Subtask), "only these have ports of their own file"

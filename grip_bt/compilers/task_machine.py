@@ -11,7 +11,7 @@ from grip_bt.base.errors import NodeError
 from grip_bt.base.values import Failure
 from grip_bt.compilers.behaviour_state import Halted
 from grip_bt.nodes.answers import Answers
-from grip_bt.nodes.control import Condition
+from grip_bt.nodes.condition import Condition
 from grip_bt.nodes.node import SILENT, Observer
 from grip_bt.smach_compat import Concurrence, State, StateMachine
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Reason, Run, Step

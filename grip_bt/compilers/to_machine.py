@@ -12,7 +12,7 @@ from grip_bt import smach_compat
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.behaviour_state import Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import answers_of, bind_condition
-from grip_bt.compilers.leaves import BehaviourFactory, adopter, hand_in, hand_out
+from grip_bt.compilers.leaves import BehaviourFactory, adopter, variables_of
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
@@ -72,12 +72,9 @@ class MachineBuilder:
 
     def _machine(self, part: Part, needed: Refined) -> TaskMachine:
         table, names = table_of(part, needed), state_labels(part)
-        enter = part.scope.reset if part.declares else None
-        if isinstance(part.node, model.Subtask):
-            enter = hand_in(part, self.tree.scopes)
+        enter, leave = variables_of(part, self.tree.scopes)
         machine = TaskMachine(part.path, part.meaning, needed, enter)
-        if isinstance(part.node, model.Subtask):
-            machine.hand_out = hand_out(part, self.tree.scopes)
+        machine.hand_out = leave
         with machine:
             for child in part.children:
                 state = self.build(child, table.refined[child.name])

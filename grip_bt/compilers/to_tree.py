@@ -3,27 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any, cast
-
-from py_trees.behaviour import Behaviour
 
 from grip_bt.compilers.behaviour_state import Pacer, TaskEnd, drive
 from grip_bt.compilers.binding import bind_answers, bind_condition
-from grip_bt.compilers.leaves import BehaviourFactory, adopter, hand_in, hand_out
-from grip_bt.nodes import control
-from grip_bt.nodes.container import KindNode, RunAnswers, container
+from grip_bt.compilers.leaves import BehaviourFactory, adopter
+from grip_bt.nodes.condition import conditional
+from grip_bt.nodes.container import RunAnswers, container
+from grip_bt.nodes.foreign import Foreign
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
 from .enclosing import enclose
-from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release
+from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release, variables_of
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
-
-_BY_KIND = (model.Switch, model.Loop, model.ForEach, model.Cooldown)
 
 
 class TreeBuilder:
@@ -46,84 +42,26 @@ class TreeBuilder:
             self.leaves[part.path] = cast(Leaf, node)
         else:
             children = [self.build(child) for child in part.children]
-            node = self._container(part, manifest_of_task(part), children)
+            node = self._container(part, part.node, children)
         if part.node.precondition:
             condition = bind_condition(part.path, "precondition", part.node.precondition, part.around, self.scopes)
-            control.conditional(node, condition, part.meaning)
+            conditional(node, condition, part.meaning)
         node.document = part.node
         self.by_path[part.path] = node
         return node
 
-    def _container(self, part: Part, face: control.Face, children: list[Behaviour]) -> Node:
-        if isinstance(part.node, _BY_KIND):
-            return self._by_kind(part, part.node, children)
-        if isinstance(part.node, model.Foreign):
-            return control.Foreign(face, self.adopt(part.path, part.name, part.node))
-        if isinstance(part.node, model.Subtask):
-            face = replace(face, enter=hand_in(part, self.scopes))
-            return control.Subtask(face, children[0], hand_out(part, self.scopes))
-        if isinstance(part.node, model.Guard):
-            holds = bind_condition(part.path, "if", part.node.if_, part.scope, self.scopes)
-            return control.Guard(face, children[0], holds)
-        return _container(part, face, children)
-
-    def _by_kind(self, part: Part, kind: model.Kind, children: list[Behaviour]) -> KindNode:
-        answers = RunAnswers(part.path, [child.name for child in part.children], part.exits, part.edges)
+    def _container(self, part: Part, kind: model.Kind, children: list[Node]) -> Node:
+        if isinstance(kind, model.Foreign):
+            return Foreign(part.name, part.path, part.meaning, self.adopt(part.path, part.name, kind))
+        answers = RunAnswers(part.path, part.exits, part.edges)
         bind_answers(answers, part, kind, self.scopes)
         node = container(part.name, part.meaning, kind, answers, children)
-        node.enter = part.scope.reset if part.declares else None
+        node.enter, node.leave = variables_of(part, self.scopes)
+        if kind.may_ask:
+            for below in node.iterate():
+                if isinstance(below, Leaf):
+                    below.askers.append(node)
         return node
-
-
-def ruling_of(part: Part) -> control.Ruling:
-    """Return how a parallel is decided."""
-    node = part.node
-    assert isinstance(node, model.Parallel), "only these have rules"
-    rules = [
-        control.Match(
-            rule.then,
-            {child: [said] if isinstance(said, str) else said for child, said in rule.when.items()},
-            rule.at_least,
-            rule.ends,
-        )
-        for rule in node.rules
-    ]
-    return control.Ruling(node.policy, part.exits, rules, node.wait_for)
-
-
-def manifest_of_task(part: Part) -> control.Face:
-    """Return what the container of `part` is made with."""
-    enter = part.scope.reset if part.declares else None
-    return control.Face(part.name, part.path, part.meaning, part.exits, enter)
-
-
-def _container(part: Part, face: control.Face, children: list[Behaviour]) -> Node:
-    match part.node:
-        case model.Sequence(memory=memory):
-            return control.Sequence(face, children, memory)
-        case model.Fallback(memory=memory):
-            return control.Fallback(face, children, memory)
-        case model.Parallel(cancel=cancel, retick=retick, prompt=prompt):
-            made = control.PromptParallel if prompt else control.Parallel
-            node = made(face, children, ruling_of(part), cancel, retick)
-            if cancel == "ask":
-                for below in node.iterate():
-                    if isinstance(below, Leaf):
-                        below.askers.append(node)
-            return node
-        case model.StateMachine(initial=initial):
-            return control.Dispatch(face, children, initial, part.edges)
-        case model.Retry(times=attempts):
-            return control.Retry(face, children[0], attempts)
-        case model.Repeat(times=times):
-            return control.Repeat(face, children[0], times)
-        case model.Timeout(seconds=seconds, child_first=child_first):
-            return control.Timeout(face, children[0], seconds, child_first)
-        case model.Invert():
-            return control.Invert(face, children[0])
-        case model.Force(as_=outcome):
-            return control.Force(face, children[0], outcome)
-    raise TypeError(f"{part.path}: no behaviour for {type(part.node).__name__}")
 
 
 class CompiledTree:

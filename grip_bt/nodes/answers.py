@@ -116,6 +116,9 @@ class Answers:
             )
         return target
 
+    def written(self) -> None:
+        """Do nothing when a variable of a condition is written: in a machine nobody looks while a child runs."""
+
     def ask(self, text: str) -> None:
         """Do nothing: in a machine nothing runs beside what decides."""
 

@@ -5,7 +5,7 @@ Statuses, halts and reports are py_trees' and ours, and stand here; what follows
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -15,6 +15,7 @@ from py_trees.common import ParallelPolicy, Status
 
 from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
+from grip_bt.task.edges import Edges
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Reason, Run, Stay, Step
 
 from .answers import Answers
@@ -50,6 +51,8 @@ class KindNode(Node):
         """Become the container that the answers are for; called at the end of construction."""
         self.path, self.meaning, self.kind, self.answers = answers.path, dict(meaning), kind, answers
         answers.node = self
+        self.named: list[Any] = []
+        self.rename()
         self.state: Any = None
         self.running: tuple[int, ...] = ()
         self.resting = False
@@ -69,21 +72,31 @@ class KindNode(Node):
     def opening(self) -> Step:
         """Return the first step of this tick."""
         kind, answers = self.kind, self.answers
+        if self.children != self.named:
+            self.rename()
         if self.status is not R:
             self.last, self.state, self.asked, self.running, self.resting = None, None, False, (), False
             self.begin()
             if self.enter is not None:
                 self.enter()
-            for child in self.children if kind.resets else ():
-                if child.status is not INVALID:
-                    child.stop(INVALID)
+            if kind.resets:
+                self._reset(self.children)
             answers.ends = [None] * len(self.children)
+            if kind.shown == "selector":
+                self.current_child = self.children[0] if self.children else None
             return kind.begin(None, answers)
         if self.resting:
             return kind.begin(self.state, answers)
         if kind.reactive:
             return kind.again(self.state, self.running, answers)
+        if kind.shown == "selector":
+            self._reset(self.children[: self.running[0]])
         return Run(self.running, self.state)
+
+    def rename(self) -> None:
+        """Note which children there are now."""
+        self.named = list(self.children)
+        self.answers.names = [child.name for child in self.named]
 
     def _follow(self, step: Step) -> Iterator[Behaviour]:
         while type(step) is Run:
@@ -102,6 +115,8 @@ class KindNode(Node):
     def run(self, step: Run) -> tuple[int, ...]:
         """Return the positions of the children that are to be ticked now."""
         run, self.state, first = step
+        if self.resting:
+            self.resting, self.running = False, run
         if first:
             self._halt_others(run)
         if self.kind.concurrent:
@@ -136,6 +151,7 @@ class KindNode(Node):
         if type(step) is End:
             self.why, self.outcome = step.reason, step.outcome
             self._halt_others(())
+            self._reset_after(self.last)
             if self.leave is not None:
                 self.leave()
             if not isinstance(self, decorators.Decorator):
@@ -148,6 +164,8 @@ class KindNode(Node):
         if self.resting:
             self.running = ()
             self.context.wake()
+        elif self.running:
+            self._reset_after(self.children[self.running[0]])
         if not isinstance(self, decorators.Decorator):
             if self.kind.concurrent:
                 self.current_child = self.children[-1] if self.children else None
@@ -161,6 +179,19 @@ class KindNode(Node):
     def _halt_others(self, run: Sequence[int]) -> None:
         for i, child in enumerate(self.children):
             if child.status is R and i not in run:
+                child.stop(INVALID)
+
+    def _reset_after(self, child: Any) -> None:
+        """Reset the children after the one that was come to, as a Selector and a reactive Sequence of py_trees do."""
+        match self.kind.shown:
+            case "selector" if child is not None and child.status is not F and child is not self.current_child:
+                self._reset(self.children[self.children.index(child) + 1 :])
+            case "sequence" if child is not None and child.status is not S and self.kind.reactive:
+                self._reset(self.children[self.children.index(child) + 1 :])
+
+    def _reset(self, children: Iterable[Any]) -> None:
+        for child in children:
+            if child.status is not INVALID:
                 child.stop(INVALID)
 
     def conclude(self, status: Status) -> None:
@@ -186,14 +217,13 @@ class RunAnswers(Answers):
     node: KindNode
     ends: list[Ended | None]
 
-    @property
-    def names(self) -> Sequence[str]:
-        """The names of the children as they are now."""
-        return [child.name for child in self.node.children]
+    def __init__(self, path: str, exits: Edges, edges: Edges):
+        super().__init__(path, (), exits, edges)
 
-    @names.setter
-    def names(self, names: Sequence[str]) -> None:
-        """Leave it to the children."""
+    def written(self) -> None:
+        """Have the task ticked soon."""
+        if self.node.active:
+            self.node.context.wake()
 
     def ask(self, text: str) -> None:
         """Request the children that still run to stop; their leaves see it as a preempt request."""
@@ -218,7 +248,19 @@ _SHOWN: Mapping[str, type[Behaviour]] = {
 def shown_as(kind: type[Kind]) -> Any:
     """Return the class of a kind's behaviours: where py_trees has the composite, people and tools see that one."""
     base = _SHOWN[kind.shown]
-    return type(kind.__name__, (KindNode, base), {"__doc__": kind.__doc__, "__module__": __name__})
+    attributes: dict[str, Any] = {"__doc__": kind.__doc__, "__module__": __name__}
+    if "memory" in kind.model_fields:
+        attributes["memory"] = property(_memory, _set_memory)
+    return type(kind.__name__, (KindNode, base), attributes)
+
+
+def _memory(node: KindNode) -> bool:
+    return bool(node.kind.memory)  # type: ignore[attr-defined]
+
+
+def _set_memory(node: KindNode, memory: bool) -> None:
+    if node.kind.memory is not memory:  # type: ignore[attr-defined]
+        node.kind = node.kind.model_copy(update={"memory": memory})
 
 
 def container(
@@ -231,6 +273,7 @@ def container(
     """Return the behaviour of a container."""
     cls = shown_as(type(kind))
     node: KindNode = cls.__new__(cls)
+    node.kind = kind
     arguments: dict[str, Any] = {"children": list(children)}
     match kind.shown:
         case "decorator":

@@ -23,16 +23,17 @@ from grip_bt.compilers import CompiledMachine, CompiledTree, Halted
 from grip_bt.compilers.behaviour_state import BehaviourState
 from grip_bt.compilers.binding import parts_of
 from grip_bt.compilers.task_machine import TaskMachine
-from grip_bt.nodes import Leaf, control
-from grip_bt.nodes.answers import Answers
+from grip_bt.nodes import Leaf
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.node import Observer
 from grip_bt.task import model, walking
+from grip_bt.task.exploration import Labels
+from grip_bt.task.kind_analysis import time_sense
 
 from .journal_events import Event
 from .pacing import Pacing
 from .recorded_leaf import RecordedLeaf
-from .recorded_time import RecordedClock, TimeoutClock, recorded_judge
+from .recorded_time import RecordedClock, recorded_limit, recorded_rest
 from .recording import Recording
 
 How = Literal["resume", "restart"]
@@ -133,18 +134,23 @@ class ReExecution:
             for node in [state, *(state.node.iterate() if isinstance(state, BehaviourState) else ())]:
                 self._take_time(node)
 
-    def _take_time(self, node: Any) -> None:
-        if isinstance(node, control.Timeout) and not isinstance(node.context, _Timed):
-            node.context = _Timed(node.context, TimeoutClock(self.clock, self.recording, node.path))
-        if isinstance(node, TaskMachine) and node.decide is not None:
-            self._take_answers(node.decide.answers)
-        if isinstance(node, KindNode):
-            self._take_answers(node.answers)
-
-    def _take_answers(self, answers: Answers) -> None:
+    def _take_time(self, node: object) -> None:
         """Have the recording say whether a time has come."""
-        child = walking.join(answers.path, answers.names[0])
-        answers.judge = recorded_judge(self.clock, self.recording, answers.path, child)
+        if isinstance(node, TaskMachine) and node.decide is not None:
+            ends = {node.decide.answers.names[i]: meaning for i, _, meaning in node.decide.children.values()}
+            kind, answers = node.decide.kind, node.decide.answers
+        elif isinstance(node, KindNode):
+            ends = {child.name: child.meaning for child in node.children}
+            kind, answers = node.kind, node.answers
+        else:
+            return
+        labels = Labels({name: list(meaning.items()) for name, meaning in ends.items()}, answers.exits, answers.edges)
+        sense = time_sense(kind, labels)
+        if sense == "before":
+            answers.judge = recorded_limit(self.clock, self.recording, answers.path, kind.codes)
+        elif sense == "after":
+            children = [walking.join(answers.path, name) for name in ends]
+            answers.judge = recorded_rest(self.clock, self.recording, answers.path, children)
 
     def restored(self, event: Event) -> Any:
         """Return what an event wrote."""
@@ -286,13 +292,3 @@ class NewEvents:
         """A node wrote a variable."""
         if not self._happened(path, "write", variable):
             self._inner.wrote(path, variable, type_name, value)
-
-
-class _Timed:
-    """A node's context with a clock of its own."""
-
-    def __init__(self, context: Any, clock: Clock):
-        self._context, self.clock = context, clock
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._context, name)

@@ -1,12 +1,12 @@
 """Clocks of a run that happens again: recorded times first, then time goes on where the recording ends.
 
-Nodes that decide by the time get clocks by which they decide as before, since the recording has the times of events and
-not those of looks at the clock.
+Containers that ask for the time are answered as before, since the recording has the times of events and not those of
+looks at the clock.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from grip_bt.base.ports import Clock, Pausable
@@ -58,30 +58,34 @@ class RecordedClock:
             listen(listener)
 
 
-class TimeoutClock:
-    """The clock of one timeout: its time is over when the recording says so."""
+def recorded_limit(
+    clock: RecordedClock, recording: Recording, path: str, codes: Collection[str]
+) -> Callable[[float], bool]:
+    """Return what tells a container that halts its child at a time whether that has come: it has where it did so.
 
-    def __init__(self, clock: RecordedClock, recording: Recording, path: str):
-        self._clock, self._recording, self._path = clock, recording, path
-
-    def now(self) -> float:
-        """Return the time [s]; while it is recorded, that of the activation's beginning, or of its end."""
-        if self._clock.going:
-            return self._clock.now()
-        over = self._recording.times_out(self._path)
-        if over is not None:
-            return over
-        activation = self._recording.activation(self._path)
-        if activation is None:
-            return self._clock.now()
-        return self._recording.events[activation.began].t
-
-
-def recorded_judge(clock: RecordedClock, recording: Recording, path: str, child: str) -> Callable[[float], bool]:
-    """Return what tells whether the time has come at which a container runs its child again: it has where it did."""
+    Args:
+        clock: the run's.
+        recording: the recorded events.
+        path: the container's.
+        codes: with which it fails then.
+    """
 
     def judge(at: float) -> bool:
-        refuses = None if clock.going else recording.refuses(path, child)
-        return clock.now() >= at if refuses is None else not refuses
+        if clock.going:
+            return clock.now() >= at
+        halted = recording.halted(path, codes)
+        return halted if isinstance(halted, bool) else halted >= at
+
+    return judge
+
+
+def recorded_rest(
+    clock: RecordedClock, recording: Recording, path: str, children: Sequence[str]
+) -> Callable[[float], bool]:
+    """Return what tells a container that runs a child from a time on whether that has come: it has where it did so."""
+
+    def judge(at: float) -> bool:
+        refused = None if clock.going else recording.refused(path, children)
+        return clock.now() >= at if refused is None else not refused
 
     return judge

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections import defaultdict, deque
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from grip_bt.base.errors import DivergedError
@@ -219,32 +219,31 @@ class Recording:
             own = set(activation.writes)
             return all(self._over[n] or n in own for n in range(self._next, activation.ended))
 
-    def times_out(self, path: str) -> float | None:
-        """Return when a timeout interrupts its child, if it does so now [s].
+    def halted(self, path: str, codes: Collection[str]) -> bool | float:
+        """Tell whether a container halts what runs below it now, and fails with one of some codes.
 
-        Where the recording ends in the middle of that, the timeout may be this one or one around it: the time is that
-        of the first interruption, and has to be compared with the deadline.
+        Where the recording ends in the middle of that, it may be this container or one around it: the time of the
+        first interruption [s] is returned, to be compared with the deadline.
         """
         with self._lock:
             activation = self._current.get(path)
             if activation is None:
-                return None
+                return False
             if activation.end is None:
                 event = self.events[self._next] if self._next < len(self.events) else None
-                return event.t if event is not None and _halted_below(event, path) else None
-            if activation.result is None or activation.result.code != "time_out":
-                return None
-            left = [self.events[n] for n in range(self._next, activation.ended) if not self._over[n]]
-            return activation.result.t if all(_halted_below(event, path) for event in left) else None
+                return event.t if event is not None and _halted_below(event, path) else False
+            left = (self.events[n] for n in range(self._next, activation.ended) if not self._over[n])
+            result = activation.result
+            return result is not None and result.code in codes and all(_halted_below(event, path) for event in left)
 
-    def refuses(self, path: str, child: str) -> bool | None:
-        """Tell whether a cooldown sends its child away in the activation under way; None when that isn't known."""
+    def refused(self, path: str, children: Sequence[str]) -> bool | None:
+        """Tell whether a container ends now without a child having run; None when that isn't known."""
         with self._lock:
             activation = self._current.get(path)
             if activation is None:
                 return None
-            if self._expected[child]:
-                number = self._expected[child][0]
+            for child in children:
+                number = next(iter(self._expected[child]), -1)
                 if number > activation.began and (activation.end is None or number < activation.ended):
                     return False
             return True if activation.result is not None else None

@@ -17,7 +17,7 @@ from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import parts_of
-from grip_bt.nodes.control import Foreign
+from grip_bt.nodes.foreign import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended

@@ -1,4 +1,4 @@
-"""SMACH states and containers that behave as a task's: they choose who is next, and answer preempt requests."""
+"""SMACH states and containers that behave as a task's: they ask a kind who is next, and answer preempt requests."""
 
 from __future__ import annotations
 
@@ -7,31 +7,43 @@ from typing import Any, Self
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import DataError, NodeError
-from grip_bt.base.evaluation import condition_of, same_literal, value_of
+from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
+from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.values import Failure
 from grip_bt.compilers.behaviour_state import Refined, label, labels
+from grip_bt.nodes.answers import Answers
 from grip_bt.runtime.smach_states import TreeRun
 from grip_bt.smach_compat import Concurrence, Iterator, State
+from grip_bt.task.edges import Edges
+from grip_bt.task.kinds.base import End, Kind, Reason, Run
+from grip_bt.task.kinds.loop import Loop
+from grip_bt.task.kinds.switch import Switch
 
 
 class Choose(State):
-    """Chooses a child; ends with `do CHILD`, `success`, or `failure`. Made by `case` or `loop`.
+    """Asks a kind what follows; ends with `do CHILD`, `success`, or `failure`. Made by `case` or `loop`.
 
     Its machine begins with it; a loop's child leads back to it. Register `begin` as a start callback of the machine.
     """
 
     def __init__(
-        self, run: TreeRun, names: Collection[str], children: Sequence[str], place: str, codes: Collection[str]
+        self,
+        run: TreeRun,
+        kind: Kind,
+        names: Collection[str],
+        children: Sequence[str],
+        place: str,
+        codes: Collection[str],
     ):
         pairs = [code.partition(".") for code in codes]
         self._refined: Refined = [(outcome, code) for outcome, _, code in pairs]
         ends = labels(("success", "failure"), self._refined)
         super().__init__([*(f"do {child}" for child in children), *ends], list(names), list(names))
-        self.run, self.place = run, place
-        self._choose: Callable[[], str | Failure | None] = lambda: None
-        self._passes = 0
+        self.run, self.kind = run, kind
+        self.answers = Answers(place, children, Edges(), Edges())
         self._userdata: Any = None
+        self._state: Any = None
 
     @classmethod
     def case(
@@ -56,15 +68,15 @@ class Choose(State):
         """
         expression = parse_expression(value)
         children = list(dict.fromkeys([*cases, *([default] if default else [])]))
-        state = cls(run, expression.names, children, place, codes)
-        value_now = value_of(expression, state._readers(expression, "on_value"))
-
-        def choose() -> str | Failure:
-            value = value_now()
-            fitting = (child for child, literals in cases.items() for each in literals if same_literal(value, each))
-            return next(fitting, default) or Failure("no_case", f"no case is for {value!r}")
-
-        state._choose = choose
+        kind = Switch.model_construct(
+            kind="switch",
+            on_value=value,
+            cases=FrozenDict({child: list(literals) for child, literals in cases.items()}),
+            default=default,
+            children=FrozenDict(),
+        )
+        state = cls(run, kind, expression.names, children, place, codes)
+        state.answers.readers["on_value"] = value_of(expression, state._readers(expression, "on_value"))
         return state
 
     @classmethod
@@ -89,26 +101,18 @@ class Choose(State):
             codes: failure codes with outcomes of their own, such as `failure.loop_limit`.
         """
         expression = parse_expression(condition) if condition else None
-        state = cls(run, expression.names if expression else (), [child], place, codes)
-        holds = None if expression is None else condition_of(expression, state._readers(expression, "while"))
-
-        def choose() -> str | Failure | None:
-            if holds is not None and not holds():
-                return None
-            if state._passes == times:
-                return Failure("loop_limit", f"it was still looping after {times} passes")
-            state._passes += 1
-            return child
-
-        state._choose = choose
+        kind = Loop.model_construct(kind="loop", while_=condition, times=times, child=FrozenDict())
+        state = cls(run, kind, expression.names if expression else (), [child], place, codes)
+        if expression is not None:
+            state.answers.conditions["while_"] = condition_of(expression, state._readers(expression, "while"))
         return state
 
     def begin(self, userdata: Any, states: Any) -> None:
         """Begin anew; called when the machine is entered."""
-        self._passes = 0
+        self._state = None
 
     def execute(self, userdata: Any) -> str:
-        """Choose.
+        """Ask.
 
         Raises:
             NodeError: the expression can't be computed.
@@ -117,20 +121,22 @@ class Choose(State):
         self.run.shared.turn()
         self._userdata = userdata
         try:
-            chosen = self._choose()
-        except Exception as error:
-            wrapped = NodeError(self.place, error)
-            self.run.shared.fail(wrapped)
-            raise wrapped from error
-        if isinstance(chosen, str):
-            return f"do {chosen}"
-        return label("success" if chosen is None else "failure", chosen, self._refined)
+            step = self.kind.begin(self._state, self.answers)
+        except NodeError as error:
+            self.run.shared.fail(error)
+            raise
+        if type(step) is Run:
+            self._state = step.state
+            return f"do {self.answers.names[step.children[0]]}"
+        assert type(step) is End, "it runs a child or ends"
+        failure = Failure(step.reason.code, step.reason.text) if isinstance(step.reason, Reason) else None
+        return label(step.outcome, failure, self._refined)
 
     def _readers(self, expression: Expression, key: str) -> dict[str, Callable[[], Any]]:
         def reader(name: str) -> Callable[[], Any]:
             def read() -> Any:
                 if name not in self._userdata:
-                    raise DataError(self.place, key, f"variable {name!r} was read before it was written")
+                    raise DataError(self.answers.path, key, f"variable {name!r} was read before it was written")
                 return self._userdata[name]
 
             return read

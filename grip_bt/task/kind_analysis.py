@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
+from typing import Literal
 
 from .edges import Edges
 from .exploration import START, UNKNOWN, Labels, Oracle, TooManyError, Way, answered, explore, graph
 from .kinds.base import End, Ended, Kind, Next, Run, Step
 from .parts import Meaning
 
+TimeSense = Literal["before", "after"]
 _PLAIN = frozenset({"true", "false", "after", "before", "next", "none", "again", "enough"})
 """Answers that don't say which child is run."""
 _MEANINGS: tuple[Meaning, ...] = ("success", "failure")
@@ -18,6 +20,22 @@ _MEANINGS: tuple[Meaning, ...] = ("success", "failure")
 def edges_of(kind: Kind) -> tuple[Edges, Edges]:
     """Return where a container's exits lead, and its children's own edges."""
     return Edges.of_exits(kind.exits), Edges.of_children({name: child.on for name, child in kind.below.items()})
+
+
+def time_sense(kind: Kind, labels: Labels) -> TimeSense | None:
+    """Return which answer about the time lets the children run: `before` a limit, or `after` a rest.
+
+    None: it doesn't ask, or they run either way.
+    """
+    if kind.concurrent or not kind.explorable(labels.all):
+        return None
+    runs: set[str] = set()
+    ends: set[str] = set()
+    for way in graph(kind, labels):
+        (ends if type(way.step) is End else runs).update({"before", "after"}.intersection(way.answers))
+    if len(runs) == 1 and runs.isdisjoint(ends):
+        return "before" if "before" in runs else "after"
+    return None
 
 
 def possible(kind: Kind, labels: Labels) -> tuple[set[str], set[str]]:

@@ -171,18 +171,9 @@ def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[
         document: what it was made of.
     """
     keys = document.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child"})
-    for attribute, key in _SETTINGS.items():
-        said = getattr(document, key, None)
-        there = getattr(behaviour, attribute, said)
-        if said is not None and there != said:
-            keys[key] = there
     if isinstance(behaviour, Leaf) and isinstance(document, model.Leaf):
         keys |= _changed_parameters(behaviour, document)
     return keys
-
-
-_SETTINGS = {"memory": "memory", "num_failures": "times", "num_success": "times", "duration": "seconds"}
-"""Attribute of py_trees -> key of a node."""
 
 
 def _changed_parameters(leaf: Leaf, document: model.Leaf) -> dict[str, Any]:

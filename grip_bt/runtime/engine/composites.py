@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from py_trees.common import ParallelPolicy, Status
@@ -27,18 +27,6 @@ class Look(NamedTuple):
     outdated: Tick
 
 
-class Added(NamedTuple):
-    """What a container of ours adds to a composite or decorator of py_trees.
-
-    Attributes:
-        begin: called when an activation begins.
-        ended: called with each child that has ended; it tells whether the container has ended by an exit.
-    """
-
-    begin: Callable[[], None]
-    ended: Callable[[Any], bool]
-
-
 _ALL = ParallelPolicy.SuccessOnAll
 _PLAIN_POLICIES = (_ALL, ParallelPolicy.SuccessOnOne)
 
@@ -48,17 +36,16 @@ def steps_of(parts: Sequence[Compiled]) -> list[tuple[Any, Tick | None]]:
     return [(part.node, None if part.only_updates else part.tick) for part in parts]
 
 
-def sequence(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, reset: Reset, added: Added | None) -> Tick:
+def sequence(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, reset: Reset) -> Tick:
     """`Sequence.tick`."""
     changed, changed_below, outdated = look
-    begin, ended = added or (None, None)
     kids = [part.node for part in parts]
     pairs = [(part.node, part.halt) for part in parts]
     following = [*kids[1:], *kids[-1:]]
     steps = [(*step, successor) for step, successor in zip(steps_of(parts), following, strict=True)]
     first = kids[0] if kids else None
     memory, initialises, terminates = node.memory, overrides(node, "initialise"), overrides(node, "terminate")
-    quick = ended is None and not terminates  # it may end without `stop`
+    quick = not terminates  # it may end without `stop`
 
     def tick(known: int) -> Status:
         if not known:
@@ -67,8 +54,6 @@ def sequence(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, reset
                 return outdated(known)
         todo = steps
         if node.status is not R:
-            if begin is not None:
-                begin()
             node.current_child = first
             if known is not FRESH:
                 known = reset(known)
@@ -85,8 +70,6 @@ def sequence(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, reset
                 kid.status = status = said if valid else rejected(kid, said)
             else:
                 status = advance(known)
-            if status is not R and ended is not None and ended(kid):
-                return node.status
             if status is not S:
                 if not memory:
                     halt_all(pairs[kids.index(kid) + 1 :])
@@ -102,19 +85,18 @@ def sequence(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, reset
             stop(S)
         return S
 
-    return tick if kids else childless(node, look, stop, S, begin)
+    return tick if kids else childless(node, look, stop, S)
 
 
-def selector(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, added: Added | None) -> Tick:
+def selector(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop) -> Tick:
     """`Selector.tick`."""
     changed, changed_below, outdated = look
-    begin, ended = added or (None, None)
     kids = [part.node for part in parts]
     pairs = [(part.node, part.halt) for part in parts]
     steps = steps_of(parts)
     first, last = (kids[0], kids[-1]) if kids else (None, None)
     memory, initialises, terminates = node.memory, overrides(node, "initialise"), overrides(node, "terminate")
-    quick = ended is None and not terminates
+    quick = not terminates
 
     def tick(known: int) -> Status:
         if not known:
@@ -122,8 +104,6 @@ def selector(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, added
             if (changed_below if known else changed)():
                 return outdated(known)
         if node.status is not R:
-            if begin is not None:
-                begin()
             node.current_child = first
             if initialises:
                 node.initialise()
@@ -140,8 +120,6 @@ def selector(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, added
                 kid.status = status = said if valid else rejected(kid, said)
             else:
                 status = attempt(known)
-            if status is not R and ended is not None and ended(kid):
-                return node.status
             if status is R or status is S:
                 node.current_child = kid
                 if previous is not kid:
@@ -158,10 +136,10 @@ def selector(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, added
         node.current_child = last
         return F
 
-    return tick if kids else childless(node, look, stop, F, begin)
+    return tick if kids else childless(node, look, stop, F)
 
 
-def childless(node: Any, look: Look, stop: Stop, status: Status, begin: Callable[[], None] | None) -> Tick:
+def childless(node: Any, look: Look, stop: Stop, status: Status) -> Tick:
     """The tick of a sequence or selector without children, which ends at once."""
     changed, changed_below, outdated = look
     initialises = overrides(node, "initialise")
@@ -172,8 +150,6 @@ def childless(node: Any, look: Look, stop: Stop, status: Status, begin: Callable
             if (changed_below if known else changed)():
                 return outdated(known)
         if node.status is not R:
-            if begin is not None:
-                begin()
             node.current_child = None
             if initialises:
                 node.initialise()
@@ -260,11 +236,10 @@ def settle(node: Any, kids: Sequence[Any]) -> Status:
     raise RuntimeError(f"this parallel has been configured with an unrecognised policy [{type(policy)}]") from None
 
 
-def decorator(node: Any, look: Look, part: Compiled, stop: Stop, added: Added | None) -> Tick:
+def decorator(node: Any, look: Look, part: Compiled, stop: Stop) -> Tick:
     """`Decorator.tick`; `update` is the node's own."""
     changed, changed_below, outdated = look
-    begin, ended = added or (None, None)
-    kid, advance = part.node, part.tick
+    advance = part.tick
     initialises = overrides(node, "initialise")
 
     def tick(known: int) -> Status:
@@ -273,12 +248,9 @@ def decorator(node: Any, look: Look, part: Compiled, stop: Stop, added: Added | 
             if (changed_below if known else changed)():
                 return outdated(known)
         if node.status is not R:
-            if begin is not None:
-                begin()
             if initialises:
                 node.initialise()
-        if advance(known) is not R and ended is not None and ended(kid):
-            return node.status
+        advance(known)
         status: Status = node.update()
         if status is not R:
             if status is not S and status is not F and status not in VALID:

@@ -9,7 +9,7 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.nodes.control.condition import Conditional
+from grip_bt.nodes.condition import Conditional
 
 from . import composites, containers
 from .composites import Look
@@ -160,20 +160,11 @@ class _Compiler:
     def _tick(self, node: Any, rules: Rules, look: Look, kids: list[Compiled], stop: Stop, reset: Reset) -> Tick:
         if rules is Rules.KIND:
             return containers.automaton(node, look, kids)
-        added = containers.added_by(node) if ours(node) else None
         match rules:
             case Rules.SEQUENCE:
-                return composites.sequence(node, look, kids, stop, reset, added)
+                return composites.sequence(node, look, kids, stop, reset)
             case Rules.SELECTOR:
-                return composites.selector(node, look, kids, stop, added)
+                return composites.selector(node, look, kids, stop)
             case Rules.PARALLEL:
                 return composites.parallel(node, look, kids, stop, reset)
-            case Rules.DECORATOR:
-                return composites.decorator(node, look, kids[0], stop, added)
-        assert added is not None, "the others are ours"
-        match rules:
-            case Rules.GATE:
-                return containers.gate(node, look, kids[0], stop, added)
-            case Rules.ROUNDS:
-                return containers.rounds(node, look, kids, stop, reset, added)
-        return containers.transitions(node, look, kids, added)
+        return composites.decorator(node, look, kids[0], stop)

@@ -130,10 +130,10 @@ def make_stop(node: Any, rules: Rules, kids: Sequence[Compiled], reset: Reset) -
         if ours(node) and plain_activation(node) and not overrides(node, "terminate"):
             return _silent_leaf(node)
         stop = _leaf(node)
-    elif rules in (Rules.DECORATOR, Rules.GATE):
+    elif rules is Rules.DECORATOR:
         stop = _decorator(node, kids[0])
     else:
-        stop = _composite(node, kids, reset, sweeps=rules in (Rules.PARALLEL, Rules.ROUNDS))
+        stop = _composite(node, kids, reset, sweeps=rules is Rules.PARALLEL)
     return _reporting(node, stop) if ours(node) else stop
 
 

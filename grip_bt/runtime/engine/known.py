@@ -13,12 +13,8 @@ from py_trees import behaviours, composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from grip_bt.nodes.condition import Conditional
 from grip_bt.nodes.container import KindNode
-from grip_bt.nodes.control.condition import Conditional
-from grip_bt.nodes.control.container import Container
-from grip_bt.nodes.control.dispatch import _Steps
-from grip_bt.nodes.control.guard import _Gate
-from grip_bt.nodes.control.parallel import _Rounds
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node
 
@@ -34,14 +30,8 @@ class Rules(Enum):
     SELECTOR = auto()
     PARALLEL = auto()
     DECORATOR = auto()
-    ROUNDS = auto()
-    """Our parallel."""
-    STEPS = auto()
-    """Our state machine."""
     KIND = auto()
     """Containers whose kind is an automaton."""
-    GATE = auto()
-    """Our guard and our timeout."""
     OWN = auto()
     """By its own generator."""
 
@@ -52,13 +42,12 @@ _KNOWN = {
     composites.Selector.tick: (Rules.SELECTOR, composites.Selector.stop),
     composites.Parallel.tick: (Rules.PARALLEL, composites.Parallel.stop),
     decorators.Decorator.tick: (Rules.DECORATOR, decorators.Decorator.stop),
-    _Rounds.tick: (Rules.ROUNDS, composites.Parallel.stop),
-    _Steps.tick: (Rules.STEPS, composites.Composite.stop),
-    _Gate.tick: (Rules.GATE, decorators.Decorator.stop),
 }
-_OURS_TICK = {Container: Container.tick, Leaf: Leaf.tick}
-_OURS_STOP = Node.stop
-_KINDS = [(KindNode.tick, Node.stop, stop) for stop in (composites.Composite.stop, decorators.Decorator.stop)]
+_LEAF_TICK, _OURS_STOP = Leaf.tick, Node.stop
+_KINDS = [
+    (KindNode.tick, Node.stop, stop)
+    for stop in (composites.Composite.stop, composites.Parallel.stop, decorators.Decorator.stop)
+]
 _CONDITIONAL = Conditional.tick
 _VALIDATION = composites.Parallel.validate_policy_configuration
 _PLAIN = {
@@ -80,12 +69,11 @@ def rules_of(node: Behaviour) -> Rules:
             tick = _after(cls, Conditional, "tick")
         return Rules.KIND if (tick, stop, _after(cls, Node, "stop")) in _KINDS else Rules.OWN
     if issubclass(cls, Node):
-        mixin = Leaf if issubclass(cls, Leaf) else Container
         if tick is _CONDITIONAL:
             tick = _after(cls, Conditional, "tick")
-        if tick is not _OURS_TICK[mixin] or stop is not _OURS_STOP:
+        if tick is not _LEAF_TICK or stop is not _OURS_STOP:
             return Rules.OWN
-        tick, stop = _after(cls, mixin, "tick"), _after(cls, Node, "stop")
+        tick, stop = _after(cls, Leaf, "tick"), _after(cls, Node, "stop")
     rules, known_stop = _KNOWN.get(tick, (Rules.OWN, None))
     if stop is not known_stop or (rules is Rules.LEAF and isinstance(node, composites.Composite)):
         return Rules.OWN
@@ -94,7 +82,7 @@ def rules_of(node: Behaviour) -> Rules:
 
 def children_of(node: Any, rules: Rules) -> list[Behaviour]:
     """Return the children that the node ticks."""
-    return [node.decorated] if rules in (Rules.DECORATOR, Rules.GATE) else list(node.children)
+    return [node.decorated] if rules is Rules.DECORATOR else list(node.children)
 
 
 def regular(node: Any, rules: Rules) -> bool:
@@ -104,7 +92,7 @@ def regular(node: Any, rules: Rules) -> bool:
     kids = children_of(node, rules)
     if len(set(map(id, kids))) != len(kids):
         return False
-    return not ours(node) or all(ours(kid) and rules_of(kid) is not Rules.OWN for kid in kids)
+    return rules is not Rules.KIND or all(map(ours, kids))
 
 
 def deeper_than(levels: int, node: Behaviour) -> bool:

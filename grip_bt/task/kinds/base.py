@@ -260,6 +260,11 @@ class Kind(BaseNode):
         """Whether it runs all its children at once and ends when all have ended."""
         return False
 
+    @property
+    def may_ask(self) -> bool:
+        """Whether it may request children that run to stop."""
+        return False
+
     def begin(self, state: Any, q: Questions) -> Step:
         """Return the first step: the first child is run."""
         return Run((0,))

@@ -110,6 +110,11 @@ class Parallel(Composite):
         """Whether it waits for all children, whose order doesn't matter."""
         return self.cancel == "join" and self.order is None and bool(self.children)
 
+    @property
+    def may_ask(self) -> bool:
+        """With `cancel: ask`."""
+        return self.cancel == "ask"
+
     def explorable(self, ends: ChildEnds) -> bool:
         """Tell whether a few children have a few ends: these come in any order, of which there are many."""
         return prod(len(each) + 1 for each in ends) <= FEW

@@ -246,7 +246,8 @@ def test_what_was_changed_on_the_behaviours_is_in_the_document() -> None:
     )
     root: Any = tree.root
     root.memory = False
-    root.children[0].num_failures = 5
+    again = root.children[0]
+    again.kind = again.kind.model_copy(update={"times": 5})
     root.children[1].params["seconds"] = 2.5
     root.remove_child(root.children[2])
     root.add_child(composites.Selector("new", True, [behaviours.Failure("no")]))

@@ -6,9 +6,6 @@ import pytest
 from control_world import World, leaf
 from py_trees.common import Status
 
-from grip_bt.base.errors import LivelockError
-from grip_bt.nodes.control import Dispatch, Face
-from grip_bt.nodes.control.dispatch import MAX_TRANSITIONS
 from grip_bt.task.edges import Edges
 
 
@@ -100,28 +97,8 @@ def test_a_sibling_of_the_same_name_wins_over_an_outcome() -> None:
     assert world.ticked == ["a", "b", "a", "b"]
 
 
-def build(edges: dict[str, str], run_to_completion: bool) -> Dispatch:
-    world = World({"kind": "sequence", "children": {"a": leaf()}})
-    child = world.tree.by_path["a"]
-    world.root.remove_child(child)
-    machine = Dispatch(Face("m"), [child], "a", Edges.of_children({"a": edges}), run_to_completion)
-    machine.setup(context=world)
-    return machine
-
-
-def test_a_machine_that_runs_to_completion_ends_within_one_tick() -> None:
-    machine = build({"success": "success"}, run_to_completion=True)
-    machine.tick_once()
-    assert machine.status == Status.SUCCESS
-
-
-def test_a_thousand_transitions_in_one_tick_are_an_error() -> None:
-    machine = build({"success": "a"}, run_to_completion=True)
-    with pytest.raises(LivelockError, match=f"{MAX_TRANSITIONS} transitions"):
-        machine.tick_once()
-
-
 def test_an_end_without_an_edge_is_named() -> None:
-    machine = build({"failure": "a"}, run_to_completion=False)
-    with pytest.raises(LookupError, match="no edge leaves 'a' by 'success'"):
-        machine.tick_once()
+    world = World(pick(**ON))
+    world.root.answers.edges = Edges.of_children({"approach": {"failure": "approach"}})
+    with pytest.raises(LookupError, match="no edge leaves 'approach' by 'success'"):
+        world.tick()

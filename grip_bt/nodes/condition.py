@@ -13,7 +13,7 @@ from py_trees.common import Status
 from grip_bt.base.errors import NodeError
 from grip_bt.base.values import Failure
 
-from ..node import Node
+from .node import Node
 
 
 @dataclass(frozen=True)
