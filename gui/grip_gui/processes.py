@@ -152,7 +152,8 @@ async def _ended(command: Sequence[str], folder: Path, given: str) -> tuple[bool
         start_new_session=True,
     )
     try:
-        said, _ = await asyncio.wait_for(process.communicate(given.encode()), PATIENCE)
+        async with asyncio.timeout(PATIENCE):
+            said, _ = await process.communicate(given.encode())
         output, ok = said.decode(errors="replace"), process.returncode == 0
     except TimeoutError:
         output, ok = f"It hasn't ended within {PATIENCE:g} s, so it was ended.", False

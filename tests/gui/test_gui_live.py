@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ import pytest
 from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
+from grip_bt.base.errors import GripError
 from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.ros.environment import own_domain
@@ -19,6 +21,7 @@ from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.samples import form_of, source_of
+from grip_gui.live.window import RosWindow
 
 COMPONENT = """\
 name: switcher
@@ -214,3 +217,17 @@ def test_what_runs_beside_the_editor_is_seen_in_a_browser(project: Path, switche
     with editing(project) as (_, url):
         done = subprocess.run(browser("live.mjs", url, str(project)), capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_process_that_looks_at_ros_ends_when_nobody_asks_and_comes_back(project: Path, domain: str) -> None:
+    async def asked_twice() -> None:
+        window = RosWindow(project, idle=0.5)
+        for _ in range(2):
+            with pytest.raises(GripError, match=r"no_such_question|ROS"):
+                await window.ask("no_such_question")
+            while window._process is not None:
+                await asyncio.sleep(0.01)
+        await window.close()
+        await asyncio.sleep(0)
+
+    asyncio.run(asyncio.wait_for(asked_twice(), 120))

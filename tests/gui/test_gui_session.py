@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import sqlite3
 from pathlib import Path
 from typing import Any
@@ -433,3 +434,20 @@ def test_control_can_be_given_back(page: TestClient) -> None:
     page.post("/api/lease", json={"page": "one"})
     assert page.post("/api/lease", json={"page": "one", "take": False}).json()["holder"] is None
     assert page.post("/api/lease", json={"page": "not/one"}).status_code == 422
+
+
+def test_a_connection_that_ends_as_news_come_stops_sending() -> None:
+    class Quiet(stream_module.Viewer):
+        def __init__(self) -> None:
+            self._changed, self._run, self._complete = asyncio.Event(), "run", False
+
+    async def cancelled_with_news() -> bool:
+        viewer = Quiet()
+        waiting = asyncio.create_task(viewer._wait())
+        await asyncio.sleep(0)
+        viewer._changed.set()
+        waiting.cancel()
+        await asyncio.wait([waiting])
+        return waiting.cancelled()
+
+    assert asyncio.run(cancelled_with_news())

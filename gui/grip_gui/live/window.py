@@ -57,18 +57,19 @@ class RosWindow:
             process = self._process or await self._start()
         number, answer = next(self._numbers), asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
-        self._stay()
         assert process.stdin is not None
         try:
             process.stdin.write(json.dumps({"id": number, "do": do, **fields}).encode() + b"\n")
             await process.stdin.drain()
-            found = await asyncio.wait_for(answer, PATIENCE)
+            async with asyncio.timeout(PATIENCE):
+                found = await answer
         except TimeoutError:
             raise WindowError(f"no answer within {PATIENCE:g} s") from None
         except OSError as error:
             raise WindowError(f"the process that looks at ROS is gone: {error}") from None
         finally:
             self._waiting.pop(number, None)
+            self._stay()
         if "error" in found:
             raise WindowError(found["error"])
         return dict(found["value"])
@@ -88,12 +89,13 @@ class RosWindow:
         assert process.stdin is not None
         process.stdin.close()
         try:
-            await asyncio.wait_for(process.wait(), CLOSING)
+            async with asyncio.timeout(CLOSING):
+                await process.wait()
         except TimeoutError:
             process.kill()
-            await process.wait()
-        if self._tasks:
-            await asyncio.gather(*self._tasks)
+        # In Python 3.11 `wait` returns only when the pipes are closed too, and somebody else may hold them.
+        if others := self._tasks - {asyncio.current_task()}:
+            await asyncio.wait(others, timeout=CLOSING)
 
     async def _start(self) -> asyncio.subprocess.Process:
         process = self._process = await asyncio.create_subprocess_exec(
@@ -127,6 +129,8 @@ class RosWindow:
         status, said = await process.wait(), await last
         if self._process is process:
             self._process = None
+        elif self._process is not None:
+            return  # another one answers what is waited for now
         reason = f"the process that looks at ROS has ended ({status}){': ' + said if said else ''}"
         for waiting in list(self._waiting.values()):
             if not waiting.done():

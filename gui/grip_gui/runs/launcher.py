@@ -19,6 +19,8 @@ from grip_gui.wire.runs import Robot, Target
 LINES_KEPT = 40
 """How many of the last lines of output are kept, to say why a process died."""
 LONGEST_LINE = 1 << 20
+POLL = 0.02
+"""How often it is looked whether a process has ended [s]."""
 COMMAND = python_command("-m", "grip_bt.cli")
 
 
@@ -163,14 +165,15 @@ class CommandLineProcess:
 
     async def wait(self) -> int:
         """Wait for the end, then end whatever it left behind."""
-        status = await self._process.wait()
+        # Not `Process.wait`: in Python 3.11 that waits for what holds the pipes too, which may be what was left behind.
+        while self._process.returncode is None:
+            await asyncio.sleep(POLL)
         await end_marked(self._mark)
-        return status
+        return self._process.returncode
 
     async def kill(self) -> None:
         """End the group and everything marked."""
         await end_marked(self._mark, group=self._process.pid if self._process.returncode is None else None)
-        await self._process.wait()
 
     def tail(self) -> str:
         """Return the last lines of plain output."""

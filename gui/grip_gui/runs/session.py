@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -200,9 +200,10 @@ def _obituary(exit_status: int, tail: str) -> str:
     return f"The run's process {how} before the task had ended.{said}"
 
 
-async def _within(seconds: float, something: Any) -> bool:
+async def _within(seconds: float, something: Awaitable[object]) -> bool:
     try:
-        await asyncio.wait_for(something, seconds)
+        async with asyncio.timeout(seconds):
+            await something
     except TimeoutError:
         return False
     return True

@@ -158,10 +158,10 @@ class Viewer:
     async def _wait(self) -> None:
         """Wait for news. A run of another process sends none, so its journal is asked now and then."""
         watching = self._run is not None and not self._complete
-        try:
-            await asyncio.wait_for(self._changed.wait(), POLL if watching else None)
-        except TimeoutError:
-            return
+        # Not `wait_for`: in Python 3.11 it swallows a cancellation that comes together with the news.
+        with suppress(TimeoutError):
+            async with asyncio.timeout(POLL if watching else None):
+                await self._changed.wait()
 
     async def _send_events_if_readable(self) -> bool:
         """Send the next batch, or wait where the journal can't be read just now; return whether there may be more."""
