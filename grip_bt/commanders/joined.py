@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.operation import Operation
-from grip_bt.base.ports import Arm
+from grip_bt.base.ports import Arm, Executor
 from grip_bt.base.values import JointState, Plan, Trajectory
 
 
@@ -57,10 +57,10 @@ def all_of(starts: Mapping[K, Callable[[], Operation[T]]]) -> Operation[dict[K, 
     return _All(starts).whole
 
 
-class _All:
-    def __init__(self, starts: Mapping[Any, Callable[[], Operation[Any]]]):
-        self.whole: Operation[dict[Any, Any]] = Operation(on_cancel=self._cancel)
-        self._parts: dict[Any, Operation[Any]] = {}
+class _All(Generic[K, T]):
+    def __init__(self, starts: Mapping[K, Callable[[], Operation[T]]]):
+        self.whole: Operation[dict[K, T]] = Operation(on_cancel=self._cancel)
+        self._parts: dict[K, Operation[T]] = {}
         self._lock = threading.Lock()
         self._left = len(starts)
         self._first: list[BaseException] = []
@@ -76,7 +76,7 @@ class _All:
         for part in list(self._parts.values()):
             part.cancel()
 
-    def _ended(self, part: Operation[Any]) -> None:
+    def _ended(self, part: Operation[T]) -> None:
         try:
             part.result()
         except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
@@ -134,7 +134,7 @@ class JoinedExecutor:
         parts: executors of different joints; the order of joints is theirs, one after the other.
     """
 
-    def __init__(self, *parts: Any):
+    def __init__(self, *parts: Executor):
         self._parts = parts
         self._names = tuple(name for part in parts for name in part.joint_names)
         if len(set(self._names)) != len(self._names):
@@ -166,23 +166,24 @@ class JoinedExecutor:
             part.stop()
 
 
-def _part_of(part: Any, whole: Trajectory) -> Callable[[], Operation[JointState]]:
+def _part_of(part: Executor, whole: Trajectory) -> Callable[[], Operation[JointState]]:
     columns = [whole.names.index(name) for name in part.joint_names]
 
-    def of(values: Any) -> Any:
+    def of(values: Array | None) -> Array | None:
         return None if values is None else values[:, columns]
 
-    trajectory = Trajectory(
-        part.joint_names, whole.times, of(whole.positions), of(whole.velocities), of(whole.accelerations)
-    )
+    positions, velocities, accelerations = whole.positions[:, columns], of(whole.velocities), of(whole.accelerations)
+    trajectory = Trajectory(part.joint_names, whole.times, positions, velocities, accelerations)
     return lambda: part.execute(trajectory)
 
 
 def _merged(states: list[JointState]) -> JointState:
-    def joined(field: str) -> Any:
-        values = [getattr(state, field) for state in states]
-        return None if any(value is None for value in values) else np.concatenate(values)
+    def joined(parts: list[Array | None]) -> Array | None:
+        known = [part for part in parts if part is not None]
+        return np.concatenate(known) if len(known) == len(parts) else None
 
     names = tuple(name for state in states for name in state.names)
     time = min(state.time for state in states)
-    return JointState(names, joined("position"), joined("velocity"), joined("effort"), time)
+    position = np.concatenate([state.position for state in states])
+    velocity, effort = joined([state.velocity for state in states]), joined([state.effort for state in states])
+    return JointState(names, position, velocity, effort, time)

@@ -148,7 +148,7 @@ class PlanningScene:
         """Return the present state."""
         return self._snapshot
 
-    def restore(self, snapshot: SceneSnapshot) -> None:
+    def restore(self, snapshot: object) -> None:
         """Go back to an earlier state: its objects, what hands hold, and allowed collisions.
 
         Raises:

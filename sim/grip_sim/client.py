@@ -150,7 +150,7 @@ class SimClient:
         """The process id."""
         return self._process.pid
 
-    def ask(self, call: str, /, arrays: Arrays | None = None, **fields: Any) -> Reply:
+    def ask(self, call: str, /, arrays: Arrays | None = None, **fields: object) -> Reply:
         """Call and wait for the answer, which comes within milliseconds.
 
         Raises:
@@ -159,12 +159,12 @@ class SimClient:
         """
         return self._await(self._send({"call": call, **fields}, arrays, waited_for=True), ANSWER_TIME)
 
-    def request(self, call: str, /, **fields: Any) -> Operation[Reply]:
+    def request(self, call: str, /, **fields: object) -> Operation[Reply]:
         """Call something that advances no physics, without waiting."""
         operation = self._send({"call": call, **fields})
         return operation if self._in_turn is None else self._in_turn(operation, holds=True)
 
-    def move(self, call: str, /, arrays: Arrays | None = None, **fields: Any) -> Operation[Reply]:
+    def move(self, call: str, /, arrays: Arrays | None = None, **fields: object) -> Operation[Reply]:
         """Begin something that advances the physics; cancelling it stops that motion."""
         self.clock.begin()
         try:
@@ -193,7 +193,7 @@ class SimClient:
         self._in_turn = None
         self._tell("go_freely")
 
-    def _tell(self, call: str, **fields: Any) -> bool:
+    def _tell(self, call: str, **fields: object) -> bool:
         """Say something about turns, to which there is no answer; return whether nobody is there any more."""
         try:
             with self._sending:
@@ -222,7 +222,11 @@ class SimClient:
     # --- requests ---
 
     def _send(
-        self, fields: dict[str, Any], arrays: Arrays | None = None, cancelable: bool = False, waited_for: bool = False
+        self,
+        fields: dict[str, object],
+        arrays: Arrays | None = None,
+        cancelable: bool = False,
+        waited_for: bool = False,
     ) -> Operation[Reply]:
         with self._lock:
             self.sent += 1

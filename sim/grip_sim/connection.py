@@ -36,7 +36,7 @@ class ClosedError(Exception):
     """The other end is gone, or says what nobody understands."""
 
 
-def pack(fields: Mapping[str, Any], arrays: Arrays | None = None) -> bytes:
+def pack(fields: Mapping[str, object], arrays: Arrays | None = None) -> bytes:
     """Return one message.
 
     Raises:

@@ -39,7 +39,7 @@ class ObjectTruth:
     pose: Pose
     hand_force: float
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """Return it as JSON data."""
         place = {"position": self.pose.position.tolist(), "quaternion": self.pose.quaternion.tolist()}
         return {"name": self.name, "status": self.status, "hand_force": self.hand_force, **place}

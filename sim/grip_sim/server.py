@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.base.arrays import Array, Indices
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.trajectory.stopping import even_ramp
@@ -26,7 +27,7 @@ TELL_TIME = 0.02
 """While something moves, the client is told the time this often [s of ours]."""
 SILENT = frozenset({"follow", "move_hand", "wait", "go", "stand", "go_freely"})
 """Calls that aren't answered at once: motions are when they end, and what is said of turns never is."""
-Answer = tuple[dict[str, Any], Arrays | None]
+Answer = tuple[dict[str, object], Arrays | None]
 _LOOSE = -(1 << 40)
 """The number of the motion that brakes joints which nothing drives; no call has it."""
 
@@ -178,7 +179,7 @@ class Server:
         self._tell_end(number, self._motions.pop(number), Ended("canceled", "the motion was stopped in a pause"))
         self._motions[-abs(number)] = motion
 
-    def _send(self, fields: dict[str, Any], arrays: Arrays | None = None) -> None:
+    def _send(self, fields: dict[str, object], arrays: Arrays | None = None) -> None:
         self._connection.sendall(pack({"time": self.world.time, **fields}, arrays))
 
     # --- what may be called: `_call_` and the name of the call ---
@@ -212,7 +213,9 @@ class Server:
         if self._held:
             raise GripError("the robot was stopped by the supervisor of this run; no further motion is accepted")
 
-    def _call_follow(self, number: int, names: list[str], times: Any, positions: Any, velocities: Any = None) -> None:
+    def _call_follow(
+        self, number: int, names: list[str], times: Array, positions: Array, velocities: Array | None = None
+    ) -> None:
         self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         motion = Follow(robot, rows, times, positions, velocities, self.world.time)
@@ -233,13 +236,13 @@ class Server:
         return {"passed": None if motion is None else motion.passed(self.world.time)}, None
 
     def _call_amend(
-        self, number: int, names: list[str], at: float, times: Any, positions: Any, velocities: Any
+        self, number: int, names: list[str], at: float, times: Array, positions: Array, velocities: Array
     ) -> Answer:
         motion = self._following(names)
         amended = motion is not None and motion.amend(self.world.time, at, times, positions, velocities)
         return {"amended": amended}, None
 
-    def _call_move_hand(self, number: int, names: list[str], goal: Any, duration: float, limit: float | None) -> None:
+    def _call_move_hand(self, number: int, names: list[str], goal: Array, duration: float, limit: float | None) -> None:
         self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         self._replace(rows)
@@ -257,10 +260,10 @@ class Server:
         if motion in self._motions:
             self._brake(motion)
 
-    def _moving(self, rows: Any) -> list[int]:
+    def _moving(self, rows: Indices) -> list[int]:
         return [number for number, motion in self._motions.items() if np.intersect1d(motion.rows, rows).size]
 
-    def _replace(self, rows: Any) -> None:
+    def _replace(self, rows: Indices) -> None:
         """End whatever moves one of these joints, for what takes its place."""
         for number in self._moving(rows):
             self._finish(number, Ended("canceled", "replaced by another motion"))
@@ -268,7 +271,7 @@ class Server:
     def _call_state(self, number: int, names: list[str]) -> Answer:
         return self._measured(self.world.robot.rows(names))
 
-    def _measured(self, rows: Any) -> tuple[dict[str, Any], Arrays | None]:
+    def _measured(self, rows: Indices) -> Answer:
         if not rows.size:
             return {}, None
         state = self.world.robot.measure(rows)
@@ -294,7 +297,7 @@ class Server:
     def _call_kept(self, number: int) -> Answer:
         return {}, self.world.kept()
 
-    def _call_put_back(self, number: int, **kept: Any) -> None:
+    def _call_put_back(self, number: int, **kept: Array) -> None:
         if self._motions:
             raise GripError("a world can only be restored while nothing moves")
         self.world.put_back(kept)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -147,7 +146,7 @@ class SimReferee:
 
     def move_object(self, name: str, pose: Pose) -> None:
         """Put an object elsewhere, to disturb a task."""
-        place: dict[str, Any] = {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
+        place = {"position": pose.position.tolist(), "quaternion": pose.quaternion.tolist()}
         self._client.ask("move_object", name=name, **place)
 
 

@@ -23,6 +23,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
+from grip_bt.commanders.scene import SceneSnapshot
 
 from ..wiring.parts import Resources
 
@@ -77,7 +78,7 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
             states = {name: part.state() for name, part in parts.items()}
             out.write(json.dumps({"parts": {name: list(state.names) for name, state in states.items()}}) + "\n")
             told: dict[str, Any] = {}
-            scene: Any = None
+            scene: SceneSnapshot | None = None
             bodies = Bodies()
             while True:
                 last = over.is_set()
@@ -89,7 +90,7 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 now = resources.scene.snapshot() if resources.scene is not None else None
-                if now is not None and now is not scene:
+                if isinstance(now, SceneSnapshot) and now is not scene:
                     scene, line["scene"] = now, _objects(now.objects, bodies)
                     if new := bodies.new():
                         line["bodies"] = new

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol, TypeVar, runtime_checkable
+from typing import Protocol, TypeVar, runtime_checkable
 
 from grip_bt.base.operation import Operation
 
@@ -35,7 +35,7 @@ class Pausable(Protocol):
 class InTurnOf(Protocol):
     """Makes of an operation one whose end comes when it is its turn."""
 
-    def __call__(self, operation: Operation[Any], *, holds: bool) -> Operation[Any]:
+    def __call__(self, operation: Operation[T], *, holds: bool) -> Operation[T]:
         """Return it for the run; `holds` says whether time stands still until it ends."""
 
 
@@ -94,7 +94,7 @@ class Context(Protocol):
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
         """Run blocking code in a worker thread."""
 
-    def left(self, path: str, work: Operation[Any]) -> None:
+    def left(self, path: str, work: Operation[T]) -> None:
         """Take note of a leaf's work that was told to stop, and may move something until it has ended."""
 
     def unfinished(self) -> Sequence[str]:

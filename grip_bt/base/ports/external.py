@@ -13,7 +13,7 @@ from grip_bt.base.values import Pose
 class Component(Protocol):
     """An external component: somebody's service or action, reached by its contract."""
 
-    def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+    def call(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
         """Send the request's fields; the result holds the response's fields, converted to GRIP's values.
 
         Ends with ServerLostError, ServerTimeOutError or BadReplyError.
@@ -34,7 +34,7 @@ class Ros(Protocol):
     def listen(self, topic: str, message: str) -> None:
         """Subscribe now, so that a later `recent` finds what came since."""
 
-    def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
+    def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[object]:
         """Wait for the next message and return it as the declared type `value`. Ends with ServerTimeOutError.
 
         Args:
@@ -44,13 +44,13 @@ class Ros(Protocol):
             timeout: how long to wait [s]; infinite for as long as it takes.
         """
 
-    def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:
+    def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[object]:
         """Return the last message when it is at most `max_age` [s] old, else the next."""
 
     def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
         """Wait for a message of each topic (topic -> type), stamped at most `slop` [s] apart; by topic."""
 
-    def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
+    def publish(self, topic: str, message: str, value: object, subscribers: int, timeout: float) -> Operation[None]:
         """Publish a value when at least `subscribers` listen."""
 
     def transform(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
@@ -59,10 +59,10 @@ class Ros(Protocol):
         Ends with an error of code `no_frame`.
         """
 
-    def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
+    def get_parameter(self, node: str, name: str, timeout: float) -> Operation[object]:
         """Return a parameter of a node. Ends with ServerLostError, or BadReplyError when it isn't set."""
 
-    def set_parameter(self, node: str, name: str, value: Any, timeout: float) -> Operation[None]:
+    def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
         """Set a parameter of a node. Ends with ServerLostError, or BadReplyError with the node's reason."""
 
 
@@ -70,7 +70,7 @@ class Ros(Protocol):
 class Messages(Protocol):
     """Named values that outlive a task: stores of joint states, poses, grasps, anything."""
 
-    def put(self, store: str, name: str, value: Any, provenance: str = "") -> Operation[None]:
+    def put(self, store: str, name: str, value: object, provenance: str = "") -> Operation[None]:
         """Add or replace a value; without a name it goes to the end of the store's queue.
 
         Raises:

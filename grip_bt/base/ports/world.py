@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.operation import Operation
@@ -55,10 +55,10 @@ class Scene(Protocol):
             UnknownNameError: it is none of these.
         """
 
-    def snapshot(self) -> Any:
+    def snapshot(self) -> object:
         """Return the present state as a value that `restore` takes."""
 
-    def restore(self, snapshot: Any) -> None:
+    def restore(self, snapshot: object) -> None:
         """Go back to an earlier state: objects, what hands hold, and allowed collisions."""
 
     def remove(self, name: str) -> None:
@@ -105,5 +105,5 @@ class Camera(Protocol):
 class Sensor(Protocol):
     """A sensor that gives one or several values of one moment."""
 
-    def capture(self) -> Operation[Mapping[str, Any]]:
+    def capture(self) -> Operation[Mapping[str, object]]:
         """Take one value of each output, by name. Ends with SensorError or ServerTimeOutError."""

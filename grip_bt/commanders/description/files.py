@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeVar
+from typing import Generic, Literal, TypeVar
 
 import yaml
 
@@ -108,7 +108,7 @@ class Finding:
         place = self.source + (f":{self.line}" if self.line is not None else "")
         return f"{place + ': ' if place else ''}{self.severity} [{self.code}] {self.message}"
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, object]:
         """Return it as JSON data."""
         return asdict(self)
 
@@ -133,7 +133,7 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
     pass
 
 
-def _turned(factor: float) -> Any:
+def _turned(factor: float) -> Callable[[yaml.SafeLoader, yaml.Node], float]:
     def construct(loader: yaml.SafeLoader, node: yaml.Node) -> float:
         try:
             return float(loader.construct_scalar(node)) * factor
@@ -149,7 +149,7 @@ _Loader.add_constructor("!degrees", _turned(math.pi / 180))
 _Loader.add_constructor("!radians", _turned(1.0))
 
 
-def read_yaml(path: Path) -> dict[str, Any]:
+def read_yaml(path: Path) -> dict[str, object]:
     """Return a file's mapping; an empty file is an empty one. A ROS 2 parameter file gives its parameters.
 
     Raises:
@@ -173,7 +173,7 @@ def read_yaml(path: Path) -> dict[str, Any]:
     return _parameters(data)
 
 
-def _parameters(data: dict[Any, Any]) -> dict[str, Any]:
+def _parameters(data: Mapping[object, object]) -> dict[str, object]:
     """Return what a ROS 2 parameter file wraps in `node: ros__parameters:`."""
     if len(data) == 1:
         (inner,) = data.values()
@@ -188,7 +188,7 @@ class Reading:
     def __init__(self, source: Path):
         self.source = str(source)
 
-    def mapping(self, value: object, where: str) -> Mapping[str, Any]:
+    def mapping(self, value: object, where: str) -> Mapping[str, object]:
         """Return a mapping with keys as text; nothing is an empty one.
 
         Raises:
@@ -226,7 +226,7 @@ class Reading:
             raise DocumentError(f"{where} has to be a list of names, not {brief(value)}", self.source)
         return tuple(value)
 
-    def known(self, key: str, mapping: Mapping[str, Any], where: str) -> Any:
+    def known(self, key: str, mapping: Mapping[str, object], where: str) -> object:
         """Return an entry that mustn't be missing.
 
         Raises:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 from grip_bt.base.errors import DocumentError
 
@@ -92,7 +91,7 @@ def joint_limits(path: Path) -> dict[str, JointLimits]:
     for joint, entry in reading.mapping(read_yaml(path).get("joint_limits"), "joint_limits").items():
         values = reading.mapping(entry, f"joint_limits/{joint}")
 
-        def limit(key: str, kind: str, joint: str = joint, values: Mapping[str, Any] = values) -> float | None:
+        def limit(key: str, kind: str, joint: str = joint, values: Mapping[str, object] = values) -> float | None:
             if values.get(f"has_{kind}_limits", key in values) is not True or key not in values:
                 return None
             return reading.number(values[key], f"joint_limits/{joint}/{key}")
@@ -158,7 +157,7 @@ def planners(path: Path) -> dict[str, PlannerChoice]:
     return found
 
 
-def _numbers(entry: Mapping[str, Any]) -> dict[str, float]:
+def _numbers(entry: Mapping[str, object]) -> dict[str, float]:
     """Return the entries that are finite numbers; those of others, such as a projection, OMPL's planners don't take."""
     return {
         str(name): float(value) for name, value in entry.items() if isinstance(value, int | float) and isfinite(value)
@@ -193,7 +192,7 @@ def sensors(path: Path) -> tuple[Sensor, ...]:
         DocumentError: the file can't be read as such.
     """
     reading, data = Reading(path), read_yaml(path)
-    entries: list[tuple[str, Mapping[str, Any]]] = []
+    entries: list[tuple[str, Mapping[str, object]]] = []
     listed = data.get("sensors") or []
     if not isinstance(listed, list):
         raise DocumentError("sensors has to be a list", str(path))
@@ -222,7 +221,7 @@ def initial_positions(path: Path) -> dict[str, float]:
     return {joint: reading.number(value, f"initial_positions/{joint}") for joint, value in entries.items()}
 
 
-def _controller(name: str, entry: Mapping[str, Any], reading: Reading) -> Controller:
+def _controller(name: str, entry: Mapping[str, object], reading: Reading) -> Controller:
     joints = entry.get("joints") or ([entry["joint"]] if "joint" in entry else [])
     return Controller(
         name,
@@ -233,7 +232,7 @@ def _controller(name: str, entry: Mapping[str, Any], reading: Reading) -> Contro
     )
 
 
-def _with_joints(data: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def _with_joints(data: Mapping[str, object]) -> Iterator[tuple[str, Mapping[str, object]]]:
     """Yield what has joints, wherever: ros_control's files name controllers at the top, ROS 2's below parameters.
 
     ROS 2 tells a controller's type in its manager's part of the file.

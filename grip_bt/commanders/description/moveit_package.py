@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from grip_bt.base.errors import DocumentError, MissingPartError
 from grip_bt.commanders.settings import SOLVERS
@@ -108,7 +108,7 @@ class _Reader:
             tuple(self.findings),
         )
 
-    def _layout(self, assistant: Mapping[str, Any]) -> str:
+    def _layout(self, assistant: Mapping[str, object]) -> str:
         """Tell by what the assistants write: ROS 1's has `URDF:` and catkin, ROS 2's `urdf:` and ament."""
         manifest = self.folder / "package.xml"
         built = manifest.read_text(errors="replace") if manifest.is_file() else ""
@@ -117,15 +117,15 @@ class _Reader:
         ros1 = any((self.folder / "launch").glob("*.launch")) or (self.config / "fake_controllers.yaml").is_file()
         return "ROS 1" if ros1 or "URDF" in assistant else "ROS 2"
 
-    def _assistant(self) -> Mapping[str, Any]:
+    def _assistant(self) -> Mapping[str, object]:
         path = self.folder / ASSISTANT
         if not path.is_file():
             return {}
-        data = self._read(read_yaml, path, dict[str, Any]())
+        data = self._read(read_yaml, path, dict[str, object]())
         entry = data.get("moveit_setup_assistant_config", {})
         return entry if isinstance(entry, dict) else {}
 
-    def _urdf(self, assistant: Mapping[str, Any]) -> tuple[Path | None, Mapping[str, str]]:
+    def _urdf(self, assistant: Mapping[str, object]) -> tuple[Path | None, Mapping[str, str]]:
         """ROS 2's packages have a xacro of their own, which adds ros2_control; ROS 1's only name another package's."""
         own = _files(self.config, "*.urdf.xacro", "*.urdf")
         if own:
@@ -144,7 +144,7 @@ class _Reader:
             return None, {}
         return base / relative, arguments
 
-    def _srdf(self, assistant: Mapping[str, Any]) -> Path | None:
+    def _srdf(self, assistant: Mapping[str, object]) -> Path | None:
         relative = str(self._part(assistant, "srdf").get("relative_path") or "")
         named = self.folder / relative
         if relative and named.is_file():
@@ -154,7 +154,7 @@ class _Reader:
             self._warn("no-srdf", "it has no SRDF: no groups, no named states, no disabled collisions")
         return found[0] if found else None
 
-    def _part(self, assistant: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    def _part(self, assistant: Mapping[str, object], name: str) -> Mapping[str, object]:
         """ROS 1 writes `URDF:` and `SRDF:`, ROS 2 `urdf:` and `srdf:`."""
         entry = assistant.get(name) or assistant.get(name.upper())
         return Reading(self.folder / ASSISTANT).mapping(entry, name)

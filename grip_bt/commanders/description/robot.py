@@ -6,7 +6,6 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import Any
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import JointState, Pose
@@ -146,7 +145,7 @@ class RobotDescription:
         for f in fields(self):
             object.__setattr__(self, f.name, _read_only(getattr(self, f.name)))
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Send read-only mappings as plain ones: those can't be pickled."""
         return type(self), tuple(_plain(getattr(self, f.name)) for f in fields(self))
 
@@ -206,9 +205,9 @@ class RobotDescription:
         return ET.tostring(robot, encoding="unicode")
 
 
-def _read_only(value: Any) -> Any:
+def _read_only(value: object) -> object:
     return MappingProxyType({k: _read_only(v) for k, v in value.items()}) if isinstance(value, Mapping) else value
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     return {k: _plain(v) for k, v in value.items()} if isinstance(value, Mapping) else value

@@ -15,7 +15,7 @@ from .robot import RobotDescription
 from .tree import Joint, Tree
 
 
-def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> dict[str, Any]:
+def facts(robot: RobotDescription, packages: Sequence[MoveItPackage] = ()) -> dict[str, object]:
     """Return a robot's groups, joints, limits, end effectors, states, and what can plan for it, as JSON data."""
     joints = Tree(ET.fromstring(robot.urdf)).joints
     return {
@@ -60,7 +60,7 @@ def _has_six_turning(robot: RobotDescription, joints: Mapping[str, Joint]) -> bo
     return any(len(mine) == 6 and set(mine) <= {"revolute", "continuous"} for mine in kinds)
 
 
-def _package(package: MoveItPackage) -> dict[str, Any]:
+def _package(package: MoveItPackage) -> dict[str, object]:
     return {
         "folder": str(package.folder),
         "layout": package.layout,

@@ -61,15 +61,15 @@ def guard(xacro: Any) -> None:
     inner, arguments = xacro.safe_eval, xacro.substitution_args
     evaluate = arguments._eval
 
-    def guarded(expression: str, globals: Any, locals: Any = None) -> Any:
+    def guarded(expression: str, globals: dict[str, object], locals: object = None) -> object:
         look_at(expression)
         return inner(expression, globals, locals)
 
-    def of_arguments(text: str, context: Any) -> str:
+    def of_arguments(text: str, context: object) -> str:
         look_at(text)
         return str(evaluate(text, context))
 
-    def with_few(text: str, globals: Any, locals: Mapping[str, Any]) -> Any:
+    def with_few(text: str, globals: object, locals: Mapping[str, object]) -> object:
         return eval(text, {"__builtins__": _BUILTINS}, locals)
 
     xacro.safe_eval, arguments._eval, arguments.eval = guarded, of_arguments, with_few
@@ -93,10 +93,10 @@ def look_at(expression: str) -> None:
             raise UnsafeExpressionError(f"`{name}` isn't for expressions of a robot's description: they only compute")
 
 
-def forbid_acts() -> Callable[[str, tuple[Any, ...]], None]:
+def forbid_acts() -> Callable[[str, tuple[object, ...]], None]:
     """Refuse, from here on in this process, what starts, sends, writes or removes anything; return the audit hook."""
 
-    def hook(event: str, args: tuple[Any, ...]) -> None:
+    def hook(event: str, args: tuple[object, ...]) -> None:
         writes = event == "open" and isinstance(args[1], str) and not _WRITES.isdisjoint(args[1])
         if writes or event.startswith(_ACTS):
             raise UnsafeExpressionError(f"a robot's description may not do this: {event}")

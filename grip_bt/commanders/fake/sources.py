@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from itertools import cycle
-from typing import Any
+from typing import TypeVar
 
 from grip_bt.base.failures import ExpectedError, SensorError, ServerLostError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, Pose, RgbdFrame
 
 from .joints import AtOnce, Schedule
+
+T = TypeVar("T")
 
 
 class FakeCamera:
@@ -43,16 +45,16 @@ class FakeSensor:
             error stands for a failed capture.
     """
 
-    def __init__(self, moments: Iterable[Mapping[str, Any] | ExpectedError] = ()):
+    def __init__(self, moments: Iterable[Mapping[str, object] | ExpectedError] = ()):
         self._moments = cycle(tuple(moments))
 
-    def capture(self) -> Operation[Mapping[str, Any]]:
+    def capture(self) -> Operation[Mapping[str, object]]:
         """Take the next moment; SensorError where there is none."""
         moment = next(self._moments, SensorError("the fake sensor has nothing to give"))
         return Operation.failed(moment) if isinstance(moment, ExpectedError) else Operation.finished(moment)
 
 
-Reply = Mapping[str, Any] | ExpectedError | Callable[[Mapping[str, Any]], Mapping[str, Any]]
+Reply = Mapping[str, object] | ExpectedError | Callable[[Mapping[str, object]], Mapping[str, object]]
 
 
 class FakeComponent:
@@ -72,7 +74,7 @@ class FakeComponent:
     def __init__(self, replies: Iterable[Reply] = (), schedule: Schedule | None = None, delay: float = 0.0):
         self._replies = cycle(tuple(replies))
         self._schedule, self._delay = schedule or AtOnce(), delay
-        self.requests: list[Mapping[str, Any]] = []
+        self.requests: list[Mapping[str, object]] = []
         self.given = 0
 
     def put_back(self, given: int) -> None:
@@ -85,12 +87,12 @@ class FakeComponent:
             next(self._replies, None)
         self.given = max(given, self.given)
 
-    def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+    def call(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
         """Answer with the next reply; ServerLostError where there is none."""
         self.requests.append(dict(request))
         self.given += 1
         reply = next(self._replies, ServerLostError("the fake component has no replies"))
-        operation: Operation[Mapping[str, Any]] = Operation()
+        operation: Operation[Mapping[str, object]] = Operation()
 
         def answer() -> None:
             if isinstance(reply, ExpectedError):
@@ -112,10 +114,10 @@ class FakeRos:
         frame: returns the pose of a frame (its second argument) in another; raises an ExpectedError where it can't.
     """
 
-    def __init__(self, make: Callable[[str], Any], frame: Callable[[str, str], Pose]):
+    def __init__(self, make: Callable[[str], object], frame: Callable[[str, str], Pose]):
         self._make, self._frame = make, frame
-        self._published: dict[str, Any] = {}
-        self._parameters: dict[tuple[str, str], Any] = {}
+        self._published: dict[str, object] = {}
+        self._parameters: dict[tuple[str, str], object] = {}
 
     def check(self, name: str, message: str = "") -> None:
         """Take any name: a task is tried before its interfaces are built."""
@@ -123,7 +125,7 @@ class FakeRos:
     def listen(self, topic: str, message: str) -> None:
         """Nothing needs to be listened to."""
 
-    def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[Any]:
+    def next(self, topic: str, message: str, value: str, timeout: float) -> Operation[object]:
         """Return what the topic gives, as the type `value`, or as the message itself for `Any`."""
         if topic in self._published:
             return Operation.finished(self._published[topic])
@@ -131,17 +133,17 @@ class FakeRos:
             return Operation.finished(None)  # nobody has said what it carries
         return _tried(lambda: self._make(message if value == "Any" else value))
 
-    def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[Any]:
+    def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[object]:
         """Return what the topic gives; see `next`."""
         return self.next(topic, message, value, timeout)
 
-    def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Any]]:
+    def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, object]]:
         """Return what each topic gives, as messages."""
         return _tried(
             lambda: {t: self._published[t] if t in self._published else self._make(m) for t, m in topics.items()}
         )
 
-    def publish(self, topic: str, message: str, value: Any, subscribers: int, timeout: float) -> Operation[None]:
+    def publish(self, topic: str, message: str, value: object, subscribers: int, timeout: float) -> Operation[None]:
         """Have the topic give `value` from now on, whoever would listen."""
         self._published[topic] = value
         return Operation.finished(None)
@@ -150,17 +152,17 @@ class FakeRos:
         """Return where a frame is; it doesn't move."""
         return _tried(lambda: self._frame(target, source))
 
-    def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
+    def get_parameter(self, node: str, name: str, timeout: float) -> Operation[object]:
         """Return what was set, and 0 before that."""
         return Operation.finished(self._parameters.get((node, name), 0))
 
-    def set_parameter(self, node: str, name: str, value: Any, timeout: float) -> Operation[None]:
+    def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
         """Keep a parameter."""
         self._parameters[node, name] = value
         return Operation.finished(None)
 
 
-def _tried(make: Callable[[], Any]) -> Operation[Any]:
+def _tried(make: Callable[[], T]) -> Operation[T]:
     try:
         return Operation.finished(make())
     except ExpectedError as error:

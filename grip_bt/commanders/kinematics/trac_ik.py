@@ -90,7 +90,7 @@ def _joint(robot: ET.Element, name: str, kind: str, parent: str, child: str, pla
     return joint
 
 
-def _numbers(values: Iterable[Any]) -> str:
+def _numbers(values: Iterable[float]) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 

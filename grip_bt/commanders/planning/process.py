@@ -19,19 +19,32 @@ import struct
 import sys
 import threading
 from functools import partial
-from typing import IO, Any
+from typing import IO, Literal
+
+from grip_bt.base.values import Plan
+
+from ..description.robot import RobotDescription
+from .requests import ChosenGrasp, Request
 
 _LENGTH = struct.Struct("<Q")
+Message = (
+    tuple[Literal["robot"], RobotDescription]
+    | tuple[Literal["plan"], int, Request]
+    | tuple[Literal["cancel"], int]
+    | tuple[Literal["ready"]]
+    | tuple[Literal["done"], int, Plan | ChosenGrasp | None]
+    | tuple[Literal["failed"], int, Exception]
+)
 
 
-def write_frame(stream: IO[bytes], message: tuple[Any, ...]) -> None:
+def write_frame(stream: IO[bytes], message: Message) -> None:
     """Write one message."""
     body = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
     stream.write(_LENGTH.pack(len(body)) + body)
     stream.flush()
 
 
-def read_frame(stream: IO[bytes]) -> tuple[Any, ...] | None:
+def read_frame(stream: IO[bytes]) -> Message | None:
     """Return the next message, or None at the end of the stream."""
     head = stream.read(_LENGTH.size)
     if len(head) < _LENGTH.size:
@@ -47,7 +60,7 @@ class Inbox:
     """Reads messages on a thread of its own, so that a cancellation is seen while a plan is being made."""
 
     def __init__(self, stream: IO[bytes]):
-        self.requests: queue.SimpleQueue[tuple[Any, ...]] = queue.SimpleQueue()
+        self.requests: queue.SimpleQueue[Message] = queue.SimpleQueue()
         self._stream = stream
         self._canceled: set[int] = set()
         threading.Thread(target=self._read, name="inbox", daemon=True).start()
@@ -58,19 +71,18 @@ class Inbox:
 
     def _read(self) -> None:
         while (message := read_frame(self._stream)) is not None:
-            if message[0] == "cancel":
-                self._canceled.add(message[1])
-            else:
-                self.requests.put(message)
+            match message:
+                case ("cancel", number):
+                    self._canceled.add(number)
+                case _:
+                    self.requests.put(message)
         os._exit(0)  # whatever OMPL is doing: nobody waits for it any more
 
 
 def main() -> None:
     """Serve until stdin ends."""
-    for number in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(
-            number, signal.SIG_IGN
-        )  # Ctrl-C and a dropped terminal are the parent's business; it closes stdin
+    for each in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(each, signal.SIG_IGN)  # Ctrl-C and a dropped terminal are the parent's business; it closes stdin
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what libraries print must not get between the frames
     inbox = Inbox(sys.stdin.buffer)
@@ -78,17 +90,19 @@ def main() -> None:
     from ..kinematics.model import RobotModel
     from .answer import answer
 
-    _, description = inbox.requests.get()
-    model = RobotModel(description)
-    write_frame(out, ("ready",))
+    model: RobotModel | None = None
     while True:
-        _, number, request = inbox.requests.get()
-        try:
-            result = answer(model, request, partial(inbox.canceled, number))
-        except Exception as error:  # noqa: BLE001 - sent to the caller, who raises it
-            write_frame(out, ("failed", number, _sendable(error)))
-        else:
-            write_frame(out, ("done", number, result))
+        match inbox.requests.get():
+            case ("robot", description):
+                model = RobotModel(description)
+                write_frame(out, ("ready",))
+            case ("plan", number, request) if model is not None:
+                try:
+                    result = answer(model, request, partial(inbox.canceled, number))
+                except Exception as error:  # noqa: BLE001 - sent to the caller, who raises it
+                    write_frame(out, ("failed", number, _sendable(error)))
+                else:
+                    write_frame(out, ("done", number, result))
 
 
 def _sendable(error: Exception) -> Exception:

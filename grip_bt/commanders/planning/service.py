@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import IO, Any
+from typing import IO
 
 from grip_bt.base.failures import CanceledError, PlannerLostError
 from grip_bt.base.interpreter import how_ended, python_command
@@ -16,7 +16,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import Plan
 
 from ..description.robot import RobotDescription
-from .process import read_frame, write_frame
+from .process import Message, read_frame, write_frame
 from .requests import ChosenGrasp, Request
 
 PROGRAM = "grip_bt.commanders.planning.process"
@@ -28,7 +28,7 @@ CANCEL_GRACE = 0.04
 class _Job:
     number: int
     request: Request
-    operation: Operation[Any]
+    operation: Operation[Plan | ChosenGrasp | None]
     sent_again: bool = False
 
 
@@ -83,7 +83,7 @@ class PlanningProcess:
             if self._stillborn >= 2:
                 return Operation.failed(_lost(self._child))
             self._jobs[number] = _Job(number, request, operation)
-            self._send("plan", number, request)
+            self._send(("plan", number, request))
         return operation
 
     def close(self) -> None:
@@ -115,11 +115,11 @@ class PlanningProcess:
             # Threads that wait by spinning would take a core from the simulator.
             env={**os.environ, "OMP_WAIT_POLICY": "PASSIVE"},
         )
-        self._send("robot", self._robot)
+        self._send(("robot", self._robot))
         self._reader = threading.Thread(target=self._read, args=(child,), name="planner", daemon=True)
         self._reader.start()
 
-    def _send(self, *message: Any) -> None:
+    def _send(self, message: Message) -> None:
         """Send to the present child; when it is dead, its reader finds out and sends again."""
         assert self._child.stdin is not None
         try:
@@ -130,23 +130,22 @@ class PlanningProcess:
     def _read(self, child: subprocess.Popen[bytes]) -> None:
         assert child.stdout is not None
         while (message := read_frame(child.stdout)) is not None:
-            if message[0] == "ready":
-                self._ready.set()
-                self._settled.set()
-                continue
-            kind, number, value = message
-            with self._lock:
-                job = self._jobs.pop(number, None)
-            if job is None:
-                continue
-            if kind == "done":
-                job.operation.succeed(value)
-            else:
-                job.operation.fail(value)
+            match message:
+                case ("ready",):
+                    self._ready.set()
+                    self._settled.set()
+                case ("done", number, result) if (job := self._ended(number)) is not None:
+                    job.operation.succeed(result)
+                case ("failed", number, error) if (job := self._ended(number)) is not None:
+                    job.operation.fail(error)
         child.wait()
         child.stdout.close()
         self._replace(child)
         _close(child.stdin)
+
+    def _ended(self, number: int) -> _Job | None:
+        with self._lock:
+            return self._jobs.pop(number, None)
 
     def _replace(self, dead: subprocess.Popen[bytes]) -> None:
         """Start another child in place of a dead one and send it what is still wanted."""
@@ -158,7 +157,7 @@ class PlanningProcess:
             if self._stillborn < 2:
                 self._spawn()
                 for job in self._jobs.values():
-                    self._send("plan", job.number, job.request)
+                    self._send(("plan", job.number, job.request))
             wanted, other = len(self._jobs), self._child.pid
         for job in lost:
             job.operation.fail(_lost(dead))
@@ -184,7 +183,7 @@ class PlanningProcess:
         with self._lock:
             if number not in self._jobs:
                 return
-            self._send("cancel", number)
+            self._send(("cancel", number))
         timer = threading.Timer(CANCEL_GRACE, self._give_up, args=(number,))
         timer.daemon = True
         timer.start()
