@@ -202,7 +202,7 @@ class BehaviourState(TaskState):
         """Give every node below its context, in which a preempt request of this state is seen."""
         prepare(self.node.iterate(), StateContext(context, self))
 
-    def execute(self, userdata: Any) -> str:
+    def execute(self, userdata: object) -> str:
         """Tick to the end; a stop interrupts everything below, and unwinds."""
         run, node = self.run, self.node
         if self._make_ticker is not run.make_ticker:

@@ -52,7 +52,7 @@ def make_leaf(part: Part, factory: LeafFactory, scopes: Scopes) -> Leaf:
     return leaf
 
 
-def prepare(nodes: Iterable[Behaviour], context: Any) -> None:
+def prepare(nodes: Iterable[Behaviour], context: object) -> None:
     """Set up nodes, each once.
 
     Raises:
@@ -203,7 +203,7 @@ def _value(cell: Cell) -> Callable[[], Any]:
     return lambda: cell.value
 
 
-def _copies(literal: Any) -> Callable[[], Any]:
+def _copies(literal: object) -> Callable[[], Any]:
     return lambda: deepcopy(literal)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue
@@ -91,7 +90,7 @@ class Resolved:
         return label, self.task.outcomes[label]
 
 
-def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None) -> Resolved:
+def resolve(task: Task, catalog: Catalog, data: Mapping[str, object] | None = None) -> Resolved:
     """Resolve every name of a task.
 
     Args:
@@ -114,7 +113,7 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, Any] | None = None)
     return Resolved(task, root, work.scopes, Edges.of_children({"/": _ends(task, root)}))
 
 
-def _wrong_values(declared: Mapping[str, Variable | str], values: Mapping[str, Any]) -> Iterator[Issue]:
+def _wrong_values(declared: Mapping[str, Variable | str], values: Mapping[str, object]) -> Iterator[Issue]:
     """Yield what is wrong with values for the task's own variables."""
     for name, value in values.items():
         if name not in declared:

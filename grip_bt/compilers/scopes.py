@@ -41,7 +41,7 @@ class Cell:
         """Take the initial value again, or become unwritten."""
         self.value = self._initial if self._initial is UNSET else deepcopy(self._initial)
 
-    def preset(self, value: Any) -> None:
+    def preset(self, value: object) -> None:
         """Replace the initial value, and take it."""
         self._initial = value
         self.reset()
@@ -134,7 +134,7 @@ class Scopes:
         of_class_alone = cell.parsed.item is None
         fitting: type | None = None
 
-        def write(value: Any) -> None:
+        def write(value: object) -> None:
             nonlocal fitting
             if type(value) is not fitting:
                 wrong = check_value(cell.parsed, value)

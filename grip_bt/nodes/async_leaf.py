@@ -144,11 +144,11 @@ class End:
         **outputs: output port -> value.
     """
 
-    def __init__(self, outcome: str, /, *, code: str = "", message: str = "", **outputs: Any):
+    def __init__(self, outcome: str, /, *, code: str = "", message: str = "", **outputs: object):
         self.outcome, self.code, self.message, self.outputs = outcome, code, message, outputs
 
 
-def finish(leaf: Leaf, result: Any, labelled: bool) -> Status:
+def finish(leaf: Leaf, result: object, labelled: bool) -> Status:
     """End an activation with what its code has returned.
 
     Args:
@@ -218,7 +218,7 @@ class AsyncLeaf(OperationLeaf):
             raise DataError(self.path, port, f"isn't an input of {self.manifest.id}")
         return given[port]
 
-    def end(self, outcome: str = "success", /, **outputs: Any) -> Status:
+    def end(self, outcome: str = "success", /, **outputs: object) -> Status:
         """End the activation; not within `run`, which returns its end.
 
         Raises:

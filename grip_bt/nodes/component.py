@@ -80,7 +80,7 @@ class ComponentLeaf(OperationLeaf):
         """Show the last feedback to people."""
         return "" if operation.progress is None else f"feedback: {shown(operation.progress)}"
 
-    def _label_by_rule(self, reply: Mapping[str, Any]) -> str:
+    def _label_by_rule(self, reply: Mapping[str, object]) -> str:
         for label, rule in self._rules.items():
             readers = {name: (lambda name=name: reply[name]) for name in rule.names if name in reply}
             if missing := [name for name in rule.names if name not in reply]:
@@ -92,7 +92,7 @@ class ComponentLeaf(OperationLeaf):
                 raise BadReplyError(f"the rule of {label!r} can't be computed: {error}") from None
         raise BadReplyError(f"none of the rules holds: {', '.join(f'{k}: {r.text}' for k, r in self._rules.items())}")
 
-    def _label(self, reply: Mapping[str, Any]) -> str:
+    def _label(self, reply: Mapping[str, object]) -> str:
         number = reply.get("outcome")
         if isinstance(number, bool) or not isinstance(number, SupportsIndex):
             raise BadReplyError(f"the reply's `outcome` has to be a whole number, not {number!r}")
@@ -107,7 +107,7 @@ class ComponentLeaf(OperationLeaf):
         return label
 
 
-def shown(progress: Any) -> str:
+def shown(progress: object) -> str:
     """Return feedback on one short line: a message's fields, or the value."""
     fields = getattr(progress, "get_fields_and_field_types", None)
     text = repr(progress) if fields is None else ", ".join(f"{f}={getattr(progress, f)!r}" for f in fields())

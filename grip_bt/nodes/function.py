@@ -174,7 +174,7 @@ def leaf(
     id: str,
     *,
     doc: str = "",
-    outputs: Mapping[str, Any] | None = None,
+    outputs: Mapping[str, object] | None = None,
     codes: tuple[str, ...] = (),
     outcomes: Mapping[str, str] | None = None,
     quick: bool = False,
@@ -240,7 +240,7 @@ def leaf(
     return make
 
 
-def type_name(hint: Any) -> str:
+def type_name(hint: object) -> str:
     """Return how a manifest spells a Python annotation: `list[Grasp]`, `float | None`, `Any`."""
     if hint is Any:
         return "Any"

@@ -94,7 +94,7 @@ class Leaf(Node):
         self.feedback_message = message
         return Status.RUNNING
 
-    def end(self, outcome: str = "success", /, **outputs: Any) -> Status:
+    def end(self, outcome: str = "success", /, **outputs: object) -> Status:
         """End with an outcome and write the outputs.
 
         Raises:
@@ -109,7 +109,7 @@ class Leaf(Node):
         self.outcome = outcome
         return STATUS[meaning]
 
-    def _write(self, outputs: Mapping[str, Any]) -> None:
+    def _write(self, outputs: Mapping[str, object]) -> None:
         for port in outputs:
             if port not in self.manifest.outputs:
                 raise DataError(self.path, port, f"isn't an output of {self.manifest.id}")
@@ -124,8 +124,8 @@ class Leaf(Node):
         /,
         *,
         outcome: str | None = None,
-        outputs: Mapping[str, Any] | None = None,
-        **data: Any,
+        outputs: Mapping[str, object] | None = None,
+        **data: object,
     ) -> Status:
         """End with a failure outcome and a reason; `data` goes into the failure, `outputs` to the ports.
 

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
 from grip_bt.task.model import AnyNode
 
@@ -27,7 +28,7 @@ class Observer(Protocol):
     def message(self, path: str, text: str) -> None:
         """A running node says how it goes."""
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """The node at `path` wrote a variable."""
 
 
@@ -46,7 +47,7 @@ class Silent:
     def message(self, path: str, text: str) -> None:
         """Do nothing."""
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """Do nothing."""
 
 
@@ -79,7 +80,7 @@ class Observers:
         for observer in self._observers:
             observer.message(path, text)
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """Tell all."""
         for observer in self._observers:
             observer.wrote(path, variable, type_name, value)
@@ -177,7 +178,7 @@ class AskedContext:
         askers: containers above that may ask; kept, not copied.
     """
 
-    def __init__(self, context: Any, askers: Sequence[Asker]):
+    def __init__(self, context: Context, askers: Sequence[Asker]):
         self._context, self._askers = context, askers
 
     def __getattr__(self, name: str) -> Any:
@@ -201,7 +202,7 @@ class AskedBefore:
         over: whether there is nothing to hide any more.
     """
 
-    def __init__(self, context: Any, count: int, above: bool):
+    def __init__(self, context: Context, count: int, above: bool):
         self._context, self._count, self._above, self.over = context, count, above, False
 
     def __getattr__(self, name: str) -> Any:
@@ -211,10 +212,10 @@ class AskedBefore:
     def preempt_requested(self) -> bool:
         """Whether the leaf was asked to come to an end."""
         if self.over:
-            return bool(self._context.preempt_requested)
+            return self._context.preempt_requested
         return self._count > 0 or self._above
 
     @property
     def preempt_requests(self) -> int:
         """How often the run was asked."""
-        return int(self._context.preempt_requests) if self.over else self._count
+        return int(getattr(self._context, "preempt_requests", 0)) if self.over else self._count

@@ -24,7 +24,7 @@ _KEYS = ("orientation", "tolerance", "axes", "box")
 _BOX = ("position", "quaternion", "size")
 
 
-def verify_keep(leaf: Leaf, keep: Mapping[str, Any]) -> None:
+def verify_keep(leaf: Leaf, keep: Mapping[str, object]) -> None:
     """Verify before the run what a leaf's motion has to keep to.
 
     Raises:
@@ -42,7 +42,7 @@ def verify_keep(leaf: Leaf, keep: Mapping[str, Any]) -> None:
         raise ValueError(f"{leaf.path}: keep: {error}") from error
 
 
-def read_keep(keep: Mapping[str, Any], here: Pose) -> PathConstraint:
+def read_keep(keep: Mapping[str, object], here: Pose) -> PathConstraint:
     """Read the parameter `keep`.
 
     Args:
@@ -67,7 +67,7 @@ def read_keep(keep: Mapping[str, Any], here: Pose) -> PathConstraint:
     return PathConstraint(**fields)
 
 
-def _orientation(given: Any, here: Pose) -> Pose:
+def _orientation(given: object, here: Pose) -> Pose:
     if given == NOW:
         return Pose(quaternion=here.quaternion)
     if isinstance(given, str):
@@ -75,13 +75,13 @@ def _orientation(given: Any, here: Pose) -> Pose:
     return Pose(quaternion=_numbers(given, 4, "orientation"))
 
 
-def _tolerance(given: Any) -> tuple[float, ...]:
+def _tolerance(given: object) -> tuple[float, ...]:
     if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 3:
         raise ValueError(f"tolerance is 3 angles [rad], each a number or `{FREE}`, not {given!r}")
     return tuple(_numbers([np.inf if angle == FREE else angle for angle in given], 3, "tolerance"))
 
 
-def _box(given: Any) -> dict[str, Any]:
+def _box(given: object) -> dict[str, Any]:
     if not isinstance(given, Mapping) or "position" not in given or "size" not in given:
         raise ValueError("box is `{position: [x, y, z], size: [x, y, z]}`: its centre and edge lengths [m]")
     _known(given, _BOX, "box")
@@ -99,7 +99,7 @@ def _numbers(given: Any, count: int, name: str) -> list[float]:
     return [float(x) for x in given]
 
 
-def _known(given: Mapping[str, Any], keys: tuple[str, ...], where: str) -> None:
+def _known(given: Mapping[str, object], keys: tuple[str, ...], where: str) -> None:
     for key in given:
         if key not in keys:
             raise ValueError(f"{where} has no {key!r}{nearest(key, keys)} (available: {listing(keys)})")

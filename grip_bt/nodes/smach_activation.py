@@ -104,7 +104,7 @@ class Values:
             raise KeyError(key)
         return value
 
-    def __setitem__(self, key: str, value: Any) -> None:
+    def __setitem__(self, key: str, value: object) -> None:
         self.written[key] = value
 
     def __contains__(self, key: object) -> bool:

@@ -54,7 +54,7 @@ class SmachLeaf(KeysLeaf):
         """Return the legacy state."""
         raise NotImplementedError(f"{type(self).__name__}.make: return the SMACH state")
 
-    def built(self, factory: Callable[..., Any], *arguments: Any, **named: Any) -> Any:
+    def built(self, factory: Callable[..., Any], *arguments: object, **named: object) -> Any:
         """Return the container that `factory` builds, one for all leaves of the run, so that they share its objects."""
         with RUNS_LOCK:
             run = self.shared()
@@ -210,7 +210,7 @@ class SmachLeaf(KeysLeaf):
             _log.warning("%s: execute() was interrupted and still runs in the thread smach:%s", self.path, self.path)
 
 
-def _with_all_below(state: Any) -> Iterator[Any]:
+def _with_all_below(state: object) -> Iterator[Any]:
     """Yield a state, and where it is a container all that it holds."""
     yield state
     for child in state.get_children().values() if hasattr(state, "get_children") else ():

@@ -238,7 +238,7 @@ class RunContext:
                     part.stop()
             self.resume()
 
-    def _moved(self, parts: Mapping[str, Any]) -> dict[str, Any]:
+    def _moved(self, parts: Mapping[str, Arm | Hand]) -> dict[str, Any]:
         return {name: Moved(name, part, self._motions) for name, part in parts.items()}
 
     def rest(self, within: float) -> Rest:

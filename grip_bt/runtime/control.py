@@ -48,7 +48,7 @@ class Control:
         """Begin to obey, in a thread of its own."""
         threading.Thread(target=self._obey, name="grip_control", daemon=True).start()
 
-    def send(self, event: str, **fields: Any) -> None:
+    def send(self, event: str, **fields: object) -> None:
         """Write one event, from any thread and from signal handlers; a reader that went away has gone altogether."""
         try:
             with self._writing:
@@ -159,7 +159,7 @@ class Control:
     def _clear(self, runner: Runner, command: Mapping[str, Any]) -> None:
         self.send("cleared", ids=list(runner.debugger.clear(command.get("id"))))
 
-    def _breakpoints(self, runner: Runner, command: Mapping[str, Any]) -> None:
+    def _breakpoints(self, runner: Runner, command: Mapping[str, object]) -> None:
         held = runner.debugger.at
         self.send(
             "breakpoints",
@@ -180,7 +180,7 @@ class Control:
         self.send("data", variables=found)
 
 
-def _text(command: Mapping[str, Any], key: str) -> str:
+def _text(command: Mapping[str, object], key: str) -> str:
     value = command.get(key)
     if not isinstance(value, str):
         raise ExpressionError(json.dumps(dict(command)), f"{command['command']!r} needs {key!r}, a text")

@@ -102,7 +102,7 @@ class Journal:
         with self._lock:
             self._logs = {**self._logs, log.id: log}
 
-    def execute(self, statement: str, values: tuple[Any, ...]) -> None:
+    def execute(self, statement: str, values: tuple[object, ...]) -> None:
         """Have a statement executed with the events appended so far, in one transaction."""
         self._jobs.put((statement, values))
 

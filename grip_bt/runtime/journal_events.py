@@ -128,7 +128,7 @@ def is_name(path: object, kind: object, outcome: object, code: object) -> bool:
     return plain and isinstance(outcome, str | None) and isinstance(code, str | None)
 
 
-def checksum(columns: tuple[Any, ...]) -> int:
+def checksum(columns: tuple[object, ...]) -> int:
     """Return the CRC-32 of a block's columns, from `first` to `data`."""
     total = 0
     for column in columns:

@@ -208,7 +208,7 @@ class JournalReader:
 
     # --- runs ---
 
-    def _run_rows(self, condition: str, *values: Any) -> list[tuple[Any, ...]]:
+    def _run_rows(self, condition: str, *values: object) -> list[tuple[Any, ...]]:
         return self._rows.whole(f"SELECT {_COLUMNS} FROM runs", "runs", condition, *values)
 
     def _process(self, run: str) -> bool | None:

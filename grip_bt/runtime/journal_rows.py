@@ -18,7 +18,7 @@ def process_facts() -> dict[str, Any]:
     return {"pid": os.getpid(), "since": _begun(os.getpid()), "host": socket.gethostname()}
 
 
-def is_there(facts: Mapping[str, Any]) -> bool | None:
+def is_there(facts: Mapping[str, object]) -> bool | None:
     """Tell whether a process is there; None where that isn't known, such as of another machine.
 
     Args:
@@ -143,7 +143,7 @@ class Rows:
         """Note that something can't be read."""
         self.damage.setdefault(words)
 
-    def query(self, statement: str, *values: Any) -> list[tuple[Any, ...]]:
+    def query(self, statement: str, *values: object) -> list[tuple[Any, ...]]:
         """Return rows.
 
         Raises:
@@ -157,7 +157,7 @@ class Rows:
             busy = getattr(error, "sqlite_errorcode", None) in _BUSY
             raise (JournalError if busy else DamagedError)(f"{self._file}: can't be read: {error}") from error
 
-    def whole(self, statement: str, table: str, condition: str, *values: Any) -> list[tuple[Any, ...]]:
+    def whole(self, statement: str, table: str, condition: str, *values: object) -> list[tuple[Any, ...]]:
         """Return the rows of a table, in the order of its rowids; of a damaged one those that can be found.
 
         Args:

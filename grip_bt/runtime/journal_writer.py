@@ -29,7 +29,7 @@ _repr = reprlib.Repr()
 _repr.maxstring, _repr.maxother, _repr.maxlist, _repr.maxtuple = 60, 100, 3, 4
 
 
-def preview(value: Any) -> str:
+def preview(value: object) -> str:
     """Return a value in at most 120 characters, for people; big values are cut before they are formatted."""
     text = _repr.repr(value)
     return text if len(text) <= 120 else text[:117] + "..."

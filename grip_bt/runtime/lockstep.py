@@ -407,14 +407,14 @@ class InTurn:
         waiting: names of methods that wait for what happens outside: time goes on meanwhile.
     """
 
-    def __init__(self, part: Any, lockstep: Lockstep, patient: bool = False, waiting: tuple[str, ...] = ()):
+    def __init__(self, part: object, lockstep: Lockstep, patient: bool = False, waiting: tuple[str, ...] = ()):
         self._part, self._lockstep, self._patient, self._events = part, lockstep, patient, waiting
 
     def __getattr__(self, name: str) -> Any:
         found = getattr(self._part, name)
         return partial(self._call, name, found) if callable(found) else found
 
-    def _call(self, name: str, method: Callable[..., Any], *args: Any, **named: Any) -> Any:
+    def _call(self, name: str, method: Callable[..., Any], *args: object, **named: object) -> Any:
         begun = method(*args, **named)
         if not isinstance(begun, Operation):
             return begun
@@ -444,6 +444,6 @@ class WakeOnWrite(Silent):
     def __init__(self, context: Any):
         self._wake = context.wake
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """A node wrote a variable."""
         self._wake()

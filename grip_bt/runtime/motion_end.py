@@ -101,7 +101,7 @@ class Moved:
         motions: of the run.
     """
 
-    def __init__(self, name: str, part: Any, motions: Motions):
+    def __init__(self, name: str, part: Arm | Hand, motions: Motions):
         self._name, self._part, self._motions = name, part, motions
 
     def stop(self) -> None:
@@ -113,7 +113,9 @@ class Moved:
         found = getattr(self._part, name)
         return partial(self._begin, found, name in _BEGIN) if name in _BEGIN or name in _GO_ON else found
 
-    def _begin(self, method: Callable[..., Operation[Any]], waits: bool, *args: Any, **named: Any) -> Operation[Any]:
+    def _begin(
+        self, method: Callable[..., Operation[Any]], waits: bool, *args: object, **named: object
+    ) -> Operation[Any]:
         return self._motions.begin(self._name, partial(method, *args, **named), waits)
 
 

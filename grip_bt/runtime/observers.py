@@ -23,7 +23,7 @@ class Kept(Protocol):
         Called in the thread that ticks: it takes microseconds, or a few milliseconds for what has just moved.
         """
 
-    def restore(self, state: Any) -> None:
+    def restore(self, state: object) -> None:
         """Bring it into a state that `changed` has returned, in another process.
 
         Raises:
@@ -86,5 +86,5 @@ class Durable:
     def message(self, path: str, text: str) -> None:
         """Do nothing."""
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """Do nothing."""

@@ -288,7 +288,7 @@ class NewEvents:
         if not self._happened(path, "message"):
             self._inner.message(path, text)
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """A node wrote a variable."""
         if not self._happened(path, "write", variable):
             self._inner.wrote(path, variable, type_name, value)

@@ -47,7 +47,7 @@ class Noted:
         outcome: str | None = None,
         code: str | None = None,
         data: dict[str, Any] | None = None,
-        written: tuple[Any] | None = None,
+        written: tuple[object] | None = None,
     ):
         self.event, self.outcome, self.code, self.data, self.written = event, outcome, code, data, written
 
@@ -141,11 +141,11 @@ class Recorder:
 
     # --- the run ---
 
-    def started(self, facts: Mapping[str, Any] | None = None) -> None:
+    def started(self, facts: Mapping[str, object] | None = None) -> None:
         """The run begins; `facts` are JSON about how."""
         self._append(self._now(), "/", "run_started", data=dict(facts) if facts else None)
 
-    def resumed(self, t: float, facts: Mapping[str, Any]) -> None:
+    def resumed(self, t: float, facts: Mapping[str, object]) -> None:
         """It goes on at `t` [s], in another process; `facts` are JSON about how."""
         self._append(t, "/", "run_resumed", data=dict(facts))
 
@@ -211,11 +211,11 @@ class Recorder:
         """A running node says how it goes."""
         self._append(self._now(), path, "message", data={"text": text})
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """A node wrote a variable; its value is kept as it is now."""
         data = {"variable": variable, "type": type_name}
         self._note(self._now(), path, Noted("write", data=data, written=(snapshot(value),)))
 
-    def kept(self, path: str, part: str, state: Any) -> None:
+    def kept(self, path: str, part: str, state: object) -> None:
         """The state of a part beside the task is this, when a node ends; see `runtime.observers`."""
         self._note(self._now(), path, Noted("kept", data={"part": part}, written=(snapshot(state),)))

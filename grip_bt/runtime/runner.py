@@ -126,7 +126,7 @@ class Runner:
         watchdog: float | None = None,
         log: RunLog | None = None,
         re_execution: ReExecution | None = None,
-        facts: Mapping[str, Any] | None = None,
+        facts: Mapping[str, object] | None = None,
     ):
         if clock is not None and clock is not context.clock:
             raise ValueError("a run has one clock: make the context with it, RunContext(clock, ...)")

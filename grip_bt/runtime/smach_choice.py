@@ -50,7 +50,7 @@ class Choose(State):
         cls,
         run: TreeRun,
         value: str,
-        cases: Mapping[str, Sequence[Any]],
+        cases: Mapping[str, Sequence[object]],
         default: str = "",
         *,
         place: str = "/",
@@ -107,7 +107,7 @@ class Choose(State):
             state.answers.conditions["while_"] = condition_of(expression, state._readers(expression, "while"))
         return state
 
-    def begin(self, userdata: Any, states: Any) -> None:
+    def begin(self, userdata: object, states: object) -> None:
         """Begin anew; called when the machine is entered."""
         self._state = None
 
@@ -175,7 +175,7 @@ class Each(Iterator):
         super().__init__(**said)
         self.run = run
 
-    def _loop(self, items: Iterable[Any]) -> Any:
+    def _loop(self, items: Iterable[object]) -> Any:
         state = self._state
         assert state is not None, "a state is contained"
         self.run.shared.turn()

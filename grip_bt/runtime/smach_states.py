@@ -134,7 +134,7 @@ class BehaviourTree(State):
     @classmethod
     def of_node(
         cls,
-        node: Mapping[str, Any],
+        node: Mapping[str, object],
         run: TreeRun,
         *,
         variables: Mapping[str, str] | None = None,
@@ -157,7 +157,7 @@ class BehaviourTree(State):
         document = {"grip": 1, "name": name, "outcomes": ends, "inputs": dict(variables or {}), "root": node}
         return cls(Task.model_validate(document), run, codes=codes, place=place)
 
-    def execute(self, userdata: Any) -> str:
+    def execute(self, userdata: object) -> str:
         """Tick the tree to its end.
 
         Raises:

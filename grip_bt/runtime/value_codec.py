@@ -69,7 +69,7 @@ def snapshot(value: Any, depth: int = 0) -> Any:
 class _Opaque:
     """What is kept of a value that nobody here knows."""
 
-    def __init__(self, value: Any):
+    def __init__(self, value: object):
         self.type_name = f"{type(value).__module__}.{type(value).__qualname__}"
         try:
             text = repr(value)
@@ -81,7 +81,7 @@ class _Opaque:
         return self.text
 
 
-def encode(value: Any) -> bytes:
+def encode(value: object) -> bytes:
     """Return the bytes of a value; what can't be restored leaves its type and the beginning of its repr."""
     arrays: list[bytes] = []
     head = json.dumps(_plain(value, arrays, [0], 0), separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
@@ -141,12 +141,12 @@ def _mapping(items: dict[Any, Any], arrays: list[bytes], size: list[int]) -> Any
     return {"$dict": [[_plain(key, arrays, size, 0), item] for key, item in items.items()]}
 
 
-def _opaque(value: Any) -> dict[str, list[str]]:
+def _opaque(value: object) -> dict[str, list[str]]:
     opaque = value if isinstance(value, _Opaque) else _Opaque(value)
     return {"$opaque": [opaque.type_name, opaque.text]}
 
 
-def _restored(item: Any, body: bytes) -> Any:
+def _restored(item: object, body: bytes) -> Any:
     if isinstance(item, list):
         return [_restored(one, body) for one in item]
     if not isinstance(item, dict):

@@ -269,7 +269,7 @@ class _Run:
         return self._scripted(path, _FOREIGN)
 
     def _scripted(
-        self, path: str, manifest: Manifest, given: Mapping[str, Any] = {}, meaning: Mapping[str, str] = {}
+        self, path: str, manifest: Manifest, given: Mapping[str, object] = {}, meaning: Mapping[str, str] = {}
     ) -> Leaf:
         known_as = self._known_as(path)
         made = _Scripted(path, path, manifest, dict(given), dict(meaning))
