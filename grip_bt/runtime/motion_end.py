@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm, Hand
 from grip_bt.base.values import JointState
 
+T = TypeVar("T")
 _BEGIN = ("execute", "jog", "open", "close", "move")
 """Methods of `ports.Arm` and `ports.Hand` that begin a motion."""
 _GO_ON = ("steer", "steer_to")
@@ -49,7 +50,7 @@ class Motions:
         leaves, parts = (list(dict.fromkeys(name for name, work in some if work.lingers)) for some in known)
         return leaves or parts
 
-    def begin(self, name: str, start: Callable[[], Operation[Any]], waits: bool) -> Operation[Any]:
+    def begin(self, name: str, start: Callable[[], Operation[T]], waits: bool) -> Operation[T]:
         """Begin a motion of a part; with `waits` when all that was told to stop has ended.
 
         Raises:
