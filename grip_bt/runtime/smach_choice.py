@@ -50,7 +50,7 @@ class Choose(State):
         cls,
         run: TreeRun,
         value: str,
-        cases: Mapping[str, Sequence[object]],
+        cases: Mapping[str, Sequence[Any]],
         default: str = "",
         *,
         place: str = "/",
