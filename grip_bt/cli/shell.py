@@ -124,7 +124,7 @@ def _said(words: str, status: int = INVALID) -> int:
 
 
 _PACKAGES = {
-    "motion": ("coal", "example_robot_data", "ompl", "pinocchio", "pytracik", "xacro"),
+    "motion": ("coal", "example_robot_data", "ompl", "pinocchio", "pytracik", "toppra", "xacro"),
     "sim": ("sapien",),
     "ros": ("ament_index_python", "builtin_interfaces", "rclpy", "rosidl_adapter", "rosidl_parser", "std_msgs"),
     "gui": ("fastapi", "starlette", "uvicorn", "websockets"),

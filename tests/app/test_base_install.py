@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 EXTRAS = (
-    *("coal", "ompl", "pinocchio", "pytracik", "xacro", "eaik", "sapien", "mcap", "fastapi", "uvicorn"),
+    *("coal", "ompl", "pinocchio", "pytracik", "toppra", "xacro", "eaik", "sapien", "mcap", "fastapi", "uvicorn"),
     *("websockets", "rclpy", "rosidl_adapter", "rosidl_parser", "geometry_msgs", "sensor_msgs", "example_robot_data"),
     *("airo_models", "gym_xarm", "robopianist"),
 )

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-HEAVY = {"ompl", "scipy", "coal", "sapien", "pytracik"}
+HEAVY = {"ompl", "toppra", "scipy", "coal", "sapien", "pytracik"}
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from grip_bt.cli.__main__ import main
 ROOT = Path(__file__).parents[2]
 NAMES = (
     *("random", "json", "typing", "enum", "socket", "sqlite3", "subprocess", "tempfile", "uuid", "secrets"),
-    *("yaml", "numpy", "pydantic", "py_trees", "scipy", "sapien", "rclpy", "xacro", "fastapi", "mcap"),
+    *("yaml", "numpy", "pydantic", "py_trees", "scipy", "toppra", "sapien", "rclpy", "xacro", "fastapi", "mcap"),
 )
 TASK = "grip: 1\nname: t\nroot: {node: flow/succeed}\n"
 CAMPAIGN = "campaign: 1\ntask: t.yaml\nrobot: fake\nseeds: [0]\n"

@@ -75,7 +75,7 @@ def _core() -> Finding:
 
 
 def _motion() -> Finding:
-    return _imports("motion", "motion", {"pinocchio": "pin", "coal": "coal", "ompl.base": "ompl"})
+    return _imports("motion", "motion", {"pinocchio": "pin", "coal": "coal", "ompl.base": "ompl", "toppra": "toppra"})
 
 
 def _simulator() -> Finding:
