@@ -20,19 +20,16 @@ from grip_bt.base.ports import Executor, HandPort, Steerable
 from grip_bt.base.values import JointState, Trajectory
 
 from .steering import spliced
-from .trajectory.jerk_limited import eased_down, jerks_of, smooth_start
-from .trajectory.splines import slowed
-from .trajectory.stopping import accelerations_of, paced
+from .trajectory.jerk_limited import ANY, eased_down, jerks_of, smooth_start
+from .trajectory.stopping import accelerations_of
 
 J = TypeVar("J")
-RAMP = 5.0
-"""How long a motion may take at most to come up to its speed again [s]."""
 SHORTEST = 0.1
 """A rest of a motion takes no less than this [s]."""
 ASIDE = 0.1
 """Joints that are further from the path than this [rad or m] were moved by something else meanwhile."""
 _ASIDE_PART = 0.1
-"""What part of the joints' accelerations brings them back to the path; `paced` leaves as much."""
+"""What part of the joints' accelerations brings them back to the path."""
 _GRID, _DOUBT = 0.005, 0.01
 """Spacing of the search for where on its path a motion is [s]; what a second that it is early or late weighs [rad]."""
 
@@ -64,26 +61,13 @@ def rest_of(
         )
     begin = float(times[nearest])
     aside = measured - trajectory.at(begin)
-    fading = max(SHORTEST, float(np.sqrt(6 * np.abs(aside) / (_ASIDE_PART * acceleration)).max()))
-    if jerk is not None:
-        fading = max(fading, float(np.cbrt(60 * np.abs(aside) / (_ASIDE_PART * jerk)).max()))
-        return eased_down(
-            _fading(smooth_start(trajectory, begin, acceleration, jerk), aside, fading), acceleration, jerk
-        )
-    rest = paced(trajectory, begin, 0.0, 1.0, acceleration, RAMP).stretched(fading)
-    if rest.duration == 0.0:
-        rest = Trajectory(
-            rest.names, np.array([0.0, fading]), np.tile(rest.positions, (2, 1)), np.zeros((2, len(aside)))
-        )
-    part = np.clip(rest.times / fading, 0.0, 1.0)
-    assert rest.velocities is not None
-    whole = Trajectory(
-        rest.names,
-        rest.times,
-        rest.positions + np.outer(1 - 3 * part**2 + 2 * part**3, aside),
-        rest.velocities + np.outer(6 * (part**2 - part) / fading, aside),
+    jerk = np.full(len(aside), ANY) if jerk is None else jerk
+    fading = max(
+        SHORTEST,
+        float(np.sqrt(6 * np.abs(aside) / (_ASIDE_PART * acceleration)).max()),
+        float(np.cbrt(60 * np.abs(aside) / (_ASIDE_PART * jerk)).max()),
     )
-    return slowed(whole, np.full(len(aside), np.inf), acceleration)
+    return eased_down(_fading(smooth_start(trajectory, begin, acceleration, jerk), aside, fading), acceleration, jerk)
 
 
 def _fading(rest: Trajectory, aside: Array, within: float) -> Trajectory:

@@ -8,8 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from grip_bt.base.values import Trajectory
-from grip_bt.commanders.trajectory.jerk_limited import braking_times, each_by_itself
-from grip_bt.commanders.trajectory.stopping import ACCELERATION, LATER, accelerations_of, even_ramp, paced, stop_ramp
+from grip_bt.commanders.trajectory.jerk_limited import ANY, braking_times, each_by_itself, smooth_start
+from grip_bt.commanders.trajectory.stopping import ACCELERATION, LATER, accelerations_of, even_ramp, stop_ramp
 
 SEEDS = st.integers(0, 10**6)
 
@@ -64,7 +64,7 @@ def test_a_stop_stays_on_the_path_and_within_the_limits_and_is_soon_over(seed, p
 @given(SEEDS, st.floats(0, 1))
 def test_what_was_stopped_goes_on_to_its_end_within_the_limits(seed, part):
     motion, limits = made(seed)
-    rest = paced(motion, part * motion.duration, 0.0, 1.0, limits, motion.duration)
+    rest = smooth_start(motion, part * motion.duration, limits, np.full(len(limits), ANY))
     assert rest.positions[-1] == pytest.approx(motion.positions[-1], abs=1e-9)
     assert rest.velocities is not None
     assert np.abs(rest.velocities[0]).max() < 1e-9

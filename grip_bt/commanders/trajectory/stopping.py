@@ -1,4 +1,4 @@
-"""Coming to rest, and going on: along the path that was checked, as hard as the joints' own limits allow.
+"""Coming to rest: along the path that was checked, as hard as the joints' own limits allow.
 
 Along a path q(s), followed at the rate r = ds/dt (1 as planned), a joint's acceleration is q''(s) r^2 + q'(s) dr/dt. So
 what each joint has left bounds dr/dt, and the strictest joint decides. Where the path is within the limits, dr/dt = 0
@@ -25,8 +25,8 @@ STEP = 0.01
 """Time between two points of a ramp [s]."""
 _TRIES = 4
 """So often a ramp is made gentler because what is drawn between its points is beyond the limits."""
-_USED, _USED_AGAIN = 0.98, 0.9
-"""Parts of the limits that are used to brake and to go on: what is drawn between two points swings a little past."""
+_USED = 0.98
+"""Part of the limits that is used to brake: what is drawn between two points swings a little past."""
 _SLOW = 1e-5
 """Joints slower than this [rad/s or m/s] are at rest."""
 _GRID = 0.0025
@@ -65,7 +65,7 @@ def stop_ramp(trajectory: Trajectory, time: float, acceleration: Array, jerk: Ar
         return evenly
     limit = acceleration
     for _ in range(_TRIES):
-        along = paced(trajectory, time, 1.0, 0.0, limit, evenly.duration + LATER)
+        along = _along(trajectory, time, limit, evenly.duration + LATER)
         if along.duration > evenly.duration + LATER:
             return evenly
         over = float((peaks(along)[1] / acceleration).max())
@@ -96,44 +96,30 @@ def even_ramp(
     )
 
 
-def paced(
-    trajectory: Trajectory, begin: float, rate: float, wanted: float, acceleration: Array, within: float
-) -> Trajectory:
-    """Return how a trajectory is followed from a moment on at a rate that goes to another one as quickly as may be.
+def _along(trajectory: Trajectory, begin: float, acceleration: Array, within: float) -> Trajectory:
+    """Return how a trajectory comes to rest on its path from a moment on [s], as quickly as may be.
 
     Args:
-        begin: where on it [s].
-        rate: at which it is followed there, 0 to 1.
-        wanted: 0 to come to rest, 1 to come up to its own speed and go on to its end.
         acceleration: limits of its joints, shape (n,) [rad/s^2 or m/s^2].
         within: time that this may take [s]; it goes on at the rate that is reached then.
     """
-    where, rates, times = [begin], [rate], [0.0]
-    sign = 1.0 if wanted > rate else -1.0
-    limit = acceleration * (_USED if sign < 0 else _USED_AGAIN)
-    left = _Left(trajectory, begin, min(begin + within, trajectory.duration), limit, sign)
-    while rates[-1] != wanted and where[-1] < trajectory.duration - 1e-9 and times[-1] <= within:
+    where, rates, times = [begin], [1.0], [0.0]
+    left = _Left(trajectory, begin, min(begin + within, trajectory.duration), acceleration * _USED)
+    while rates[-1] > 0 and where[-1] < trajectory.duration - 1e-9 and times[-1] <= within:
         s, r = where[-1], rates[-1]
-        change = sign * left.hardest(s, r)
-        needed = abs(wanted - r) / max(abs(change), 1e-12)
+        loss = left.hardest(s, r)
+        needed = r / max(loss, 1e-12)
         last = needed <= 1.5 * STEP  # no sliver: two points that are too close make a rough spline
         step = max(needed, STEP / 2) if last else STEP
-        faster = wanted if last else r + change * step
+        slower = 0.0 if last else r - loss * step
         ahead = trajectory.duration - s
-        if (r + faster) * step > 2 * ahead - r * STEP:
-            step = 2 * ahead / (r + faster)
+        if (r + slower) * step > 2 * ahead - r * STEP:
+            step = 2 * ahead / (r + slower)
             where.append(trajectory.duration)
         else:
-            where.append(s + (r + faster) / 2 * step)
-        rates.append(faster)
+            where.append(s + (r + slower) / 2 * step)
+        rates.append(slower)
         times.append(times[-1] + step)
-    if wanted > 0:  # the rest of it, as it was
-        rows = trajectory.times[trajectory.times > where[-1] + STEP / 2]
-        if not len(rows) and where[-1] < trajectory.duration:
-            rows = trajectory.times[-1:]
-        times.extend(times[-1] + (rows - where[-1]) / rates[-1])
-        where.extend(rows)
-        rates.extend(np.full(len(rows), rates[-1]))
     positions, velocities, _ = trajectory.sampled(np.array(where))
     velocities = velocities * np.array(rates)[:, None]
     if where[-1] >= trajectory.duration - 1e-9:
@@ -144,19 +130,19 @@ def paced(
 class _Left:
     """What joints have left along a piece of a path."""
 
-    def __init__(self, trajectory: Trajectory, begin: float, end: float, limit: Array, sign: float):
-        self._begin, self._sign, self._last = begin, sign, max(1, int(np.ceil((end - begin) / _GRID)))
+    def __init__(self, trajectory: Trajectory, begin: float, end: float, limit: Array):
+        self._begin, self._last = begin, max(1, int(np.ceil((end - begin) / _GRID)))
         _, velocity, curving = trajectory.sampled(np.array([begin + _GRID * k for k in range(self._last + 1)]))
         moving = np.abs(velocity) > _SLOW
         size = np.where(moving, np.abs(velocity), 1.0)
         self._limit = np.where(moving, limit / size, _ANY)
-        self._taken = np.where(moving, sign * curving * np.sign(velocity) / size, 0.0)
+        self._taken = np.where(moving, -curving * np.sign(velocity) / size, 0.0)
 
     def hardest(self, s: float, r: float) -> float:
-        """Return how quickly the rate may change over the next step, whatever it is then; at least 0 [1/s]."""
+        """Return how quickly the rate may fall over the next step, whatever it is then; at least 0 [1/s]."""
         first = min(round((s - self._begin) / _GRID), self._last)
         rows = slice(first, min(first + 2 + round(r * STEP / _GRID), self._last + 1))
         limit, taken = self._limit[rows], self._taken[rows]
         now = float((limit - taken * r * r).min())
-        then = min(max(0.0, r + self._sign * STEP * now), 1.0)
+        then = min(max(0.0, r - STEP * now), 1.0)
         return max(0.0, min(now, float((limit - taken * then * then).min())))
