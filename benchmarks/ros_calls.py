@@ -241,7 +241,7 @@ def lost(overlay: Path) -> None:
 def main() -> None:
     from grip_bt.cli.component import generate
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.interfaces.ament import activate
+    from grip_bt.ros.interfaces.packages import activate
 
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)

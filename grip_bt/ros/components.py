@@ -10,6 +10,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.base.ports import Component
+from grip_bt.ros.interfaces.packages import activate
 from grip_bt.ros.process import advice, command_of, uses_our_python
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_component
 
@@ -19,9 +20,8 @@ from .client.service import ServiceClient
 from .component import Client, RosComponent
 from .frames import FrameTree
 from .interfaces import Built, build_interfaces
-from .interfaces.ament import activate
 from .process import Process, child_environment, stop_all
-from .watchdog import READY, Guard
+from .watchdog import READY, Watchdog
 
 INTERFACES = "interfaces"
 """Sub-folder of a component with its interface packages."""
@@ -165,16 +165,16 @@ def start_components(
     seconds = time.monotonic() - started if fresh else 0.0
     for prefix in dict.fromkeys(p for prefixes in overlays.values() for p in prefixes):
         activate(prefix)
-    bus = Bus(domain_id=domain_id, guarded=True)
+    bus = Bus(domain_id=domain_id, watched=True)
     components = Components(bus, {}, seconds)
     try:
         for name, file in files.items():
             log = project / ".grip" / "logs" / f"{name}.log"
             components._running[name] = _start(bus, file, folders[name], overlays[name], domain_id, log, frames)
-        guard = _guard(bus, files.values())
+        watchdog = _watchdog(bus, files.values())
         components.wait_ready()
-        if guard is not None:
-            guard.wait_ready(READY)
+        if watchdog is not None:
+            watchdog.wait_ready(READY)
     except BaseException:
         components.close()
         raise
@@ -192,14 +192,14 @@ def _build(folder: Path, project: Path, begun: Callable[[str], None]) -> list[Bu
     return build_interfaces(folder / INTERFACES, project / ".grip" / "interfaces", begun=begun)
 
 
-def _guard(bus: Bus, files: Iterable[ComponentFile]) -> Guard | None:
+def _watchdog(bus: Bus, files: Iterable[ComponentFile]) -> Watchdog | None:
     """Return what sees to actions that may move something when this process has died, where there are such."""
     actions = [file.server for file in files if file.kind == "action" and file.moves]
-    guard = bus.guard if actions else None
-    if guard is not None:
+    watchdog = bus.watchdog if actions else None
+    if watchdog is not None:
         for action in actions:
-            guard.knows(action)
-    return guard
+            watchdog.expect_server(action)
+    return watchdog
 
 
 def _check_one_definition(built: Mapping[str, Sequence[Built]], folders: Mapping[str, Path]) -> None:

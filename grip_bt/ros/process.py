@@ -21,7 +21,7 @@ from grip_bt.base.interpreter import python_command
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
 from grip_bt.ros.environment import DDS_PROFILE, PROFILE_VARIABLES
-from grip_bt.ros.interfaces.ament import PackageError, child_paths, executable_of, launch_file_of
+from grip_bt.ros.interfaces.packages import PackageError, child_paths, executable_of, launch_file_of
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.component_parts import Start
 

@@ -19,13 +19,13 @@ from std_msgs.msg import Header
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import GoalRejectedError, ServerLostError
 from grip_bt.base.operation import Operation
+from grip_bt.ros.interfaces.packages import activate
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
 from .client.bus import Bus
 from .client.goal import GoalEnd
 from .client.types import InterfaceType, Message, type_name
 from .interfaces import build_interfaces
-from .interfaces.ament import activate
 from .smach_server import Shutdown, SimpleServer, ended
 
 INTERFACES = Path(__file__).with_name("interface_packages")
@@ -49,7 +49,7 @@ def connect(domain_id: int | None = None, interface_cache: Path | None = None) -
     Raises:
         MissingPartError: there is no ROS 2.
     """
-    return RclpyConnection(Bus("smach", domain_id=domain_id, guarded=True), interface_cache)
+    return RclpyConnection(Bus("smach", domain_id=domain_id, watched=True), interface_cache)
 
 
 class RclpyConnection:
@@ -199,8 +199,8 @@ class _Service:
 class _ActionClient:
     def __init__(self, bus: Bus, name: str, type_: InterfaceType):
         self._client = bus.action(type_, name)
-        if bus.guard is not None:
-            bus.guard.knows(name)
+        if bus.watchdog is not None:
+            bus.watchdog.expect_server(name)
         self._goal: Operation[GoalEnd] | None = None
 
     def wait(self, timeout: float) -> bool:

@@ -13,16 +13,16 @@ from contextlib import contextmanager, suppress
 from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import python_command
 
-REPORT = "GRIP_REAPER_REPORT"
-"""Environment variable: number of the file descriptor for the reaper's report."""
+REPORT = "GRIP_WATCHDOG_REPORT"
+"""Environment variable: number of the file descriptor for the watchdog's report."""
 READY = 60.0
-"""How long the reaper may take to come up, where nobody says otherwise [s]: some 2 s on a machine that isn't busy."""
+"""How long the watchdog may take to come up, where nobody says otherwise [s]: some 2 s on a machine that isn't busy."""
 _MARK = "GRIP_RUN_MARK"
-"""By this variable processes of a run are found and ended with it; the reaper has to outlive them."""
+"""By this variable processes of a run are found and ended with it; the watchdog has to outlive them."""
 
 
-class Guard:
-    """A reaper's process; what is told to it is told before it is done. Nothing here blocks or raises.
+class Watchdog:
+    """The process of a watchdog; what is told to it is told before it is done. Nothing here blocks or raises.
 
     Args:
         domain: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
@@ -59,71 +59,73 @@ class Guard:
             GripError: it can't.
         """
         if not self.ready(within):
-            raise GripError("the process that ends goals when this one is killed doesn't come up; run `grip doctor`")
+            raise GripError(
+                "the watchdog, which ends goals when this process is killed, did not start; run `grip doctor`"
+            )
 
-    def knows(self, action: str) -> None:
+    def expect_server(self, action: str) -> None:
         """Have an action's server found before there is a goal."""
-        self._tell(knows=action)
+        self._tell(expect_server=action)
 
-    def watch(self, part: str, topic: str, joints: Sequence[str], actions: Sequence[str] = ()) -> None:
+    def watch_joints(self, part: str, topic: str, joints: Sequence[str], actions: Sequence[str] = ()) -> None:
         """Say which joints tell whether a part is at rest, on which topic they are measured, and which actions move it.
 
         A goal of any other action has come to rest when its server says that it has ended.
         """
-        self._tell(watch=[part, topic, list(joints), list(actions)])
+        self._tell(watch_joints=[part, topic, list(joints), list(actions)])
 
-    def sent(self, action: str, goal_id: bytes) -> None:
+    def goal_sent(self, action: str, goal_id: bytes) -> None:
         """Say that a goal is about to be sent."""
-        self._tell(sent=[action, goal_id.hex()])
+        self._tell(goal_sent=[action, goal_id.hex()])
 
-    def over(self, goal_id: bytes) -> None:
+    def goal_ended(self, goal_id: bytes) -> None:
         """Say that a goal has ended, or is known to its server to be of no use."""
-        self._tell(over=goal_id.hex())
+        self._tell(goal_ended=goal_id.hex())
 
-    def follows(self, topic: str, joints: Sequence[str]) -> None:
+    def trajectory_sent(self, topic: str, joints: Sequence[str]) -> None:
         """Say that a trajectory is about to be published."""
-        self._tell(follows=[topic, list(joints)])
+        self._tell(trajectory_sent=[topic, list(joints)])
 
-    def free(self, topic: str) -> None:
+    def trajectory_ended(self, topic: str) -> None:
         """Say that nothing of it is followed any more."""
-        self._tell(free=topic)
+        self._tell(trajectory_ended=topic)
 
     def close(self) -> None:
-        """Let the reaper end; with goals that no server has answered for it sees to them first."""
+        """Let the watchdog end; with goals that no server has answered for it sees to them first."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         with suppress(OSError):
             self._process.stdin.close()
         self._process.stdout.close()
-        threading.Thread(target=self._process.wait, name="grip_reaper", daemon=True).start()  # it may have work to do
+        threading.Thread(target=self._process.wait, name="grip_watchdog", daemon=True).start()  # it may have work to do
 
     def _tell(self, **line: object) -> None:
         with suppress(OSError, ValueError):  # it has ended, was closed, or is stuck: nothing is lost but it
             os.write(self._end, json.dumps(line).encode() + b"\n")
 
-    def __enter__(self) -> Guard:
+    def __enter__(self) -> Watchdog:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
 
-_shared: dict[int, tuple[Guard, int]] = {}
+_shared: dict[int, tuple[Watchdog, int]] = {}
 _lock = threading.Lock()
 
 
 @contextmanager
-def shared(domain: int) -> Iterator[Guard]:
-    """Give the guard that all connections of this process to a domain share, so that it is one process for them all."""
+def shared(domain: int) -> Iterator[Watchdog]:
+    """Give the watchdog that all connections of this process to a domain share."""
     with _lock:
-        guard, users = _shared.get(domain) or (Guard(domain), 0)
-        _shared[domain] = guard, users + 1
+        watchdog, users = _shared.get(domain) or (Watchdog(domain), 0)
+        _shared[domain] = watchdog, users + 1
     try:
-        yield guard
+        yield watchdog
     finally:
         with _lock:
             _, users = _shared.pop(domain)
             if users > 1:
-                _shared[domain] = guard, users - 1
+                _shared[domain] = watchdog, users - 1
         if users == 1:
-            guard.close()
+            watchdog.close()

@@ -22,8 +22,10 @@ from typing import Any
 import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
+from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_action_status_default
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -58,7 +60,7 @@ class _Goal:
         self.ended = False
 
 
-class Reaper:
+class WatchdogProcess:
     """What was told, and what is done about it.
 
     Args:
@@ -70,36 +72,35 @@ class Reaper:
         self._topics: dict[str, tuple[str, ...]] = {}
         self._parts: dict[str, tuple[str, tuple[str, ...]]] = {}
         self._moved: set[str] = set()
-        self._clients: dict[str, Any] = {}
+        self._clients: dict[str, Client] = {}
         self._there: dict[str, float] = {}
-        self._ears: dict[str, Any] = {}
-        self._writers: dict[str, Any] = {}
+        self._subscribed: set[str] = set()
+        self._writers: dict[str, Publisher] = {}
         self._heard: dict[str, tuple[float, float, float]] = {}
-        self._readers: dict[str, Any] = {}
         context = Context()
         rclpy.init(args=[], context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node("grip_reaper", context=context, enable_rosout=False)
+        self._node = rclpy.create_node("grip_watchdog", context=context, enable_rosout=False)
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self._node)
 
-    def told(self, line: dict[str, Any]) -> None:
+    def take(self, line: dict[str, Any]) -> None:
         """Take note of a line of the run."""
         match line:
-            case {"sent": [action, goal]}:
+            case {"goal_sent": [action, goal]}:
                 self._goals[goal] = _Goal(action, bytes.fromhex(goal))
                 self._client(action)
                 self._hear(action)
-            case {"knows": action}:
+            case {"expect_server": action}:
                 self._client(action)
-            case {"over": goal}:
+            case {"goal_ended": goal}:
                 self._goals.pop(goal, None)
-            case {"follows": [topic, names]}:
+            case {"trajectory_sent": [topic, names]}:
                 self._topics[topic] = tuple(names)
                 self._writer(topic)
                 self._listen()
-            case {"free": topic}:
+            case {"trajectory_ended": topic}:
                 self._topics.pop(topic, None)
-            case {"watch": [part, topic, names, actions]}:
+            case {"watch_joints": [part, topic, names, actions]}:
                 self._parts[part] = (topic, tuple(names))
                 self._moved.update(actions)
                 for action in actions:
@@ -114,7 +115,7 @@ class Reaper:
         """Have `spin` return at once; from any thread."""
         self._executor.create_task(lambda: None)
 
-    def reap(self) -> dict[str, str]:
+    def stop_all(self) -> dict[str, str]:
         """Have everything hold; return part or action -> why that couldn't be confirmed, empty where it is at rest.
 
         Of actions that joints of a part don't tell about, only those are named that can't be confirmed to have ended.
@@ -134,7 +135,7 @@ class Reaper:
                     self._cancel(goal, began)
             self.spin(0.02)
         for goal in left:
-            said = "its server cancels the goal, but hasn't said that it has ended"
+            said = "the server accepted the cancel request, but the goal did not end"
             goal.over = f"{said if goal.over else 'nobody has answered the request to cancel'} within {LIMIT / 2:g} s"
         failed = {topic: why for topic, why in held.items() if why}
         failed.update((goal.action, goal.over) for goal in self._goals.values() if goal.over != "canceled")
@@ -158,25 +159,26 @@ class Reaper:
                 if goal is not None and status.status >= GoalStatus.STATUS_SUCCEEDED:
                     goal.over, goal.ended = "canceled", True
 
-        if action not in self._moved and action not in self._ears:
-            self._ears[action] = self._node.create_subscription(
-                GoalStatusArray, f"{action}/_action/status", told, qos_profile_action_status_default
-            )
+        if action not in self._moved and action not in self._subscribed:
+            self._subscribed.add(action)
+            topic = f"{action}/_action/status"
+            self._node.create_subscription(GoalStatusArray, topic, told, qos_profile_action_status_default)
 
-    def _client(self, action: str) -> Any:
+    def _client(self, action: str) -> Client:
         if action not in self._clients:
             self._clients[action] = self._node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
         return self._clients[action]
 
-    def _writer(self, topic: str) -> Any:
+    def _writer(self, topic: str) -> Publisher:
         if topic not in self._writers:
             self._writers[topic] = self._node.create_publisher(JointTrajectory, topic, 10)
         return self._writers[topic]
 
     def _listen(self) -> None:
         for topic in {topic for topic, _ in self._parts.values()}:
-            if topic not in self._readers:
-                self._readers[topic] = self._node.create_subscription(JointState, topic, self._measured, 50)
+            if topic not in self._subscribed:
+                self._subscribed.add(topic)
+                self._node.create_subscription(JointState, topic, self._measured, 50)
 
     def _measured(self, message: Message) -> None:
         now = time.monotonic()
@@ -247,24 +249,24 @@ def main() -> int:
     """Listen until the input ends, then see to what is left."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    reaper, lines, over = Reaper(int(sys.argv[1])), [], threading.Event()
+    watchdog, lines, over = WatchdogProcess(int(sys.argv[1])), [], threading.Event()
 
     def read() -> None:
         with os.fdopen(0) as stream:
             for line in stream:
                 lines.append(line)
-                reaper.wake()
+                watchdog.wake()
         over.set()
-        reaper.wake()
+        watchdog.wake()
 
     threading.Thread(target=read, daemon=True).start()
     with suppress(OSError):
         os.write(1, b"1")  # ready
     while not over.is_set() or lines:
         while lines:
-            reaper.told(json.loads(lines.pop(0)))
-        reaper.spin(0.05)
-    report = reaper.reap()
+            watchdog.take(json.loads(lines.pop(0)))
+        watchdog.spin(0.05)
+    report = watchdog.stop_all()
     if report and (descriptor := os.environ.get(REPORT)):
         os.write(int(descriptor), json.dumps(report).encode() + b"\n")
     return 0

@@ -32,7 +32,7 @@ def interface_cache(tmp_path_factory) -> Path:
 def antipodal(interface_cache) -> Path:
     """Return the prefix of the example's interfaces, built and active in this process."""
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.interfaces.ament import activate
+    from grip_bt.ros.interfaces.packages import activate
 
     (built,) = build_interfaces(EXAMPLE / "interfaces", interface_cache)
     activate(built.prefix)
@@ -74,7 +74,7 @@ def serve(start_server):
 def trial(interface_cache) -> Path:
     """Return the prefix of `trial_interfaces`, built and active in this process."""
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.interfaces.ament import activate
+    from grip_bt.ros.interfaces.packages import activate
 
     (built,) = build_interfaces(DATA / "trial_interfaces", interface_cache)
     activate(built.prefix)

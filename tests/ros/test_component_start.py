@@ -10,7 +10,7 @@ from ros_bench import DATA, ended, gone
 
 from grip_bt.base.failures import ServerLostError
 from grip_bt.ros.components import start_components
-from grip_bt.ros.interfaces.ament import PackageError, executable_of, launch_file_of, share_of
+from grip_bt.ros.interfaces.packages import PackageError, executable_of, launch_file_of, share_of
 
 TEXT = """
 name: trigger

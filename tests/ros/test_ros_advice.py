@@ -17,7 +17,7 @@ from grip_bt.ros.client.graph import instead, instead_of_topic
 from grip_bt.ros.client.types import load_type
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interface import RosInterface
-from grip_bt.ros.interfaces.ament import PackageError
+from grip_bt.ros.interfaces.packages import PackageError
 from grip_bt.ros.process import advice, command_of
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.component_parts import Start

@@ -11,10 +11,10 @@ import pytest
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.ros.interfaces import InterfaceBuildError, build_interfaces, read_package
-from grip_bt.ros.interfaces.ament import search_path
 from grip_bt.ros.interfaces.build import FOLDER, NEEDS, provide
 from grip_bt.ros.interfaces.compiler import compilers
 from grip_bt.ros.interfaces.generate import hash_types
+from grip_bt.ros.interfaces.packages import search_path
 
 DOCUMENTED = {
     "tf2_msgs/msg/TFMessage": "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
@@ -103,7 +103,7 @@ def package(tmp_path) -> Path:
 
 @pytest.mark.slow
 def test_nested_bounded_fixed_defaulted_and_constant_fields_are_as_ros_has_them(package, tmp_path):
-    from grip_bt.ros.interfaces.ament import activate
+    from grip_bt.ros.interfaces.packages import activate
 
     (built,) = build_interfaces(package, tmp_path / "cache")
     activate(built.prefix)
@@ -154,7 +154,7 @@ def test_a_compiler_that_fails_is_quoted(package, tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_a_colcon_workspace_is_used_as_it_is(package, tmp_path):
     """A built prefix laid out as colcon isolates packages: install/<package>/."""
-    from grip_bt.ros.interfaces.ament import activate, child_paths, package_prefixes
+    from grip_bt.ros.interfaces.packages import activate, child_paths, package_prefixes
 
     shutil.move(package, package.with_name("colcon_interfaces"))
     folder = package.with_name("colcon_interfaces")

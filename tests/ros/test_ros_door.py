@@ -23,9 +23,8 @@ from grip_bt.base.values import CameraInfo, DepthImage, Image, Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import load_type
 from grip_bt.ros.frames import FrameError, FrameTree
-from grip_bt.ros.interface import BadRequestError, RosInterface
+from grip_bt.ros.interface import BadRequestError, RosInterface, Synchroniser
 from grip_bt.ros.sensing import mounted_frames, open_sensors
-from grip_bt.ros.synchronise import Synchroniser
 from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.sensors import SensorConfig
 
@@ -201,7 +200,7 @@ def test_frames_come_from_the_robot_where_tf_is_not_there(bus):
 @ros
 def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.interfaces.ament import activate
+    from grip_bt.ros.interfaces.packages import activate
 
     package = tmp_path / "tf2_msgs"
     (package / "msg").mkdir(parents=True)
@@ -323,7 +322,7 @@ def test_one_bad_sensor_stops_no_other(door, camera, tmp_path):
 
 @ros
 def test_a_part_of_a_sensor_that_is_missing_is_named(door, camera, tmp_path, monkeypatch):
-    monkeypatch.setattr("grip_bt.ros.synchronise.threading", SimpleNamespace(Timer=Deadline))
+    monkeypatch.setattr("grip_bt.ros.interface.threading", SimpleNamespace(Timer=Deadline))
     topics = {**CAMERA["topics"], "more": {"topic": "/cam/more", "type": "Image"}}
     config = SensorConfig.model_validate({"topics": topics, "timeout": 0.5})
     capture = open_sensors({"cam": config}, door, tmp_path)["cam"].capture()

@@ -12,15 +12,14 @@ from ros_bench import EXAMPLE
 from test_ros_interface_definitions import make_package
 
 from grip_bt.ros.interfaces import build_interfaces
-from grip_bt.ros.interfaces.ament import OverlayError, activate, search_path, share_folder
 from grip_bt.ros.interfaces.compiler import InterfaceBuildError, _compile
 from grip_bt.ros.interfaces.generate import Generated
-from grip_bt.ros.interfaces.package import Package
+from grip_bt.ros.interfaces.packages import OverlayError, Package, activate, search_path, share_folder
 from grip_bt.ros.process import child_environment
 
 USE = """
 import sys
-from grip_bt.ros.interfaces.ament import activate
+from grip_bt.ros.interfaces.packages import activate
 for prefix in sys.argv[1:]:
     activate(prefix)
 from upper_pkg.action import Move

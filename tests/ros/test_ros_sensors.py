@@ -63,7 +63,7 @@ def test_a_stamp_of_another_clock_says_nothing_of_before(door):
 
 
 def test_a_capture_in_vain_says_that_all_came_too_early(door, monkeypatch):
-    monkeypatch.setattr("grip_bt.ros.synchronise.threading", SimpleNamespace(Timer=Deadline))
+    monkeypatch.setattr("grip_bt.ros.interface.threading", SimpleNamespace(Timer=Deadline))
     one, heard = door.together({"/image": IMAGE}, 0.05, 4.0), threading.Event()
     door.bus.reader(IMAGE, "/image").listen(lambda _: heard.set())  # after the capture, which is called first
     send(door, "/image", IMAGE, stamp=NOW - 0.25)

@@ -25,7 +25,7 @@ OUTCOMES = ["succeeded", "aborted", "preempted"]
 @pytest.fixture(scope="module")
 def counting(interface_cache):
     from grip_bt.ros.interfaces import build_interfaces
-    from grip_bt.ros.interfaces.ament import activate
+    from grip_bt.ros.interfaces.packages import activate
 
     (built,) = build_interfaces(DATA / "counting", interface_cache)
     activate(built.prefix)

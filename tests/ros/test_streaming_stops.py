@@ -46,7 +46,7 @@ def stopped(measured):
     from grip_bt.ros.controllers import StreamedExecutor
 
     joints = Joints(measured)
-    arm = StreamedExecutor(SimpleNamespace(writer=lambda *_: joints, guard=None), "/commands", NAMES, joints)
+    arm = StreamedExecutor(SimpleNamespace(writer=lambda *_: joints, watchdog=None), "/commands", NAMES, joints)
     operation = arm.execute(WAY)
     assert joints.enough.wait(PATIENCE)
     arm.stop()

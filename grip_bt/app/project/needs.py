@@ -12,7 +12,8 @@ from pathlib import Path
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError, nearest
 from grip_bt.ros.frames import FrameTree
-from grip_bt.ros.interfaces.ament import (
+from grip_bt.ros.interfaces.build import FOLDER, NEEDS
+from grip_bt.ros.interfaces.packages import (
     PackageError,
     executable_of,
     interface_packages,
@@ -20,7 +21,6 @@ from grip_bt.ros.interfaces.ament import (
     search_path,
     share_folder,
 )
-from grip_bt.ros.interfaces.build import FOLDER, NEEDS
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
 from grip_bt.task.catalog.component_parts import ProcessConfig, Start
 from grip_bt.task.catalog.project_parts import MISSING_PACKAGE, UNFIT_PROJECT, Problem, missing_package, missing_type

@@ -27,7 +27,7 @@ def main() -> int:
     # Ctrl-C, and the end of a terminal, reach the whole process group; what to do about it is the parent's decision.
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    os.environ["GRIP_REAPER_REPORT"] = str(channels["report"])  # as `grip_bt.ros.watchdog` has it
+    os.environ["GRIP_WATCHDOG_REPORT"] = str(channels["report"])  # as `grip_bt.ros.watchdog` has it
     faulthandler.enable(os.fdopen(channels["trace"], "w"))
     commands, events = os.fdopen(channels["commands"]), os.fdopen(channels["events"], "w")
     parent, line = os.getppid(), commands.readline()

@@ -36,7 +36,7 @@ WIND_DOWN = 15.0
 STILL = 0.5
 """How long [s] after a stop it may show no sign of life before it has ended; it shows several in that time."""
 REAPED = 11.0
-"""How long [s] the reaper of a robot over ROS may take to say what came of a run whose process has died."""
+"""How long [s] the watchdog of a robot over ROS may take to say what came of a run whose process has died."""
 HOLD = 2.0
 """How long [s] a simulator is listened to before the process is ended. It answers when its joints rest, or don't come
 to rest: braking takes half a second of its time at most, and 1 s later it gives up."""
@@ -255,7 +255,7 @@ class Supervisor:
     # --- a death ---
 
     def _at_rest(self) -> dict[str, str]:
-        """Return what reapers of what moves over ROS say: part or action -> why it isn't known to rest, or nothing."""
+        """Return what watchdogs say of what moves over ROS: part or action -> why its rest isn't known, or nothing."""
         text, deadline = b"", time.monotonic() + REAPED
         while (left := deadline - time.monotonic()) > 0 and select.select([self._report_end], [], [], left)[0]:
             more = os.read(self._report_end, 1 << 16)

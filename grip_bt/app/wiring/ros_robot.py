@@ -61,16 +61,16 @@ class RosBackend:
             if name not in settings.controllers:
                 raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
         robot = PlannedRobot.begin(opening, stack)
-        bus = stack.enter_context(Bus("grip_robot", guarded=True))
-        guard = bus.guard
-        assert guard is not None, "it is open, and guarded"
+        bus = stack.enter_context(Bus("grip_robot", watched=True))
+        watchdog = bus.watchdog
+        assert watchdog is not None, "it is open, and watched"
         planner = with_move_group(opening, robot.description, robot.process, stack, bus)
         states = JointStates(bus, settings.joint_states, settings.stale)
         joints = {n: _joints(settings.controllers[n], robot.description.group(group)) for n, group in groups.items()}
         for name, names in joints.items():
             controller = settings.controllers[name]
             actions = [a for a in (controller.trajectory, controller.gripper, controller.move_group) if a is not None]
-            guard.watch(name, settings.joint_states, names, actions)
+            watchdog.watch_joints(name, settings.joint_states, names, actions)
         measured = [joint for names in joints.values() for joint in names]
         _wait_for_controllers(settings, bus, states, measured, progress)
         progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
@@ -83,7 +83,7 @@ class RosBackend:
         parts = commanded(opening, robot.description, planner, executors, ports, {})
         cameras = _cameras(project, settings, bus, progress)
         robot.wait_until_ready(opening)
-        guard.wait_ready(settings.ready)
+        watchdog.wait_ready(settings.ready)
         pausable: list[Pausable] = [*executors.values(), *ports.values()]
         return replace(parts, cameras=cameras, pausable=pausable, measure=states.fresh)
 

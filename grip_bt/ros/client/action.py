@@ -26,7 +26,7 @@ from unique_identifier_msgs.msg import UUID
 from grip_bt.base.failures import UnfitServerError
 from grip_bt.base.operation import Operation
 
-from ..watchdog import Guard
+from ..watchdog import Watchdog
 from .base import Request, ServedClient
 from .connection import Connection
 from .goal import LIVE, Command, Goal, GoalEnd, GoalTimeouts, Phase, RequestCancel, RequestResult, Send, Tell
@@ -47,7 +47,7 @@ class _Entry(Request):
     machine: Goal = field(kw_only=True)
     on_feedback: Callable[[Message], None] | None = None
     on_accepted: Callable[[], None] | None = None
-    guard: Guard | None = None
+    watchdog: Watchdog | None = None
     servers: frozenset[bytes] = field(default_factory=frozenset)
     goal_id: bytes = b""  # when it is sent
     status: int = 0  # what the server last published of it, 0 when nothing
@@ -111,7 +111,7 @@ class ActionClient(ServedClient[_Entry]):
                 `progress`. What a server sends just before the result is often lost.
             cancel_within: how long the server may take to end the goal after a cancel [s].
             on_accepted: called on the bus's thread when the server has answered that it takes the goal.
-            moves: whether it may move something; then the bus's guard, where there is one, ends it after our death.
+            moves: whether it may move something; then the bus's watchdog, where there is one, ends it after our death.
             limit: who limits the time, in words behind those of a time-out.
         """
         now = time.monotonic()
@@ -120,7 +120,7 @@ class ActionClient(ServedClient[_Entry]):
         patience = GoalTimeouts(wait, timeout, cancel_within, GRACE if self._supervised else 0.0, limit)
         entry = _Entry(goal, now, now + timeout, now + wait, machine=Goal(self.name, patience, now))
         entry.on_feedback, entry.on_accepted = on_feedback, on_accepted
-        entry.guard = self._bus.guard if moves and goal is not None else None
+        entry.watchdog = self._bus.watchdog if moves and goal is not None else None
         return self._begin(entry)
 
     def wait_ready(self, timeout: float) -> Operation[None]:
@@ -218,16 +218,16 @@ class ActionClient(ServedClient[_Entry]):
             for future in entry.futures:
                 future.cancel()  # which takes it out of rclpy's lists; nobody else would, and they would grow for ever
             entry.futures.clear()
-            if entry.goal_id and entry.guard is not None:
-                entry.guard.over(entry.goal_id)
+            if entry.goal_id and entry.watchdog is not None:
+                entry.watchdog.goal_ended(entry.goal_id)
 
     def _send(self, request: _Entry, now: float) -> None:
         self._do(request, request.machine.server_fits(now))
 
     def _put_out(self, entry: _Entry) -> None:
         entry.servers, entry.goal_id = self._check.servers, new_goal_id()
-        if entry.guard is not None:
-            entry.guard.sent(self.name, entry.goal_id)
+        if entry.watchdog is not None:
+            entry.watchdog.goal_sent(self.name, entry.goal_id)
         goals, _, _ = self._services
         try:
             if not isinstance(entry.message, self.type.Goal):

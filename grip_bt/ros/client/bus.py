@@ -22,9 +22,9 @@ C = TypeVar("C", ServiceClient, ActionClient, TopicReader, TopicWriter)
 class Bus(Connection):
     """A ROS node with its thread, and one client of each name; see `Connection` for its arguments."""
 
-    def __init__(self, name: str = "grip", domain_id: int | None = None, guarded: bool = False):
+    def __init__(self, name: str = "grip", domain_id: int | None = None, watched: bool = False):
         self._clients: dict[tuple[type, str], ServiceClient | ActionClient | TopicReader | TopicWriter] = {}
-        super().__init__(name, domain_id, guarded)
+        super().__init__(name, domain_id, watched)
 
     def service(self, interface: str | InterfaceType, name: str) -> ServiceClient:
         """Return the client of a service; there is one per name.

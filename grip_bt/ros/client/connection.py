@@ -33,7 +33,7 @@ from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 
 from ..environment import require, sweep
-from ..watchdog import Guard, shared
+from ..watchdog import Watchdog, shared
 
 T = TypeVar("T")
 PERIOD = 0.02
@@ -64,7 +64,7 @@ class Connection:
     Args:
         name: the node's name.
         domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
-        guarded: whether goals that it sends, which may move something, are ended when this process has died.
+        watched: whether goals that it sends, which may move something, are ended when this process has died.
 
     Attributes:
         timeout: how long a call or a goal may take in all, where nothing else is said [s].
@@ -73,10 +73,10 @@ class Connection:
 
     timeout, wait = 30.0, 5.0
 
-    def __init__(self, name: str = "grip", domain_id: int | None = None, guarded: bool = False):
+    def __init__(self, name: str = "grip", domain_id: int | None = None, watched: bool = False):
         require()
-        self._guarded, self._guards = guarded, ExitStack()
-        self._guard: Guard | None = None
+        self._watched, self._watchdogs = watched, ExitStack()
+        self._watchdog: Watchdog | None = None
         sweep()
         self._context = Context()
         rclpy.init(args=[], context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
@@ -106,13 +106,13 @@ class Connection:
         return int(self._context.get_domain_id())
 
     @property
-    def guard(self) -> Guard | None:
+    def watchdog(self) -> Watchdog | None:
         """What is told of all that is under way and may move something; it is started when it is first asked for."""
-        if self._guarded and self._guard is None:
+        if self._watched and self._watchdog is None:
             with self._lock:
-                if self._guard is None and not self._closing:
-                    self._guard = self._guards.enter_context(shared(self.domain_id))
-        return self._guard
+                if self._watchdog is None and not self._closing:
+                    self._watchdog = self._watchdogs.enter_context(shared(self.domain_id))
+        return self._watchdog
 
     def post(self, work: Callable[[], T]) -> Operation[T]:
         """Run `work` on the connection's thread, in the order of the calls; at once when called from there."""
@@ -187,7 +187,7 @@ class Connection:
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
-        self._guards.close()
+        self._watchdogs.close()
         atexit.unregister(self._at_exit)
 
     def __enter__(self) -> Self:

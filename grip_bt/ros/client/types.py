@@ -15,7 +15,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from rclpy.validate_topic_name import validate_topic_name
 
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError, nearest
-from grip_bt.ros.interfaces.ament import package_like, search_path
+from grip_bt.ros.interfaces.packages import package_like, search_path
 
 
 class Message(Protocol):

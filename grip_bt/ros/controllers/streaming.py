@@ -117,7 +117,7 @@ class TopicMotionExecutor(RosExecutor):
     ):
         super().__init__(names, states)
         self._accelerations = accelerations or {}
-        self._topic, self._writer, self._guard = topic, bus.writer(self.message, topic), bus.guard
+        self._topic, self._writer, self._watchdog = topic, bus.writer(self.message, topic), bus.watchdog
         self._current: StreamedMotion | None = None
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
@@ -279,9 +279,9 @@ class TopicExecutor(TopicMotionExecutor):
     def _follow(self, way: StreamedMotion) -> None:
         trajectory, stop = way.trajectory, way.stop
         with ExitStack() as stack:
-            if self._guard is not None:
-                self._guard.follows(self._topic, self._names)
-                stack.callback(self._guard.free, self._topic)
+            if self._watchdog is not None:
+                self._watchdog.trajectory_sent(self._topic, self._names)
+                stack.callback(self._watchdog.trajectory_ended, self._topic)
             sent = self._writer.publish(trajectory_to_message(trajectory), 1, FOUND)
             if not sent.wait(FOUND + 1.0):
                 raise ServerTimeOutError(f"{self._topic}: nobody listens")

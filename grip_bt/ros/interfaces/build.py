@@ -25,11 +25,10 @@ from pathlib import Path
 
 from grip_bt.base.errors import NotWritableError, UnknownNameError
 from grip_bt.ros.interfaces.definition import check_package
+from grip_bt.ros.interfaces.packages import Package, activate, find_packages, search_path, share_folder
 
-from .ament import activate, search_path, share_folder
 from .compiler import compile_sources, compilers, install_package
 from .generate import generate
-from .package import Package, find_packages
 
 _RECIPE = "1"
 """Raised when this builder produces something else from the same files."""

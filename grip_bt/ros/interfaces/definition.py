@@ -12,8 +12,15 @@ from pathlib import Path
 from typing import Any, cast
 
 from grip_bt.base.errors import DocumentError, MissingPartError, listing, nearest
-from grip_bt.ros.interfaces.ament import package_like, search_path, share_folder
-from grip_bt.ros.interfaces.package import KINDS, Package, find_packages, read_package
+from grip_bt.ros.interfaces.packages import (
+    KINDS,
+    Package,
+    find_packages,
+    package_like,
+    read_package,
+    search_path,
+    share_folder,
+)
 from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec, Kind
 
 _SECTIONS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}

@@ -16,9 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, GripError, MissingPartError
-
-from .ament import share_folder
-from .package import Package
+from grip_bt.ros.interfaces.packages import Package, share_folder
 
 TYPESUPPORTS = ("rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c")
 """Both are needed: with the first alone services work, but topics and actions can't register their types."""

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from grip_bt.base.errors import listing, nearest
+from grip_bt.ros.interfaces.packages import PackageError, executable_of
 
-from ..interfaces.ament import PackageError, executable_of
 from .element import Element, LaunchError, check_not_legacy, read_elements
 from .group import LaunchEvent, Member
 from .hints import TYPES, about_attributes, about_tag, form

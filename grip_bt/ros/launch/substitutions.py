@@ -10,8 +10,8 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, listing, nearest
 from grip_bt.base.evaluation import value_of
 from grip_bt.base.expression import parse_expression
+from grip_bt.ros.interfaces.packages import PackageError, executable_of, prefix_of, share_of
 
-from ..interfaces.ament import PackageError, executable_of, prefix_of, share_of
 from .element import LaunchError
 
 TRUE, FALSE = ("true", "1"), ("false", "0")

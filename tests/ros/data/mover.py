@@ -11,8 +11,8 @@ from grip_bt.ros.controllers import JointStates, TopicExecutor, TrajectoryExecut
 
 NAMES = ("joint_a", "joint_b")
 way, domain = sys.argv[1], int(sys.argv[2])
-bus = Bus("mover", domain, guarded=True)
-bus.guard.watch("arm", "/joint_states", NAMES, ["/arm/follow_joint_trajectory"])
+bus = Bus("mover", domain, watched=True)
+bus.watchdog.watch_joints("arm", "/joint_states", NAMES, ["/arm/follow_joint_trajectory"])
 states = JointStates(bus, stale=400.0)
 states.wait_for(NAMES, 400.0)
 if way == "topic":

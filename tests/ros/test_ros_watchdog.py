@@ -1,4 +1,4 @@
-"""A run whose process was killed leaves nothing moving: its reaper, which outlives it, has the robot hold."""
+"""A run whose process was killed leaves nothing moving: its watchdog, which outlives it, has the robot hold."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def states(bus, start_server, interface_cache):
 
 
 def said_of(domain, program, *arguments, overlays=(), begun=lambda: True, later=0.0):
-    """Kill a program of `data/` when it has something moved, or so much later [s]; return what its reaper says."""
+    """Kill a program of `data/` when it has something moved, or so much later [s]; return what its watchdog says."""
     reads, writes = os.pipe()
     with subprocess.Popen(
         python_command(str(DATA / program), *arguments),
@@ -70,13 +70,13 @@ def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, later, states, doma
     assert ended(states.fresh(NAMES)).position == pytest.approx(there, abs=1e-3)
 
 
-def test_a_run_that_has_ended_its_motions_leaves_no_reaper(domain):
-    from grip_bt.ros.watchdog import Guard
+def test_a_run_that_has_ended_its_motions_leaves_no_watchdog(domain):
+    from grip_bt.ros.watchdog import Watchdog
 
-    with Guard(domain) as guard:
-        guard.sent("/act", bytes(16))
-        guard.over(bytes(16))
-        pid = guard._process.pid
+    with Watchdog(domain) as watchdog:
+        watchdog.goal_sent("/act", bytes(16))
+        watchdog.goal_ended(bytes(16))
+        pid = watchdog._process.pid
     until(lambda: gone(pid), within=PATIENCE)
 
 
@@ -125,7 +125,7 @@ def test_a_goal_of_a_smach_state_ends_with_its_run(said_of_a_caller, counts):
     assert counts()["canceled"] == 1
 
 
-@pytest.mark.parametrize(("how", "why"), [("stubborn", "refused to stop"), ("hang", "hasn't said that it has ended")])
+@pytest.mark.parametrize(("how", "why"), [("stubborn", "refused to stop"), ("hang", "the goal did not end")])
 def test_a_goal_that_does_not_end_is_told(how, why, said_of_a_caller):
     said = said_of_a_caller("state", how)
     assert list(said) == ["/work"]
