@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import partial
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
@@ -29,17 +29,6 @@ STALE = 10.0
 """A moving frame that wasn't heard of for so long isn't known any more [s]."""
 
 
-@dataclass(eq=False)
-class _Wait:
-    """Somebody who waits for frames to appear."""
-
-    target: str
-    source: str
-    at: float | None
-    operation: Operation[Pose]
-    timer: threading.Timer
-
-
 class Transforms:
     """The frames of a run.
 
@@ -52,7 +41,7 @@ class Transforms:
         self._bus, self._fixed = bus, fixed or FrameTree()
         self._static: dict[str, Pose] = {}
         self._moving = FrameHistory()
-        self._waits: list[_Wait] = []
+        self._waiting: dict[Operation[Pose], Callable[[], Pose]] = {}
         self._lock = threading.RLock()
         self.listening = False
 
@@ -88,14 +77,21 @@ class Transforms:
             if not self.listening:
                 reason = f"{error.message}; moving frames aren't heard, since tf2_msgs isn't installed"
                 return Operation.failed(FrameError(reason, **error.data))
+        look = partial(self.known, target, source, at)
         operation: Operation[Pose] = Operation()
-        wait = _Wait(target, source, at, operation, threading.Timer(timeout, lambda: self._give_up(wait)))
-        wait.timer.daemon = True
-        operation.add_done_callback(wait.timer.cancel)
+        timer = threading.Timer(timeout, lambda: self._try(operation, look, last=True))
+        timer.daemon = True
+
+        def ended() -> None:
+            timer.cancel()
+            with self._lock:
+                self._waiting.pop(operation, None)
+
+        operation.add_done_callback(ended)
         with self._lock:
-            self._waits.append(wait)
-        wait.timer.start()
-        self._try_waits()  # what came meanwhile
+            self._waiting[operation] = look
+        timer.start()
+        self._try(operation, look)  # what came meanwhile
         return operation
 
     def known(self, target: str, source: str, at: float | None = None) -> Pose:
@@ -132,28 +128,14 @@ class Transforms:
                     self._static[child] = pose
                 else:
                     self._moving.add(child, pose, seconds(transform.header.stamp), received.time)
-        self._try_waits()
+            waiting = list(self._waiting.items())
+        for operation, look in waiting:
+            self._try(operation, look)
 
-    def _try_waits(self) -> None:
-        with self._lock:
-            waits = list(self._waits)
-        for wait in waits:
-            try:
-                pose = self.known(wait.target, wait.source, wait.at)
-            except FrameError:
-                continue
-            self._end(wait)
-            wait.operation.succeed(pose)
-
-    def _give_up(self, wait: _Wait) -> None:
-        self._end(wait)
+    def _try(self, operation: Operation[Pose], look: Callable[[], Pose], last: bool = False) -> None:
         try:
-            wait.operation.succeed(self.known(wait.target, wait.source, wait.at))
+            operation.succeed(look())
         except FrameError as error:
-            closed = CanceledError("the connection to ROS was closed")
-            wait.operation.fail(closed if self._bus.closed else error)
-
-    def _end(self, wait: _Wait) -> None:
-        with self._lock:
-            if wait in self._waits:
-                self._waits.remove(wait)
+            if last:
+                closed = CanceledError("the connection to ROS was closed")
+                operation.fail(closed if self._bus.closed else error)

@@ -18,7 +18,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,18 +41,8 @@ Send = Callable[[Trajectory, float, Callable[[], None]], Operation[GoalEnd]]
 """Trajectory, how long after now its first point is reached [s], what is called when it was accepted -> the goal."""
 
 
-class Time(Protocol):
+class Clock:
     """A steady clock, and what happens later."""
-
-    def now(self) -> float:
-        """Return the time [s]."""
-
-    def after(self, delay: float, action: Callable[[], None]) -> None:
-        """Call `action()` when `delay` [s] has passed."""
-
-
-class WallTime:
-    """Time as it passes."""
 
     def now(self) -> float:
         """Return the time [s]."""
@@ -81,8 +71,8 @@ class Following:
         clock: its time.
     """
 
-    def __init__(self, send: Send, trajectory: Trajectory, clock: Time | None = None):
-        self._send, self._trajectory, self._clock = send, trajectory, clock or WallTime()
+    def __init__(self, send: Send, trajectory: Trajectory, clock: Clock | None = None):
+        self._send, self._trajectory, self._clock = send, trajectory, clock or Clock()
         self._lock = threading.RLock()
         self._sent = 0.0
         self._began: float | None = None

@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -54,21 +55,15 @@ class _Joint:
         return abs(self.lag + date - time) < OURS
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class _Wait:
-    names: tuple[str, ...]
-    after: float
-    date: float
-    operation: Operation[JointState]
+    """Somebody who waits for what is measured from a moment on: the first of it, or until it is enough."""
 
-
-@dataclass(frozen=True)
-class _Watch:
     names: tuple[str, ...]
-    after: float
-    date: float
-    enough: Callable[[JointState], bool]
-    operation: Operation[bool]
+    enough: Callable[[JointState], bool] | None
+    after: float = field(default_factory=time.monotonic)
+    date: float = field(default_factory=time.time)
+    operation: Operation[Any] = field(default_factory=Operation)
 
 
 class JointStates:
@@ -85,7 +80,6 @@ class JointStates:
         self._lock = threading.Lock()
         self._joints: dict[str, _Joint] = {}
         self._waits: list[_Wait] = []
-        self._watches: list[_Watch] = []
         self._reader = bus.reader(MESSAGE, topic)
         self._reader.listen(self._heard).wait(5.0)
 
@@ -113,11 +107,9 @@ class JointStates:
 
     def fresh(self, names: Sequence[str]) -> Operation[JointState]:
         """Return the next state of joints that is measured from now on; end with SensorError when none comes."""
-        wait = _Wait(tuple(names), time.monotonic(), time.time(), Operation())
-        with self._lock:
-            self._waits.append(wait)
+        wait = self._wait(names, None)
         first = min(STALE, self._stale)
-        self._after(first, wait, self._stale - first)
+        self._after(first, self._give_up, wait, self._stale - first)
         return wait.operation
 
     def watch(self, names: Sequence[str], enough: Callable[[JointState], bool], within: float) -> Operation[bool]:
@@ -128,31 +120,38 @@ class JointStates:
             enough: called on the bus's thread; a state's time is that of its oldest stamp, or of its arrival.
             within: how long to go on [s]; the result is False when that is over.
         """
-        watch = _Watch(tuple(names), time.monotonic(), time.time(), enough, Operation())
-        with self._lock:
-            self._watches.append(watch)
-        timer = threading.Timer(within, watch.operation.succeed, (False,))
-        timer.daemon = True
-        timer.start()
-        watch.operation.add_done_callback(timer.cancel)
-        return watch.operation
+        wait = self._wait(names, enough)
+        self._after(within, lambda wait: wait.operation.succeed(False), wait)
+        return wait.operation
 
-    def _show(self, watch: _Watch, now: float) -> None:
+    def _wait(self, names: Sequence[str], enough: Callable[[JointState], bool] | None) -> _Wait:
+        wait = _Wait(tuple(names), enough)
         with self._lock:
-            joints = [self._joints.get(name) for name in watch.names]
-        known = [joint for joint in joints if joint is not None]
-        heard = len(known) == len(joints) and all(joint.heard > watch.after for joint in known)
-        late = now > watch.after + STALE  # a clock that doesn't go as ours does, a simulator's: to have heard has to do
-        if heard and (late or all(joint.measured_after(watch.after, watch.date) for joint in known)):
-            state = replace(self.state(watch.names), time=min(joint.stamp or joint.heard for joint in known))
-            if watch.enough(state):
-                watch.operation.succeed(True)
+            self._waits.append(wait)
+        return wait
 
-    def _after(self, delay: float, wait: _Wait, left: float) -> None:
-        timer = threading.Timer(delay, self._give_up, (wait, left))
+    def _after(self, delay: float, action: Callable[..., None], wait: _Wait, *further: float) -> None:
+        timer = threading.Timer(delay, action, (wait, *further))
         timer.daemon = True
         timer.start()
         wait.operation.add_done_callback(timer.cancel)
+
+    def _show(self, wait: _Wait, now: float) -> None:
+        """End a wait with what was measured since it began, where that is known of all of its joints."""
+        with self._lock:
+            known = [joint for name in wait.names if (joint := self._joints.get(name)) is not None]
+        if len(known) < len(wait.names) or not all(joint.heard > wait.after for joint in known):
+            return
+        measured = all(joint.measured_after(wait.after, wait.date) for joint in known)
+        if wait.enough is None:
+            if measured:
+                wait.operation.succeed(self.state(wait.names))
+            return
+        late = now > wait.after + STALE  # a clock that doesn't go as ours does, a simulator's: to have heard has to do
+        if measured or late:
+            state = replace(self.state(wait.names), time=min(joint.stamp or joint.heard for joint in known))
+            if wait.enough(state):
+                wait.operation.succeed(True)
 
     def wait_for(self, names: Sequence[str], within: float) -> None:
         """Block until all joints are known; for start-up.
@@ -184,14 +183,10 @@ class JointStates:
                         now,
                         *self._lag(name, now, stamp),
                     )
-            ready = [w for w in self._waits if all(self._answers(n, w) for n in w.names)]
-            self._waits = [w for w in self._waits if w not in ready]
-            self._watches = [w for w in self._watches if not w.operation.done()]
-            watches = list(self._watches)
-        for wait in ready:
-            wait.operation.succeed(self.state(wait.names))
-        for watch in watches:
-            self._show(watch, now)
+            self._waits = [wait for wait in self._waits if not wait.operation.done()]
+            waits = list(self._waits)
+        for wait in waits:
+            self._show(wait, now)
 
     def _lag(self, name: str, now: float, stamp: float) -> tuple[float, float]:
         before = self._joints.get(name)
@@ -199,20 +194,14 @@ class JointStates:
             return now - stamp, now
         return before.lag, before.lag_since
 
-    def _answers(self, name: str, wait: _Wait) -> bool:
-        return name in self._joints and self._joints[name].measured_after(wait.after, wait.date)
-
     def _give_up(self, wait: _Wait, left: float) -> None:
         """End a wait with what was heard, or why nothing was; where that may still come, when `left` [s] has passed."""
         with self._lock:
             joints = [self._joints.get(n) for n in wait.names]
             heard = all(j is not None and j.heard > wait.after for j in joints)
             ours = any(j is not None and j.by_our_clock(wait.after, wait.date) for j in joints)
-            goes_on = left > 0 and (ours or not heard)
-            if not goes_on:
-                self._waits = [w for w in self._waits if w is not wait]
-        if goes_on:
-            self._after(left, wait, 0.0)
+        if left > 0 and (ours or not heard):
+            self._after(left, self._give_up, wait, 0.0)
             return
         try:
             state = self.state(wait.names)

@@ -97,9 +97,7 @@ class MoveGroup:
     def cartesian(self, request: Message) -> Operation[Message]:
         """Plan straight lines; the result is the response, whose `fraction` may be less than 1."""
         client = self._service("GetCartesianPath", "compute_cartesian_path")
-        return self._named(
-            client.call(request, ANSWER, self._wait), "planning of a straight line", lambda answer: answer
-        )
+        return self._named(client.call(request, ANSWER, self._wait), "planning of a straight line", _as_it_is)
 
     def inverse(self, request: Message) -> Operation[Message]:
         """Look for joint positions that reach a pose; the result is the `RobotState`.
@@ -109,21 +107,21 @@ class MoveGroup:
         """
         client = self._service("GetPositionIK", "compute_ik")
         asked = client.call(client.type.Request(ik_request=request), ANSWER, self._wait)
-        return self._named(asked, "inverse kinematics", lambda answer: answer).then(
+        return self._named(asked, "inverse kinematics", _as_it_is).then(
             lambda answer: Operation.finished(answer.solution)
         )
 
     def apply(self, scene: Message) -> Operation[Message]:
         """Apply a `PlanningScene`, or a difference; the result is the response."""
         asked = self._scene.call(self._scene.type.Request(scene=scene), ANSWER, self._wait)
-        return self._named(asked, "the scene", lambda answer: answer)
+        return self._named(asked, "the scene", _as_it_is)
 
     def allowed_collisions(self) -> Operation[Message]:
         """Return the matrix of allowed collisions as it is now."""
         client = self._service("GetPlanningScene", "get_planning_scene")
         request = client.type.Request()
         request.components.components = _ALLOWED_COLLISIONS
-        return self._named(client.call(request, ANSWER, self._wait), "the scene", lambda answer: answer).then(
+        return self._named(client.call(request, ANSWER, self._wait), "the scene", _as_it_is).then(
             lambda answer: Operation.finished(answer.scene.allowed_collision_matrix)
         )
 
@@ -149,6 +147,10 @@ class MoveGroup:
             return answer
 
         return run_steps(steps())
+
+
+def _as_it_is(answer: Message) -> Message:
+    return answer
 
 
 def _ended(end: GoalEnd) -> Message:
