@@ -249,7 +249,6 @@ def nearest_whole(value: Any) -> Any:
 
 
 def _field_type(cls: type, path: str) -> FieldType:
-    """Return the type of a field below a message class."""
     *parents, last = path.split(".")
     for name in parents:
         kind = check_field(cls, name)

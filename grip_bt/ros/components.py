@@ -181,11 +181,6 @@ def start_components(
     return components
 
 
-def component_overlays(folder: Path, project: Path) -> list[Path]:
-    """Build the interfaces of one component, and return their prefixes; none when it brings no interfaces."""
-    return [b.prefix for b in _build(folder, project, lambda package: None)]
-
-
 def _build(folder: Path, project: Path, begun: Callable[[str], None]) -> list[Built]:
     if not (folder / INTERFACES).is_dir():
         return []
@@ -244,7 +239,6 @@ def _start(
 
 
 def _client(bus: Bus, file: ComponentFile) -> Client:
-    """Return the client of what a component serves."""
     if file.kind == "action":
         return bus.action(file.interface, file.server)
     if file.kind == "srv":

@@ -169,7 +169,6 @@ def _hints(cls: type) -> dict[str, Any]:
 
 
 def _dataclass(message: Message, cls: Any) -> object:
-    """Make a dataclass from the fields of the same names."""
     if not hasattr(cls, "__dataclass_fields__"):
         raise ConversionError("", f"{_describe(message)} can't be made a {cls.__name__}")
     found = {}

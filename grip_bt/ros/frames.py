@@ -156,8 +156,6 @@ KEPT = 10.0
 
 @dataclass
 class _Track:
-    """The transforms of one frame, by their stamps."""
-
     stamps: deque[float] = field(default_factory=deque)
     poses: deque[Pose] = field(default_factory=deque)
     heard: float = float("-inf")

@@ -244,7 +244,6 @@ def _about_type(file: ComponentFile, serves: str) -> str:
 
 
 def _about_end(file: ComponentFile, said: str) -> str:
-    """Return what to do about a process that ended instead of serving."""
     assert file.start is not None
     program = file.start.command[0] if file.start.command else ""
     missing = _MISSING.search(said)

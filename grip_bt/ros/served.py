@@ -196,7 +196,6 @@ class ServedController:
         )
 
     def _asked(self, goal: Message) -> GoalResponse:
-        """Reject what can't be followed."""
         points, names = goal.trajectory.points, list(goal.trajectory.joint_names)
         times = [seconds(p.time_from_start) for p in points]
         rising = all(a < b for a, b in zip(times, times[1:], strict=False))

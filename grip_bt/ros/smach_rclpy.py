@@ -162,8 +162,6 @@ class RclpyConnection:
 
 
 class _Topic:
-    """A subscription or publisher."""
-
     def __init__(self, bus: Bus, entity: Any, destroy: Callable[[Any], object]):
         self._bus, self._entity, self._destroy = bus, entity, destroy
 

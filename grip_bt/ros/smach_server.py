@@ -29,8 +29,6 @@ def ended(operation: Operation[T]) -> T:
 
 
 class _Work:
-    """A goal that was accepted."""
-
     def __init__(self, handle: ServerGoalHandle, future: Future):
         self.handle, self.future = handle, future
 

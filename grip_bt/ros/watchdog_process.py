@@ -142,17 +142,13 @@ class WatchdogProcess:
         return {**failed, **{part: self._rest(*where) for part, where in self._parts.items()}}
 
     def _waits(self, goal: _Goal) -> bool:
-        """Tell whether more is to be heard of a goal."""
         return not goal.over or (goal.over == "canceled" and not goal.ended and goal.action not in self._moved)
 
     def _look(self) -> None:
-        """See which servers are there."""
         now = time.monotonic()
         self._there.update((action, now) for action, client in self._clients.items() if client.service_is_ready())
 
     def _hear(self, action: str) -> None:
-        """Hear which goals of an action have ended."""
-
         def told(message: Message) -> None:
             for status in message.status_list:
                 goal = self._goals.get(bytes(status.goal_info.goal_id.uuid).hex())

@@ -21,6 +21,7 @@ from action_msgs.srv import CancelGoal
 from rclpy.client import Client as RclpyClient
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.task import Future
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 from unique_identifier_msgs.msg import UUID
 
 from grip_bt.base.failures import UnfitServerError
@@ -64,13 +65,7 @@ class ActionClient(ServedClient[_Entry]):
     """The client of one action; made by `Bus.action`."""
 
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
-        super().__init__(
-            bus,
-            type_,
-            name,
-            lambda: action_servers(bus.node, name),
-            lambda servers: check_action_servers(bus.node, type_, name, servers),
-        )
+        super().__init__(bus, type_, name)
         self._services: tuple[RclpyClient, ...] = ()
 
     @property
@@ -133,7 +128,7 @@ class ActionClient(ServedClient[_Entry]):
         """Look at the goals under way; False when there are none."""
         now = time.monotonic()
         if any(e.machine.phase is not Phase.WAITING for e in self._requests):
-            present = self._check.present()
+            present = self._present()
             for entry in list(self._requests):
                 if entry.servers:
                     self._do(entry, entry.machine.server_seen(bool(entry.servers & present), now))
@@ -164,6 +159,12 @@ class ActionClient(ServedClient[_Entry]):
 
     def _unfit(self, request: _Entry, error: UnfitServerError) -> None:
         self._do(request, request.machine.server_unfit(error))
+
+    def _look(self) -> list[TopicEndpointInfo]:
+        return action_servers(self._bus.node, self.name)
+
+    def _check(self, servers: list[TopicEndpointInfo]) -> None:
+        check_action_servers(self._bus.node, self.type, self.name, servers)
 
     def _connected(self) -> bool:
         """Connect: an answer is rclpy's future; one that is cancelled is forgotten, and its answer ignored."""
@@ -225,7 +226,7 @@ class ActionClient(ServedClient[_Entry]):
         self._do(request, request.machine.server_fits(now))
 
     def _put_out(self, entry: _Entry) -> None:
-        entry.servers, entry.goal_id = self._check.servers, new_goal_id()
+        entry.servers, entry.goal_id = self._found, new_goal_id()
         if entry.watchdog is not None:
             entry.watchdog.goal_sent(self.name, entry.goal_id)
         goals, _, _ = self._services

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -14,7 +14,7 @@ from grip_bt.base.failures import CanceledError, ServerLostError, UnfitServerErr
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
-from .server_check import STALE, ServerCheck
+from .server_check import SETTLE, STALE, TRUST, gids_of
 from .types import InterfaceType, Message
 
 IN_FLIGHT = 8
@@ -104,16 +104,11 @@ class Client(ABC, Generic[R]):
 class ServedClient(Client[R]):
     """A client of what one server serves: a service, an action."""
 
-    def __init__(
-        self,
-        bus: Connection,
-        type_: InterfaceType,
-        name: str,
-        look: Callable[[], list[TopicEndpointInfo]],
-        check: Callable[[list[TopicEndpointInfo]], None],
-    ):
+    def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         super().__init__(bus, type_, name)
-        self._check = ServerCheck(look, check, self._connected)
+        self._found: frozenset[bytes] = frozenset()  # who serves it, while that is trusted
+        self._checked = -math.inf
+        self._settled: tuple[frozenset[bytes], float] = (frozenset(), 0.0)
         self._server_ended: str | None = None
         self._supervised = False
 
@@ -124,7 +119,7 @@ class ServedClient(Client[R]):
 
         def end() -> None:
             self._server_ended = reason
-            self._check.forget()
+            self._found = frozenset()
             self._all_lost(reason)
 
         self._bus.post(end)
@@ -150,14 +145,13 @@ class ServedClient(Client[R]):
             self._advance(time.monotonic())
 
     def _advance(self, now: float) -> None:
-        """Send what can be sent."""
         waiting = self._waiting()
         if not waiting:
             return
         try:
-            ready = self._check.fits(now)
+            ready = self._fits(now)
         except UnfitServerError as error:
-            stale_possible = self._check.several()
+            stale_possible = len(self._look()) > 1  # a dead one counts until its lease is over
             for request in waiting:
                 if not stale_possible or now > min(request.wait_until, request.began + STALE):
                     self._unfit(request, error)
@@ -170,9 +164,50 @@ class ServedClient(Client[R]):
             elif self._sent() < IN_FLIGHT:
                 self._send(request, now)
 
+    def _fits(self, now: float) -> bool:
+        """Tell whether there is one fitting server that our client is connected to.
+
+        Raises:
+            UnfitServerError: who is there doesn't fit.
+        """
+        if self._found and now - self._checked < TRUST:
+            return self._connected()
+        self._found = frozenset()
+        servers = self._look()
+        if not servers:
+            return False
+        self._check(servers)
+        if not self._connected():
+            return False
+        present = gids_of(servers)
+        if present != self._settled[0]:
+            self._settled = (present, now)
+        if now < self._settled[1] + SETTLE:
+            return False
+        self._found, self._checked = present, now
+        return True
+
+    def _present(self) -> frozenset[bytes]:
+        """Return who is there now; when these are others than before, the next question is looked at anew."""
+        present = gids_of(self._look())
+        if present != self._found:
+            self._found = frozenset()
+        return present
+
+    @abstractmethod
+    def _look(self) -> list[TopicEndpointInfo]:
+        """Return who serves the name."""
+
+    @abstractmethod
+    def _check(self, servers: list[TopicEndpointInfo]) -> None:
+        """Raise UnfitServerError for servers that don't fit."""
+
     @abstractmethod
     def _connected(self) -> bool:
-        """Make our client, if there is none yet, and tell whether it is connected."""
+        """Make our client, if there is none yet, and tell whether it is connected.
+
+        It isn't called before a server was found to fit: a client of the wrong type would spoil the name here.
+        """
 
     @abstractmethod
     def _waiting(self) -> list[R]:
@@ -187,7 +222,6 @@ class ServedClient(Client[R]):
         """Send a request to the server that was found."""
 
     def _unfit(self, request: R, error: UnfitServerError) -> None:
-        """Give up a request: who is there doesn't fit."""
         self._finish(request, error)
 
     def _absent(self, request: R, now: float) -> None:

@@ -211,7 +211,6 @@ class Connection:
             self._timer.reset()
 
     def _polled(self) -> list[Polled]:
-        """Return what may have something under way."""
         return []
 
     def _poll(self) -> None:

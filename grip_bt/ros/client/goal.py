@@ -291,7 +291,6 @@ class Goal:
         return self._ask_again(now)
 
     def _ask_again(self, now: float) -> list[Command]:
-        """Ask the server to cancel, if it is time to."""
         if self.phase is Phase.CANCELING:
             due = self._asked is not None and now >= self._asked + RECANCEL
         elif self.phase is Phase.SENT:  # the acceptance may be lost; a cancel that overtakes the goal does nothing

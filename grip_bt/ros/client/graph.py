@@ -104,13 +104,6 @@ def find_served(name: str, within: float = 5.0, domain_id: int | None = None) ->
                 since = time.monotonic()
 
 
-def list_served(within: float = 2.0, domain_id: int | None = None) -> list[Served]:
-    """Return all that is seen after listening for `within` [s]."""
-    with Connection("grip_look", domain_id) as bus:
-        time.sleep(within)
-        return bus.ask(lambda: everything(bus.node), LOOKING)
-
-
 def _one(name: str, types: list[str]) -> str:
     if len(types) > 1:
         raise TwoTypesError(name, types)

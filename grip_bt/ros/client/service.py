@@ -12,6 +12,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from grip_bt.base.failures import ServerTimeOutError
 from grip_bt.base.operation import Operation
@@ -43,13 +44,7 @@ class ServiceClient(ServedClient[_Call]):
     """The client of one service; made by `Bus.service`."""
 
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
-        super().__init__(
-            bus,
-            type_,
-            name,
-            lambda: servers_of(bus.node, name),
-            lambda servers: check_servers(bus.node, type_, name, servers),
-        )
+        super().__init__(bus, type_, name)
         self._client: Any = None  # rclpy's, when a server was found
 
     @property
@@ -65,7 +60,7 @@ class ServiceClient(ServedClient[_Call]):
     @property
     def servers(self) -> frozenset[bytes]:
         """Who the last call went to, by DDS's own names; others after the server was started anew."""
-        return self._check.last
+        return self._settled[0]
 
     def call(
         self,
@@ -100,7 +95,7 @@ class ServiceClient(ServedClient[_Call]):
         """Look at the calls under way; False when there are none."""
         now = time.monotonic()
         if self.in_flight:
-            present = self._check.present()
+            present = self._present()
             for call in [c for c in self._requests if c.future is not None and not c.servers & present]:
                 call.gone_since = call.gone_since or now
                 if not self._supervised or now > call.gone_since + GRACE:
@@ -116,13 +111,19 @@ class ServiceClient(ServedClient[_Call]):
     def _sent(self) -> int:
         return sum(call.future is not None for call in list(self._requests))
 
+    def _look(self) -> list[TopicEndpointInfo]:
+        return servers_of(self._bus.node, self.name)
+
+    def _check(self, servers: list[TopicEndpointInfo]) -> None:
+        check_servers(self._bus.node, self.type, self.name, servers)
+
     def _connected(self) -> bool:
         if self._client is None:
             self._client = self._bus.node.create_client(self.type, self.name, qos_profile=SERVICE_QOS)
         return bool(self._client.service_is_ready())
 
     def _send(self, request: _Call, now: float) -> None:
-        request.servers = self._check.servers
+        request.servers = self._found
         try:
             request.future = self._client.call_async(request.message)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong request

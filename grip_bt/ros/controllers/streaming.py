@@ -145,11 +145,9 @@ class TopicMotionExecutor(RosExecutor):
             way.leave()
 
     def _order(self, trajectory: Trajectory) -> list[int]:
-        """Return where in the trajectory each of our joints is."""
         return [trajectory.names.index(name) for name in self._names]
 
     def _limits(self, trajectory: Trajectory) -> NDArray[np.float64]:
-        """Return the acceleration limits of the trajectory's joints [rad/s^2 or m/s^2]."""
         return accelerations_of(trajectory.names, self._accelerations)
 
     @abstractmethod
@@ -315,7 +313,6 @@ class TopicExecutor(TopicMotionExecutor):
         self._writer.publish(trajectory_to_message(still, within), 0)
 
     def _judge(self, trajectory: Trajectory) -> None:
-        """Raise ExecutionAbortedError where the joints aren't at the end."""
         off = np.abs(self._states.state(trajectory.names).position - trajectory.positions[-1])
         worst = int(off.argmax())
         if off[worst] <= END_TOLERANCE:

@@ -142,7 +142,6 @@ def as_motion(sent: Operation[GoalEnd], server: str, result: InterfaceType) -> O
 
 
 def _names_of(result: InterfaceType) -> Callable[[int], str]:
-    """Return what names the codes that a result class has as constants."""
     constants = {
         getattr(result, n): n.lower() for n in dir(type(result)) if n.isupper() and isinstance(getattr(result, n), int)
     }

@@ -129,7 +129,6 @@ def _parser() -> Any:
 
 
 def _split(text: str, kind: str, source: str) -> list[tuple[int, list[str]]]:
-    """Return each section as (number of its first line, its lines)."""
     sections: list[tuple[int, list[str]]] = [(1, [])]
     for number, line in enumerate(text.splitlines(), 1):
         if line == _SEPARATOR:

@@ -207,7 +207,6 @@ class ProcessGroup:
         self.stop()
 
     def _tell_events(self) -> bool:
-        """Tell the events whose time has come; True when one of them ends it all."""
         while self._events and time.monotonic() >= self._began + self._events[0].after:
             event = self._events.pop(0)
             self._told("launch", "says", event.text)

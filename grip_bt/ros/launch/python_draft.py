@@ -73,13 +73,11 @@ def draft_of(path: Path) -> str:
 
 
 def _calls(tree: ast.AST) -> list[ast.Call]:
-    """Return the calls in the order of the file."""
     found = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
     return sorted(found, key=lambda call: (call.lineno, call.col_offset))
 
 
 def _assigned(tree: ast.AST) -> dict[str, ast.expr]:
-    """Return the names that are assigned once, and what."""
     values: dict[str, list[ast.expr]] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign):

@@ -135,7 +135,6 @@ class MessageServer:
         return self._raw[name]
 
     def _reset(self, name: str) -> None:
-        """Read the project's files; then empty and fill the stores."""
         fresh = MessageLibrary(self._folder) if self._folder is not None else self._library
         for key, store in self._raw.items():
             if name in ("", key):

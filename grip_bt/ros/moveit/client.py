@@ -168,7 +168,7 @@ def _ended(end: GoalEnd) -> Message:
 
 
 SUCCESS = 1
-_FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
+FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
     "PLANNING_FAILED": (NoPlanError, "no path was found"),
     "FAILURE": (NoPlanError, "it failed without a reason; see move_group's log"),
     "UNDEFINED": (NoPlanError, "it gave no answer that means anything; its own log may tell why"),
@@ -216,7 +216,7 @@ def failure(code: Message, what: str) -> ExpectedError | None:
     if value == SUCCESS:
         return None
     name = name_of(code)
-    kind, meaning = _FAILURES.get(name, (NoPlanError, f"code {value}, which this version doesn't know"))
+    kind, meaning = FAILURES.get(name, (NoPlanError, f"code {value}, which this version doesn't know"))
     said = str(getattr(code, "message", "")).strip()
     words = f"{what}: {meaning}{f' ({said})' if said else ''}"
     return kind(words, moveit=name.lower(), moveit_code=value, moveit_says=said)
@@ -230,11 +230,6 @@ def name_of(code: Message) -> str:
         if name.isupper() and isinstance(getattr(code, name, None), int)
     }
     return constants.get(int(code.val), f"CODE_{int(code.val)}")
-
-
-def known_codes() -> frozenset[str]:
-    """Return the names of the codes that have a meaning here; success has none."""
-    return frozenset(_FAILURES)
 
 
 class MoveGroupExecutor(RosExecutor):

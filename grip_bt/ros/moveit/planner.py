@@ -259,7 +259,6 @@ class MoveGroupPlanner:
             raise BadReplyError(f"{self._move_group.name}: not a trajectory that can be followed: {error}") from None
 
     def _in_base(self, pose: Pose) -> Pose:
-        """Return a pose in world with MoveIt's name of that frame."""
         check_frame(pose, "world")
         return Pose(pose.position, pose.quaternion, self.robot.base_link)
 
@@ -338,6 +337,5 @@ class _Trial:
 
 
 def _with(state: JointState, other: JointState) -> JointState:
-    """Return a state with some joints at other positions."""
     positions = {**state.as_mapping(), **other.as_mapping()}
     return JointState(tuple(positions), np.array(list(positions.values())), time=state.time)
