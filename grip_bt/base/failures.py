@@ -181,7 +181,7 @@ class GoalRejectedError(ExpectedError):
 
 
 class GoalAbortedError(ExpectedError):
-    """An external action's server gave the goal up; `data['result']` holds what it said about it, by field."""
+    """An external action's server aborted the goal; `data['result']` holds what it said about it, by field."""
 
     code = "aborted"
 

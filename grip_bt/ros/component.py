@@ -125,8 +125,8 @@ class RosComponent:
         if not 0 <= number < len(self._meaning):
             names = ", ".join(f"{i} {name}" for i, (name, _) in enumerate(self._meaning))
             raise BadReplyError(
-                f"component {self.file.name}: outcome {number} isn't one of the declared ones ({names}); name it in "
-                "component.yaml, or mend the server",
+                f"component {self.file.name}: outcome {number} isn't one of the declared ones ({names}); declare it in "
+                "component.yaml, or fix the server",
                 outcome=number,
             )
         return number, self._meaning[number][1]

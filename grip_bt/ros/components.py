@@ -211,7 +211,7 @@ def _check_one_definition(built: Mapping[str, Sequence[Built]], folders: Mapping
                 where = str(folders[name] / INTERFACES)
                 raise DocumentError(
                     f"the package {package.package!r}, or one that it needs, differs from that of the component "
-                    f"{other!r} ({folders[other] / INTERFACES}); a run can use only one: make both the same",
+                    f"{other!r} ({folders[other] / INTERFACES}); a run can load only one version: make them identical",
                     where,
                 )
 

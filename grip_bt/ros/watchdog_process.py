@@ -208,7 +208,7 @@ class WatchdogProcess:
         while not writer.get_subscription_count() and time.monotonic() < deadline:
             self.spin(0.02)
         if not writer.get_subscription_count():
-            return "nobody listens to it"
+            return "it has no subscribers"
         since = time.monotonic() - APART
         while any(self._heard.get(n, (0.0,))[0] < since for n in names) and time.monotonic() < deadline:
             self.spin(0.02)

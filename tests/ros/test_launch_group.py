@@ -93,7 +93,7 @@ def test_one_that_does_not_become_ready_ends_all_and_shows_its_log(tmp_path, mar
         ahead.skip(4 * PATIENCE)
 
     threading.Thread(target=wait_then_skip).start()
-    with pytest.raises(StartError, match=r"slow: a line like 'done' didn't come within 1600 s(.|\n)*loading"):
+    with pytest.raises(StartError, match=r"slow: a line like 'done' wasn't there within 1600 s(.|\n)*loading"):
         group.start()
     assert none_left(mark)
 
@@ -253,7 +253,7 @@ def test_a_file_of_messages_alone_runs_until_the_last_of_them(tmp_path):
 @pytest.mark.ros
 def test_a_sign_that_does_not_come_is_told_with_what_is_there(tmp_path, domain):
     mute = member(tmp_path, "mute", SLEEP, ready=Ready(topic="/lamp", within=0.3))
-    with pytest.raises(StartError, match=rf"the topic /lamp didn't come within 0\.3 s; .* in ROS_DOMAIN_ID {domain}"):
+    with pytest.raises(StartError, match=rf"the topic /lamp wasn't there within 0\.3 s; .* in ROS_DOMAIN_ID {domain}"):
         ProcessGroup([mute], tmp_path / "logs", domain_id=domain).start()
 
 

@@ -153,7 +153,7 @@ def test_an_answer_that_does_not_come_times_out(bus, serve, ahead):
     operation = client.call(request(True), timeout=1000.0)
     until(lambda: client.in_flight, "it isn't sent")
     ahead.skip(1000.0)
-    with pytest.raises(ServerTimeOutError, match=r"/set: no answer after 1\d\d\d\.\d s"):
+    with pytest.raises(ServerTimeOutError, match=r"/set: no response after 1\d\d\d\.\d s"):
         ended(operation)
 
 

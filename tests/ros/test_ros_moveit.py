@@ -257,7 +257,7 @@ def test_closing_takes_out_what_was_sent_and_leaves_what_others_put_there(robot,
 def test_an_object_that_move_group_does_not_take_is_named(planning, robot, scene, shared):
     planner = planning()
     scene.set_box("refused", (0.1, 0.1, 0.1), Pose(np.array([3.0, 3.0, 0.0])))
-    with pytest.raises(GoalRejectedError, match="/move_group didn't take the scene: refused; its log tells why"):
+    with pytest.raises(GoalRejectedError, match="/move_group rejected the planning scene: refused; its log tells why"):
         ended(planner.submit(PlanTo(situation(robot, scene), moved(robot))))
     from grip_bt.ros.client.types import load_type
     from grip_bt.ros.moveit import MoveGroup
@@ -304,7 +304,7 @@ def test_names_that_are_not_there_are_told_before_anything_is_asked(planning, ro
         (-1, NoPlanError, "no path was found"),
         (-6, TimeOutError, "give the arm a longer `planning_time`"),
         (-10, StartInCollisionError, "touches something where the motion begins"),
-        (-11, ConstraintBrokenError, "the start breaks"),
+        (-11, ConstraintBrokenError, "the start violates"),
         (-12, GoalInCollisionError, "at the goal"),
         (-15, GoalRejectedError, r"groups: \{GROUP: ITS_NAME\}"),
         (-26, OutOfLimitsError, "outside its limits"),
@@ -420,7 +420,7 @@ def test_a_motion_that_is_stopped_or_given_up_says_so(executor, robot):
     with pytest.raises(CanceledError):
         ended(under_way)
     blocked = moved(robot, shoulder_pan_joint=2.8 - home(robot).as_mapping()["shoulder_pan_joint"])
-    with pytest.raises(ExecutionAbortedError, match=r"a controller gave the motion up \(blocked\)") as caught:
+    with pytest.raises(ExecutionAbortedError, match=r"a controller aborted the motion \(blocked\)") as caught:
         ended(executor.execute(to(executor, blocked)))
     assert (caught.value.data["moveit"], caught.value.data["moveit_code"]) == ("control_failed", -4)
     assert math.isfinite(executor.state().position[0])

@@ -46,7 +46,7 @@ class Bus(Connection):
     def reader(self, interface: str | InterfaceType, name: str) -> TopicReader:
         """Return the subscription of a topic, likewise.
 
-        Without an interface (empty) it is heard as what it is published as.
+        Without an interface (empty) it is subscribed to as what it is published as.
         """
         return self._client(TopicReader, interface, name)
 

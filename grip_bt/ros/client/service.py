@@ -162,6 +162,6 @@ class ServiceClient(ServedClient[_Call]):
         self.end(self._lost(reason))
 
     def _timed_out(self, call: _Call) -> ServerTimeOutError:
-        state = "no answer" if call.future is not None else "not sent"
+        state = "no response" if call.future is not None else "not sent"
         said = f"{self.name}: {state} after {call.deadline - call.began:.1f} s{call.limit}"
         return ServerTimeOutError(said, server=self.name)

@@ -135,7 +135,7 @@ class TopicReader(Client[Request]):
             said = f"it is published as {', '.join(wrong)}, not as {wanted}; name that type, or another topic"
             return said + other_topics(self._bus.node, self.name, wanted, most=most)
         others = f"; others publish it as {', '.join(wrong)}" if wrong else ""
-        return f"{right} publisher{'s' if right > 1 else ''}, silent{others}"
+        return f"{right} publisher{'s' if right > 1 else ''}, but no message arrived{others}"
 
     def _look(self, now: float) -> None:
         """Subscribe with what the publishers offer; again when that changes."""
@@ -248,5 +248,5 @@ class TopicWriter(Client[_Message]):
         """Say what is heard instead, where nobody hears this."""
         wanted, found = type_name(self.type), self._bus.node.get_subscriptions_info_by_topic(self.name)
         wrong = sorted({end.topic_type for end in found if end.topic_type != wanted})
-        said = f"; it is heard as {', '.join(wrong)}, not as {wanted}" if wrong else ""
+        said = f"; it is subscribed to as {', '.join(wrong)}, not as {wanted}" if wrong else ""
         return said + other_topics(self._bus.node, self.name, wanted, heard=True)

@@ -206,7 +206,7 @@ class StreamedExecutor(TopicMotionExecutor):
         order = self._order(way.trajectory)
         first = self._publish(way.trajectory.positions[0][order], 1)
         if not first.wait(6.0):
-            raise ServerTimeOutError(f"{self._topic}: nobody listens")
+            raise ServerTimeOutError(f"{self._topic}: there are no subscribers")
         first.result()
         way.begin()
         while not way.ended():
@@ -282,7 +282,7 @@ class TopicExecutor(TopicMotionExecutor):
                 stack.callback(self._watchdog.trajectory_ended, self._topic)
             sent = self._writer.publish(trajectory_to_message(trajectory), 1, FOUND)
             if not sent.wait(FOUND + 1.0):
-                raise ServerTimeOutError(f"{self._topic}: nobody listens")
+                raise ServerTimeOutError(f"{self._topic}: there are no subscribers")
             sent.result()
             began = time.monotonic()
             while not stop.is_set() and (left := began + trajectory.duration - time.monotonic()) > 0:

@@ -268,7 +268,7 @@ def _fields(spec: InterfaceSpec) -> Iterator[FieldSpec]:
 
 def _check_name(spec: InterfaceSpec, field: FieldSpec) -> None:
     if language := _RESERVED.get(field.name):
-        raise _wrong(spec, field, f"a word of {language} can't name a field; '{field.name}_value' can")
+        raise _wrong(spec, field, f"it is a keyword of {language}; rename it, for example to '{field.name}_value'")
 
 
 def _check_type(

@@ -241,7 +241,9 @@ class ProcessGroup:
                 tail = running.process.log_tail() if running.process else ""
                 said = f"; its log ({running.logs[-1]}) ends with:\n{tail}" if tail else "; it printed nothing"
                 instead = self._watch.instead(ready)
-                raise StartError(f"{running.member.name}: {ready} didn't come within {ready.within:g} s{instead}{said}")
+                raise StartError(
+                    f"{running.member.name}: {ready} wasn't there within {ready.within:g} s{instead}{said}"
+                )
 
     def _look(self, running: _Running) -> None:
         process, now = running.process, time.monotonic()
@@ -275,7 +277,7 @@ class ProcessGroup:
             if running.state == "silent":
                 self._say(running, "ready", "again")
         elif running.state == "ready" and now > running.seen + SILENCE:
-            self._say(running, "silent", f"{ready} is gone; the process runs")
+            self._say(running, "silent", f"{ready} disappeared; the process is still running")
             if running.member.restart != "never" and running.process is not None:
                 running.process.ask_to_stop()
 

@@ -163,7 +163,7 @@ def _ended(end: GoalEnd) -> Message:
     if end.status == "canceled":
         raise CanceledError("planning was cancelled")
     if end.status == "aborted" and int(end.result.error_code.val) == SUCCESS:
-        raise BadReplyError("move_group gave the goal up, and says that it succeeded")
+        raise BadReplyError("move_group aborted the goal, and says that it succeeded")
     return end.result
 
 
@@ -176,7 +176,7 @@ FAILURES: dict[str, tuple[type[ExpectedError], str]] = {
     "GOAL_STATE_INVALID": (NoPlanError, "the goal can't be reached, or not without touching something"),
     "INVALID_MOTION_PLAN": (PathInvalidError, "the path that was found isn't free"),
     "MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE": (PathInvalidError, "something came in the way"),
-    "CONTROL_FAILED": (ExecutionAbortedError, "a controller gave the motion up"),
+    "CONTROL_FAILED": (ExecutionAbortedError, "a controller aborted the motion"),
     "ABORT": (ExecutionAbortedError, "it was aborted"),
     "UNABLE_TO_AQUIRE_SENSOR_DATA": (SensorError, "a sensor that it needs gives nothing"),
     "ROBOT_STATE_STALE": (SensorError, "it has no recent joint states"),

@@ -76,7 +76,7 @@ class SceneMirror:
             if answer.success:
                 return Operation.finished(None)
             names = [o.id for o in diff.world.collision_objects]
-            reason = f"{self._move_group.name} didn't take the scene: {', '.join(names) or 'allowed collisions'}"
+            reason = f"{self._move_group.name} rejected the planning scene: {', '.join(names) or 'allowed collisions'}"
             return Operation.failed(GoalRejectedError(f"{reason}; its log tells why", objects=names))
 
         return self._move_group.apply(diff).then(check)
