@@ -8,7 +8,7 @@ import math
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -19,17 +19,15 @@ from std_msgs.msg import Header
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import GoalRejectedError, ServerLostError
 from grip_bt.base.operation import Operation
-from grip_bt.ros.interfaces.packages import activate
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
 from .client.bus import Bus
 from .client.goal import GoalEnd
+from .client.graph import topics
 from .client.types import InterfaceType, Message, type_name
-from .interfaces import build_interfaces
+from .interfaces.build import provide
 from .smach_server import Shutdown, SimpleServer, ended
 
-INTERFACES = Path(__file__).with_name("interface_packages")
-"""smach_msgs, for where no ROS installation has it."""
 SLICE = 0.1
 """How often a wait looks whether ROS was shut down [s]."""
 _STATUS = {
@@ -96,25 +94,20 @@ class RclpyConnection:
         """Call `callback(message)` on the bus's thread for each message."""
         node = self._bus.node
         name = self.name_of(topic, None)
-        made = ended(self._bus.post(lambda: node.create_subscription(type_, name, callback, 10)))
+        made = self._bus.ask(lambda: node.create_subscription(type_, name, callback, 10))
         return _Topic(self._bus, made, node.destroy_subscription)
 
     def advertise(self, topic: str, type_: InterfaceType) -> _Topic:
         """Return a publisher."""
         node = self._bus.node
         name = self.name_of(topic, None)
-        made = ended(self._bus.post(lambda: node.create_publisher(type_, name, 10)))
+        made = self._bus.ask(lambda: node.create_publisher(type_, name, 10))
         return _Topic(self._bus, made, node.destroy_publisher)
 
     def topics_of(self, type_: InterfaceType) -> list[str]:
         """Return the topics that somebody sends messages of a type on."""
-        node, wanted = self._bus.node, type_name(type_)
-
-        def look() -> list[str]:
-            topics = node.get_topic_names_and_types()
-            return [name for name, types in topics if wanted in types and node.count_publishers(name)]
-
-        return ended(self._bus.post(look))
+        wanted, found = type_name(type_), self._bus.ask(lambda: topics(self._bus.node))
+        return [name for name, types, _ in found if wanted in types]
 
     def service(self, name: str, type_: InterfaceType) -> _Service:
         """Return a client."""
@@ -137,7 +130,8 @@ class RclpyConnection:
             MissingPartError: it has to be built and there is no compiler.
         """
         if self._messages is None:
-            messages, clock = self._smach_msgs(), self._bus.node.get_clock()
+            provide("smach_msgs", self._cache)
+            messages, clock = importlib.import_module("smach_msgs.msg"), self._bus.node.get_clock()
             self._messages = SimpleNamespace(
                 Status=messages.SmachContainerStatus,
                 Structure=messages.SmachContainerStructure,
@@ -147,14 +141,6 @@ class RclpyConnection:
                 unpacked=bytes,
             )
         return self._messages
-
-    def _smach_msgs(self) -> ModuleType:
-        try:
-            return importlib.import_module("smach_msgs.msg")
-        except ImportError:
-            for built in build_interfaces(INTERFACES, self._cache):
-                activate(built.prefix)
-            return importlib.import_module("smach_msgs.msg")
 
     def name_of(self, name: str, node: Node | None) -> str:
         """Return the full name, by the user's node where there is one."""

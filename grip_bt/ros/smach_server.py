@@ -53,7 +53,7 @@ class SimpleServer:
 
     def start(self) -> None:
         """Take goals."""
-        ended(self._bus.post(self._create))
+        self._bus.ask(self._create)
         threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
 
     def feedback(self, message: Message) -> None:
@@ -66,7 +66,7 @@ class SimpleServer:
         """End the goal being worked on; `preempted` becomes `aborted` where its client hasn't canceled it."""
         work = self._current
         if work is not None:
-            ended(self._bus.post(lambda: self._end(work, ending, result)))
+            self._bus.ask(lambda: self._end(work, ending, result))
 
     # --- the worker ---
 
@@ -76,7 +76,7 @@ class SimpleServer:
             with self._lock:
                 self._current = work
                 asked = work.handle.is_cancel_requested or not self._queue.empty()
-            ended(self._bus.post(work.handle.execute))
+            self._bus.ask(work.handle.execute)
             if asked:
                 self._ask()
             try:

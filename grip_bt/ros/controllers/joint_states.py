@@ -61,8 +61,8 @@ class _Wait:
 
     names: tuple[str, ...]
     enough: Callable[[JointState], bool] | None
-    after: float = field(default_factory=time.monotonic)
-    date: float = field(default_factory=time.time)
+    after: float
+    date: float
     operation: Operation[Any] = field(default_factory=Operation)
 
 
@@ -125,7 +125,7 @@ class JointStates:
         return wait.operation
 
     def _wait(self, names: Sequence[str], enough: Callable[[JointState], bool] | None) -> _Wait:
-        wait = _Wait(tuple(names), enough)
+        wait = _Wait(tuple(names), enough, time.monotonic(), time.time())
         with self._lock:
             self._waits.append(wait)
         return wait

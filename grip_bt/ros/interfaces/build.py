@@ -173,6 +173,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "controller_manager_msgs": (),
     "tf2_msgs": (),
     "octomap_msgs": (),
+    "smach_msgs": (),
     "object_recognition_msgs": (),
     "moveit_msgs": ("object_recognition_msgs", "octomap_msgs"),
 }
