@@ -164,7 +164,7 @@ class ServerLostError(ExpectedError):
     code = "server_lost"
 
 
-class UnfitServerError(ServerLostError):
+class IncompatibleServerError(ServerLostError):
     """A server is there but can't be used: another type or definition, several servers, best-effort."""
 
 

@@ -64,8 +64,8 @@ class RosInterface:
         return self.bus.reader(message, topic).recent(max_age, timeout).then(lambda m: _as(topic, m, value))
 
     def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Message]]:
-        """Wait for a message of each topic, taken from now on and at most `slop` [s] apart; see `Gathering`."""
-        return Gathering(self.bus, topics, slop, timeout, self._now).begin()
+        """Wait for a message of each topic, taken from now on and at most `slop` [s] apart."""
+        return MessageSynchroniser(self.bus, topics, slop, timeout, self._now).start()
 
     def publish(self, topic: str, message: str, value: object, subscribers: int, timeout: float) -> Operation[None]:
         """Publish a value when at least `subscribers` listen; BadRequestError when it doesn't fit the message."""
@@ -194,7 +194,7 @@ OURS = 1.0
 """How far a stamp may lie before our own time to count as one of our clock [s]."""
 
 
-class Gathering:
+class MessageSynchroniser:
     """Waits for one message of each topic. Stamps decide; a message without one counts as taken when it came.
 
     What was taken before it was asked for is passed over, as far as the stamps tell: one that lies further back than
@@ -218,7 +218,7 @@ class Gathering:
         self._early: dict[str, float] = {}
         self._bus = bus
 
-    def begin(self) -> Operation[Mapping[str, Message]]:
+    def start(self) -> Operation[Mapping[str, Message]]:
         """Listen from now on; the operation ends with the messages by topic, or with ServerTimeOutError."""
         listeners = {t: (lambda received, t=t: self._heard(t, received)) for t in self._readers}
         for topic, reader in self._readers.items():

@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from grip_bt.base.errors import listing, nearest
-from grip_bt.base.failures import ExpectedError, UnfitServerError
+from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
@@ -218,7 +218,7 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
         said: what that process printed last.
     """
     starts = file.start is not None and file.start.run
-    if isinstance(error, UnfitServerError):
+    if isinstance(error, IncompatibleServerError):
         return _about_type(file, str(error.data.get("serves", "")))
     if "waited" not in error.data:
         return _about_end(file, said) if starts else ""

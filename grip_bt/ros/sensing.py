@@ -31,7 +31,7 @@ FRAME_WAIT = 0.5
 
 
 def taken(
-    door: RosInterface,
+    ros: RosInterface,
     topics: Mapping[str, str],
     slop: float,
     timeout: float,
@@ -40,7 +40,7 @@ def taken(
     """Take messages together until something can be made of them, at most for a time.
 
     Args:
-        door: the connection to ROS.
+        ros: the connection to ROS.
         topics: topic -> its message's type.
         slop: how far their stamps may be apart [s].
         timeout: in all [s].
@@ -49,7 +49,7 @@ def taken(
     left = timeout
     deadline = time.monotonic() + left
     while True:
-        messages = yield door.together(topics, slop, left)
+        messages = yield ros.together(topics, slop, left)
         try:
             return (yield from made(messages))
         except FrameError:
@@ -64,19 +64,19 @@ class TopicSensor:
     Args:
         name: the sensor's.
         config: what is declared of it.
-        door: the connection to ROS.
+        ros: the connection to ROS.
         process: its driver, where we started it.
     """
 
-    def __init__(self, name: str, config: SensorConfig, door: RosInterface, process: Process | None = None):
+    def __init__(self, name: str, config: SensorConfig, ros: RosInterface, process: Process | None = None):
         self.name, self.config, self.process = name, config, process
-        self._door = door
+        self._ros = ros
         self._messages = {topic.topic: topic.message_type() for topic in config.topics.values()}
         self._captures: set[Operation[Mapping[str, object]]] = set()
         for topic, message in self._messages.items():
-            door.listen(topic, message)
+            ros.listen(topic, message)
         if config.given_in is not None:
-            door.transforms.listen()
+            ros.transforms.listen()
         if process is not None:
             process.when_ended(self._driver_ended)
 
@@ -102,7 +102,7 @@ class TopicSensor:
         """Take what is asked for, or say how the driver ended."""
         config = self.config
         try:
-            return (yield from taken(self._door, self._messages, config.slop, config.timeout, self._values))
+            return (yield from taken(self._ros, self._messages, config.slop, config.timeout, self._values))
         except CanceledError:
             if self.process is None or self.process.alive:
                 raise
@@ -129,7 +129,7 @@ class TopicSensor:
         if wanted is None or present in (None, wanted):
             return value
         stamp = seconds(message.header.stamp) if hasattr(message, "header") else 0.0
-        pose = yield self._door.transforms.lookup(wanted, str(present), FRAME_WAIT, stamp or None)
+        pose = yield self._ros.transforms.lookup(wanted, str(present), FRAME_WAIT, stamp or None)
         try:
             return transformed(value, pose)
         except TypeError:
@@ -166,13 +166,13 @@ def unnamed_camera(name: str) -> UnavailableSensor:
 
 
 def open_sensors(
-    sensors: Mapping[str, SensorConfig], door: RosInterface, project: Path, domain_id: int | None = None
+    sensors: Mapping[str, SensorConfig], ros: RosInterface, project: Path, domain_id: int | None = None
 ) -> dict[str, TopicSensor | UnavailableSensor]:
     """Start the drivers of sensors and listen to their topics; what is wrong with one is said when it is asked.
 
     Args:
         sensors: those to open.
-        door: the connection to ROS.
+        ros: the connection to ROS.
         project: the project's folder, in which drivers are started; they log into `.grip/logs/sensor-<name>.log`.
         domain_id: the DDS domain of the drivers.
     """
@@ -183,7 +183,7 @@ def open_sensors(
             opened[name] = UnavailableSensor(f"sensor {name}", broken[name])
             continue
         try:
-            opened[name] = TopicSensor(name, config, door, _driver(name, config, project, domain_id))
+            opened[name] = TopicSensor(name, config, ros, _driver(name, config, project, domain_id))
         except (GripError, OSError) as error:
             opened[name] = UnavailableSensor(f"sensor {name}", str(error))
     return opened
@@ -219,11 +219,11 @@ class RosCamera:
     Args:
         name: the sensor's.
         config: its topics.
-        door: the connection to ROS, which knows where the camera's frame is.
+        ros: the connection to ROS, which knows where the camera's frame is.
     """
 
-    def __init__(self, name: str, config: CameraTopics, door: RosInterface):
-        self._name, self._config, self._door = name, config, door
+    def __init__(self, name: str, config: CameraTopics, ros: RosInterface):
+        self._name, self._config, self._ros = name, config, ros
         self._topics = {
             config.image: "sensor_msgs/msg/Image",
             config.depth: "sensor_msgs/msg/Image",
@@ -231,9 +231,9 @@ class RosCamera:
         }
         self._info: CameraInfo | None = None
         for topic, type_ in self._topics.items():
-            door.listen(topic, type_)
+            ros.listen(topic, type_)
         if config.mount is None:
-            door.transforms.listen()
+            ros.transforms.listen()
 
     def info(self) -> CameraInfo:
         """Return the camera's geometry, as of the last frame.
@@ -251,12 +251,12 @@ class RosCamera:
         Ends with ServerTimeOutError after the camera's time, FrameError when nobody says where it is, SensorError when
         what it sent can't be used.
         """
-        return run_steps(taken(self._door, self._topics, self._config.slop, self._config.timeout, self._frame))
+        return run_steps(taken(self._ros, self._topics, self._config.slop, self._config.timeout, self._frame))
 
     def _frame(self, messages: Mapping[str, Message]) -> Steps[RgbdFrame]:
         depth, given = messages[self._config.depth], messages[self._config.info]
         frame = self._config.mount.frame if self._config.mount is not None else given.header.frame_id
-        pose = yield self._door.transforms.lookup(WORLD, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)
+        pose = yield self._ros.transforms.lookup(WORLD, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)
         try:
             info = replace(camera_from_message(given), pose=pose)
             image = image_from_message(messages[self._config.image])

@@ -51,7 +51,7 @@ class _Published:
         """Publish until it is closed."""
 
 
-class ServedJoints(_Published):
+class JointStatePublisher(_Published):
     """Publishes where joints are, stamped with the wall's time, in one message for all of them.
 
     Args:
@@ -97,7 +97,7 @@ SHARE = 0.4
 """What takes the frames may spend no more than this share of its time on them: it moves the robot too."""
 
 
-class ServedCamera(_Published):
+class CameraPublisher(_Published):
     """Takes frames while somebody listens, and publishes them, all messages of a frame with one stamp.
 
     Everything is in the optical frame `<name>_optical`; where that is, is for TF or the listener's own settings.
@@ -159,7 +159,7 @@ NEAR = 1e-3
 """A first point that is due sooner is where the motion begins [s]."""
 
 
-class ServedController:
+class TrajectoryActionServer:
     """Serves one action; made, used and closed from any thread.
 
     Args:

@@ -72,11 +72,11 @@ def arm_of_move_group(ros_move_group: tuple[Any, Any]) -> Iterator[ArmRig]:
     """MoveIt plans and moves; our planner answers what is about given motions, as in a project."""
     from grip_bt.app.wiring.planners import PlannerByName
     from grip_bt.commanders.planning.service import PlanningProcess
-    from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
+    from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 
     bus, _ = ros_move_group
     description = model().description
-    mount = Mount.of(description, "arm", "hand")
+    mount = ArmMapping.of(description, "arm", "hand")
     theirs = MoveGroupPlanner(MoveGroup(bus, wait=PATIENCE), description, {"arm": mount}, {"hand": mount})
     with PlanningProcess(description) as own, theirs:
         yield _arm_rig(

@@ -7,8 +7,8 @@ import random
 from dataclasses import dataclass, field
 from itertools import count
 
-from grip_bt.base.failures import ExpectedError, UnfitServerError
-from grip_bt.ros.client.goal import Goal, GoalEnd, GoalTimeouts, Phase, RequestCancel, RequestResult, Send, Tell
+from grip_bt.base.failures import ExpectedError, IncompatibleServerError
+from grip_bt.ros.client.goal import Goal, GoalEnd, GoalTimeouts, Notify, Phase, RequestCancel, RequestResult, Send
 
 POLL = 0.05
 ACCEPTED, SUCCEEDED, CANCELED, ABORTED, UNKNOWN = 1, 4, 5, 6, 0
@@ -103,7 +103,7 @@ class World:
                     self.wire(self._want_result)
                 case RequestCancel():
                     self.wire(self._hear_cancel)
-                case Tell(end):
+                case Notify(end):
                     self.result.told.append(end)
                     self.result.at = self.now
 
@@ -120,7 +120,7 @@ class World:
 
     def _poll(self) -> None:
         if self.goal.phase is Phase.WAITING and self.alive:
-            error = UnfitServerError("another type")
+            error = IncompatibleServerError("another type")
             self.do(self.goal.server_unfit(error) if self.unfit else self.goal.server_fits(self.now))
         elif self.sent_to is not None:
             there = self.alive and self.incarnation == self.sent_to

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grip_bt.base.failures import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
 from grip_bt.base.operation import STOPPED
-from grip_bt.ros.client.goal import LIVE, Goal, GoalEnd, GoalTimeouts, Phase, RequestCancel, RequestResult, Send, Tell
+from grip_bt.ros.client.goal import LIVE, Goal, GoalEnd, GoalTimeouts, Notify, Phase, RequestCancel, RequestResult, Send
 
 RACES = int(os.environ.get("GRIP_FUZZ_RACES", "200"))
 PATIENCE = GoalTimeouts(server=5.0, result=10.0, cancel=2.0)
@@ -32,7 +32,7 @@ def goal(phase=Phase.WAITING, patience=PATIENCE) -> Goal:
 
 
 def told(commands):
-    ends = [c.end for c in commands if isinstance(c, Tell)]
+    ends = [c.end for c in commands if isinstance(c, Notify)]
     assert len(ends) == 1, commands
     return ends[0]
 
@@ -307,11 +307,11 @@ def test_any_order_of_events_tells_the_owner_at_most_once_and_surely_in_the_end(
     for name, pause in events:
         now += pause
         commands += happen(made, name, now)
-    tells = sum(isinstance(c, Tell) for c in commands)
+    tells = sum(isinstance(c, Notify) for c in commands)
     assert tells == (made.phase not in (*LIVE, Phase.WAITING))
     assert sum(isinstance(c, Send) for c in commands) <= 1
     later = [*made.tick(now + 100.0), *made.tick(now + 200.0)]
-    assert tells + sum(isinstance(c, Tell) for c in later) == 1
+    assert tells + sum(isinstance(c, Notify) for c in later) == 1
 
 
 def test_in_random_races_every_owner_is_told_in_time_and_no_goal_is_left_behind():

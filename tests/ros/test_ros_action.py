@@ -22,9 +22,9 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.failures import (
     CanceledError,
     GoalRejectedError,
+    IncompatibleServerError,
     ServerLostError,
     ServerTimeOutError,
-    UnfitServerError,
 )
 from grip_bt.ros.client.action import new_goal_id
 from grip_bt.ros.client.goal import GoalEnd, Phase
@@ -206,7 +206,7 @@ def test_two_action_servers_on_one_name_are_refused(bus, act):
     act()
     client = bus.action(WORK, "/work")
     until(lambda: len(ended(bus.post(lambda: _servers(bus)))) == 2, "the servers aren't seen")
-    with pytest.raises(UnfitServerError, match="2 action servers .*each of which would execute a goal"):
+    with pytest.raises(IncompatibleServerError, match="2 action servers .*each of which would execute a goal"):
         ended(client.send(work(), wait=5))
 
 

@@ -10,7 +10,7 @@ from patience import PATIENCE, until
 from ros_bench import ended
 
 import grip_bt.ros  # noqa: F401 - its settings come before any message package
-from grip_bt.base.failures import ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.base.failures import IncompatibleServerError, ServerLostError, ServerTimeOutError
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.goal import Goal, GoalTimeouts
 from grip_bt.ros.client.graph import instead, instead_of_topic
@@ -89,8 +89,8 @@ OURS, THEIRS = {"command": ["{python}", "server.py"]}, {"command": ["python3", "
         (None, LOST, False, "", ". Start it, or say under `start` how it is started (component.yaml of c)"),
         ({**OURS, "run": False}, LOST, False, "", "remove `run: false` from its `start`"),
         (OURS, LOST, True, "", "Its process runs: does it serve /set (`server`), as std_srvs/srv/SetBool"),
-        (None, UnfitServerError("", serves=TRIGGER), False, "", f". If that is meant: `interface: {TRIGGER}`"),
-        (None, UnfitServerError("", serves=SET), False, "", ""),
+        (None, IncompatibleServerError("", serves=TRIGGER), False, "", f". If that is meant: `interface: {TRIGGER}`"),
+        (None, IncompatibleServerError("", serves=SET), False, "", ""),
         (THEIRS, ENDED, False, "No module named 'rclpy'", "'python3' is a Python without ROS or the built interfaces"),
         (OURS, ENDED, False, "No module named 'torch'", "'torch' isn't installed for the Python that runs it"),
         (OURS, ENDED, False, "", "A server runs until it is stopped; this one ended by itself."),
@@ -177,15 +177,15 @@ def published(domain):
 def test_who_waits_for_a_topic_that_nobody_publishes_is_told_those_that_are(bus, published):
     published(bus, STRING, "/cam/words")
     published(bus, "std_msgs/msg/Bool", "/lamp")
-    door = RosInterface(bus)
+    ros = RosInterface(bus)
     said = r"no message within 0\.2 s; it has no publisher; std_msgs/msg/String is published in .* as /cam/words$"
     with pytest.raises(ServerTimeOutError, match=f"/words: {said}"):
-        ended(door.next("/words", STRING, "Any", 0.2))
+        ended(ros.next("/words", STRING, "Any", 0.2))
     with pytest.raises(ServerTimeOutError, match=r"did you mean '/cam/words', which is published as std_msgs/msg/Str"):
-        ended(door.recent("/cam/wrds", IMAGE, "Any", 0.0, 0.2))
+        ended(ros.recent("/cam/wrds", IMAGE, "Any", 0.0, 0.2))
     several = r"on /a/far \(it has no publisher; published in .*: /.*\), /lam \(it has no .* did you mean '/lamp'"
     with pytest.raises(ServerTimeOutError, match=several):
-        ended(door.together({"/a/far": IMAGE, "/lam": STRING}, 0.1, 0.2))
+        ended(ros.together({"/a/far": IMAGE, "/lam": STRING}, 0.1, 0.2))
 
 
 def test_a_topic_of_another_type_is_told_with_what_to_do(bus, published):
@@ -211,8 +211,8 @@ def test_who_publishes_to_nobody_is_told_what_is_heard(bus, domain):
         kind = load_type(STRING)
         ended(hearer.post(lambda: hearer.node.create_subscription(kind, "/say", print, 1)))
         until(lambda: ended(bus.post(lambda: bus.node.count_subscribers("/say"))), "the subscriber isn't seen")
-        door = RosInterface(bus)
+        ros = RosInterface(bus)
         with pytest.raises(ServerTimeOutError, match=f"1 are needed; {STRING} is heard in .* as /say$"):
-            ended(door.publish("/sya", STRING, {"data": "x"}, 1, 0.2))
+            ended(ros.publish("/sya", STRING, {"data": "x"}, 1, 0.2))
         with pytest.raises(ServerTimeOutError, match=f"; it is subscribed to as {STRING}, not as std_msgs/msg/Bool$"):
-            ended(door.publish("/say", "std_msgs/msg/Bool", {"data": True}, 1, 0.2))
+            ended(ros.publish("/say", "std_msgs/msg/Bool", {"data": True}, 1, 0.2))

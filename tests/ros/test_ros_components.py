@@ -14,7 +14,7 @@ from py_trees.common import Status
 from ros_bench import EXAMPLE, ended, gone, kill, session_of
 
 from grip_bt.base.errors import DocumentError, UnknownNameError
-from grip_bt.base.failures import BadReplyError, ServerLostError, ServerTimeOutError, UnfitServerError
+from grip_bt.base.failures import BadReplyError, IncompatibleServerError, ServerLostError, ServerTimeOutError
 from grip_bt.base.ports import Component
 from grip_bt.base.values import Grasp, PointCloud
 from grip_bt.ros.client.types import ConversionError
@@ -129,7 +129,7 @@ def test_a_component_that_hangs_times_out(odd, ahead):
     operation = odd.client("odd").call(wish("hang"))
     until(lambda: odd.client("odd")._client.in_flight, "it isn't called")
     ahead.skip(1000.0)
-    with pytest.raises(ServerTimeOutError, match="no answer"):
+    with pytest.raises(ServerTimeOutError, match="no response"):
         ended(operation)
 
 
@@ -182,7 +182,7 @@ def test_a_server_built_from_another_definition_is_refused_at_once(project, doma
     command = [sys.executable, "server.py"]
     process = Process("foreign", command, home, child_environment([built.prefix], domain), tmp_path / "log")
     try:
-        with pytest.raises(UnfitServerError, match="a different definition of the response of antipodal_interfaces"):
+        with pytest.raises(IncompatibleServerError, match="a different definition of the response of antipodal"):
             start_components(project, ["odd"], domain)
     finally:
         process.stop()

@@ -89,12 +89,12 @@ def scene(model, robot):
 @pytest.fixture
 def planning(shared, robot):
     """Return a function that makes a planner, closed afterwards."""
-    from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
+    from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 
     opened = []
 
     def make(planner_id: str = "", namespace: str = "", wait: float = PATIENCE, **more) -> MoveGroupPlanner:
-        mount = Mount.of(robot, "arm", "hand")
+        mount = ArmMapping.of(robot, "arm", "hand")
         group = MoveGroup(shared, namespace, wait)
         opened.append(MoveGroupPlanner(group, robot, {"arm": mount}, {"hand": mount}, planner_id=planner_id, **more))
         return opened[-1]
@@ -236,10 +236,10 @@ def test_allowing_and_forbidding_a_contact_leaves_what_the_robot_declares(planni
 def test_closing_takes_out_what_was_sent_and_leaves_what_others_put_there(robot, scene, shared):
     from grip_bt.base.values.solids import Sphere
     from grip_bt.ros.client.types import load_type
-    from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
+    from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
     from grip_bt.ros.moveit.goals import collision_object
 
-    group, mount = MoveGroup(shared, wait=PATIENCE), Mount.of(robot, "arm", "hand")
+    group, mount = MoveGroup(shared, wait=PATIENCE), ArmMapping.of(robot, "arm", "hand")
     theirs = load_type("moveit_msgs/msg/PlanningScene")(is_diff=True)
     theirs.robot_state.is_diff = True
     pose = Pose(np.array([3.0, 3.0, 0.0]))
@@ -433,10 +433,10 @@ def test_a_motion_that_is_stopped_or_given_up_says_so(executor, robot):
 @pytest.fixture
 def mounted(shared, robot):
     """Return functions of a mount whose link has the grasp frame's axes in another order, and one that lies askew."""
-    from grip_bt.ros.moveit import Mount
+    from grip_bt.ros.moveit import ArmMapping
 
-    def mount(frame: Pose) -> Mount:
-        return Mount("arm", robot.group("arm"), "tool", frame, ())
+    def mount(frame: Pose) -> ArmMapping:
+        return ArmMapping("arm", robot.group("arm"), "tool", frame, ())
 
     quarter, askew = math.sqrt(0.5), math.cos(math.radians(15))
     ordered = Pose((0.1, 0, 0), (quarter, 0, quarter, 0), "tool")  # the grasp frame's z is the link's x

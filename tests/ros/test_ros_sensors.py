@@ -21,13 +21,13 @@ IMAGE, NUMBER = "sensor_msgs/msg/Image", "std_msgs/msg/Float64"
 
 
 @pytest.fixture
-def door(bus):
+def ros(bus):
     return RosInterface(bus, now=lambda: NOW)
 
 
-def send(door, topic, message, **fields):
+def send(ros, topic, message, **fields):
     """Publish once somebody listens."""
-    sent = door.bus.writer(message, topic).publish(made(message, **fields), subscribers=1, timeout=PATIENCE)
+    sent = ros.bus.writer(message, topic).publish(made(message, **fields), subscribers=1, timeout=PATIENCE)
     ended(sent)
 
 
@@ -41,43 +41,43 @@ def made(message, stamp=None, **fields):
 
 
 @pytest.mark.parametrize("stamp", [NOW + 0.02, 0.0], ids=["stamped", "never stamped"])
-def test_a_message_without_a_stamp_counts_as_taken_when_it_came(door, stamp):
-    both = door.together({"/image": IMAGE, "/force": NUMBER}, 0.05, 600.0)
-    send(door, "/image", IMAGE, stamp=stamp, height=3)
-    send(door, "/force", NUMBER, data=1.5)
+def test_a_message_without_a_stamp_counts_as_taken_when_it_came(ros, stamp):
+    both = ros.together({"/image": IMAGE, "/force": NUMBER}, 0.05, 600.0)
+    send(ros, "/image", IMAGE, stamp=stamp, height=3)
+    send(ros, "/force", NUMBER, data=1.5)
     found = ended(both)
     assert (found["/image"].height, found["/force"].data) == (3, 1.5)
 
 
-def test_what_was_taken_before_the_capture_is_passed_over(door):
-    one = door.together({"/image": IMAGE}, 0.05, 600.0)
-    send(door, "/image", IMAGE, stamp=NOW - 0.1, height=1)
-    send(door, "/image", IMAGE, stamp=NOW + 0.1, height=2)
+def test_what_was_taken_before_the_capture_is_passed_over(ros):
+    one = ros.together({"/image": IMAGE}, 0.05, 600.0)
+    send(ros, "/image", IMAGE, stamp=NOW - 0.1, height=1)
+    send(ros, "/image", IMAGE, stamp=NOW + 0.1, height=2)
     assert ended(one)["/image"].height == 2
 
 
-def test_a_stamp_of_another_clock_says_nothing_of_before(door):
-    one = door.together({"/image": IMAGE}, 0.05, 600.0)
-    send(door, "/image", IMAGE, stamp=12.5, height=1)
+def test_a_stamp_of_another_clock_says_nothing_of_before(ros):
+    one = ros.together({"/image": IMAGE}, 0.05, 600.0)
+    send(ros, "/image", IMAGE, stamp=12.5, height=1)
     assert ended(one)["/image"].height == 1
 
 
-def test_a_capture_in_vain_says_that_all_came_too_early(door, monkeypatch):
+def test_a_capture_in_vain_says_that_all_came_too_early(ros, monkeypatch):
     monkeypatch.setattr("grip_bt.ros.interface.threading", SimpleNamespace(Timer=Deadline))
-    one, heard = door.together({"/image": IMAGE}, 0.05, 4.0), threading.Event()
-    door.bus.reader(IMAGE, "/image").listen(lambda _: heard.set())  # after the capture, which is called first
-    send(door, "/image", IMAGE, stamp=NOW - 0.25)
+    one, heard = ros.together({"/image": IMAGE}, 0.05, 4.0), threading.Event()
+    ros.bus.reader(IMAGE, "/image").listen(lambda _: heard.set())  # after the capture, which is called first
+    send(ros, "/image", IMAGE, stamp=NOW - 0.25)
     assert heard.wait(PATIENCE)
     Deadline.last.over()
     with pytest.raises(ServerTimeOutError, match=r"what came was taken before it was asked for, the last 0\.25 s"):
         ended(one)
 
 
-def test_a_driver_that_dies_ends_the_capture_under_way_with_its_last_words(door, tmp_path):
+def test_a_driver_that_dies_ends_the_capture_under_way_with_its_last_words(ros, tmp_path):
     waits = "until [ -e go ]; do sleep 0.05; done; echo no camera found; exit 3"
     config = {"topics": {"x": {"topic": "/x", "type": "Image"}}, "timeout": 1000, "driver": {"command": ["sh", "-c"]}}
     config["driver"]["command"].append(waits)
-    sensor = open_sensors({"cam": SensorConfig.model_validate(config)}, door, tmp_path)["cam"]
+    sensor = open_sensors({"cam": SensorConfig.model_validate(config)}, ros, tmp_path)["cam"]
     capture = sensor.capture()
     assert not capture.done()
     (tmp_path / "go").touch()

@@ -38,7 +38,7 @@ def test_an_older_goal_never_takes_the_place_of_a_newer_one(order, monkeypatch):
     monkeypatch.setattr(module, "threading", SimpleNamespace(Thread=Held, Lock=threading.Lock))
     Held.threads.clear()
     followed = []
-    served = object.__new__(module.ServedController)
+    served = object.__new__(module.TrajectoryActionServer)
     served._bus = SimpleNamespace(post=lambda work: work(), node=SimpleNamespace(executor=None))
     served._executor = SimpleNamespace(
         state=lambda: JointState(("a",), np.zeros(1), np.zeros(1)),

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.moveit import Mount, MoveGroup, MoveGroupPlanner
+from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
 
 from ..project.config import ArmConfig
@@ -21,9 +21,9 @@ def open_move_group(
     settings = file.ros.move_group if file.ros is not None else MoveGroupConfig()
     bus = bus if bus is not None else stack.enter_context(Bus("grip_planning"))
 
-    def mount(arm: ArmConfig) -> Mount:
+    def mount(arm: ArmConfig) -> ArmMapping:
         hand = file.hands.get(arm.hand) if arm.hand else None
-        return Mount.of(description, arm.group, hand.group if hand else "", settings.groups.get(arm.group, ""))
+        return ArmMapping.of(description, arm.group, hand.group if hand else "", settings.groups.get(arm.group, ""))
 
     planner = MoveGroupPlanner(
         MoveGroup(bus, settings.namespace, settings.wait),

@@ -58,7 +58,7 @@ def open_ros(
     stack.callback(components.close)
     clock = simulated_clock(components.bus, stack) if project.file.simulated_time else None
     now = time.time if clock is None else clock.now
-    door = RosInterface(components.bus, Transforms(components.bus, frames), now)
+    ros = RosInterface(components.bus, Transforms(components.bus, frames), now)
     built = (
         f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
     )
@@ -66,14 +66,12 @@ def open_ros(
         process = components.process(name)
         where = f"ROS 2 server in process {process.pid}" if process is not None else "ROS 2 server already running"
         progress("component", f"{name}: {where}, ready after {components.ready_seconds:.1f} s; {built}")
-    opened = open_sensors({name: project.file.sensors[name] for name in sensors}, door, project.folder, domain)
+    opened = open_sensors({name: project.file.sensors[name] for name in sensors}, ros, project.folder, domain)
     stack.callback(lambda: close_sensors(opened))
     for name, sensor in opened.items():
         topics = ", ".join(topic.topic for topic in project.file.sensors[name].topics.values())
         progress("sensor", f"{name}: {topics}" if isinstance(sensor, TopicSensor) else f"{name}: {sensor.reason}")
-    return Resources(
-        components={name: components.client(name) for name in names}, sensors=opened, ros=door, clock=clock
-    )
+    return Resources(components={name: components.client(name) for name in names}, sensors=opened, ros=ros, clock=clock)
 
 
 def simulated_clock(bus: Bus, stack: ExitStack) -> RosClock:

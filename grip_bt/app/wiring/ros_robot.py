@@ -97,11 +97,11 @@ def _cameras(project: Project, settings: RosRobotConfig, bus: Bus, progress: Pro
     poses, _ = mounted_frames(settings.cameras)
     if any(camera.mount is None for camera in settings.cameras.values()):
         provide_frames(progress)
-    door = RosInterface(bus, Transforms(bus, robot_frames(project).with_poses(poses)))
+    ros = RosInterface(bus, Transforms(bus, robot_frames(project).with_poses(poses)))
     for name, topics in settings.cameras.items():
         progress("camera", f"{name}: {topics.image}, {topics.depth}, {topics.info}")
     return {
-        name: RosCamera(name, settings.cameras[name], door) if name in settings.cameras else unnamed_camera(name)
+        name: RosCamera(name, settings.cameras[name], ros) if name in settings.cameras else unnamed_camera(name)
         for name in sensors
     }
 

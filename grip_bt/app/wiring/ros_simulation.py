@@ -16,7 +16,7 @@ from grip_bt.base.values.solids import Box
 from grip_bt.commanders.scene import SceneObject
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.served import ServedCamera, ServedController, ServedJoints
+from grip_bt.ros.served import CameraPublisher, JointStatePublisher, TrajectoryActionServer
 from grip_sim import start_simulation, table_world
 from grip_sim.simulation import Simulation
 
@@ -92,15 +92,15 @@ def serve_world(
             for name, group in groups.items()
         }
         for name, executor in executors.items():
-            stack.callback(ServedController(bus, actions[name], executor).close)
+            stack.callback(TrajectoryActionServer(bus, actions[name], executor).close)
             progress("controller", f"{actions[name]}: {len(executor.joint_names)} joints of {name}")
         joints = project.file.ros.joint_states if project.file.ros is not None else JOINT_STATES
-        stack.callback(ServedJoints(bus, joints, tuple(executors.values())).close)
+        stack.callback(JointStatePublisher(bus, joints, tuple(executors.values())).close)
         progress("joints", joints)
         cameras = {}
         for name, sensor in project.file.sensors.items():
             if sensor.camera is not None:
-                served = ServedCamera(bus, name, simulation.camera(sensor.camera), camera_rate)
+                served = CameraPublisher(bus, name, simulation.camera(sensor.camera), camera_rate)
                 stack.callback(served.close)
                 cameras[name] = served.topics
                 progress("camera", ", ".join(served.topics.values()))

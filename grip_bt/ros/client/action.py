@@ -24,13 +24,13 @@ from rclpy.task import Future
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from unique_identifier_msgs.msg import UUID
 
-from grip_bt.base.failures import UnfitServerError
+from grip_bt.base.failures import IncompatibleServerError
 from grip_bt.base.operation import Operation
 
 from ..watchdog import Watchdog
 from .base import Request, ServedClient
 from .connection import Connection
-from .goal import LIVE, Command, Goal, GoalEnd, GoalTimeouts, Phase, RequestCancel, RequestResult, Send, Tell
+from .goal import LIVE, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase, RequestCancel, RequestResult, Send
 from .graph import explained
 from .server_check import GRACE, action_servers, check_action_servers
 from .service import SERVICE_QOS
@@ -95,7 +95,7 @@ class ActionClient(ServedClient[_Entry]):
 
         Cancelling the operation asks the server to cancel the goal; it then ends with what the server says, or with
         CanceledError when the server says nothing. Without a word of the server it ends with ServerLostError,
-        UnfitServerError, ServerTimeOutError or GoalRejectedError. A goal that its owner no longer waits for is
+        IncompatibleServerError, ServerTimeOutError or GoalRejectedError. A goal that its owner no longer waits for is
         cancelled, also when that becomes possible only later.
 
         Args:
@@ -140,7 +140,7 @@ class ActionClient(ServedClient[_Entry]):
         return bool(self._requests)
 
     def end(self, error: Exception) -> None:
-        """Tell every owner that the connection is being closed, and servers that their goals are canceled."""
+        """Notify every owner that the connection is being closed, and servers that their goals are canceled."""
         for entry in list(self._requests):
             self._do(entry, entry.machine.close(time.monotonic()))
 
@@ -157,7 +157,7 @@ class ActionClient(ServedClient[_Entry]):
     def _sent(self) -> int:
         return sum(e.machine.phase is Phase.SENT for e in self._requests)
 
-    def _unfit(self, request: _Entry, error: UnfitServerError) -> None:
+    def _unfit(self, request: _Entry, error: IncompatibleServerError) -> None:
         self._do(request, request.machine.server_unfit(error))
 
     def _look(self) -> list[TopicEndpointInfo]:
@@ -204,7 +204,7 @@ class ActionClient(ServedClient[_Entry]):
                     asked = CancelGoal.Request()
                     asked.goal_info.goal_id = entry.uuid
                     self._later(entry, cancels.call_async(asked), self._cancel_answered)
-                case Tell(end):
+                case Notify(end):
                     entry.on_feedback = None
                     if isinstance(end, GoalEnd):
                         entry.operation.succeed(end)

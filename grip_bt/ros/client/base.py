@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from grip_bt.base.failures import CanceledError, ServerLostError, UnfitServerError
+from grip_bt.base.failures import CanceledError, IncompatibleServerError, ServerLostError
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
@@ -150,7 +150,7 @@ class ServedClient(Client[R]):
             return
         try:
             ready = self._fits(now)
-        except UnfitServerError as error:
+        except IncompatibleServerError as error:
             stale_possible = len(self._look()) > 1  # a dead one counts until its lease is over
             for request in waiting:
                 if not stale_possible or now > min(request.wait_until, request.began + STALE):
@@ -168,7 +168,7 @@ class ServedClient(Client[R]):
         """Tell whether there is one fitting server that our client is connected to.
 
         Raises:
-            UnfitServerError: who is there doesn't fit.
+            IncompatibleServerError: who is there doesn't fit.
         """
         if self._found and now - self._checked < TRUST:
             return self._connected()
@@ -200,7 +200,7 @@ class ServedClient(Client[R]):
 
     @abstractmethod
     def _check(self, servers: list[TopicEndpointInfo]) -> None:
-        """Raise UnfitServerError for servers that don't fit."""
+        """Raise IncompatibleServerError for servers that don't fit."""
 
     @abstractmethod
     def _connected(self) -> bool:
@@ -221,7 +221,7 @@ class ServedClient(Client[R]):
     def _send(self, request: R, now: float) -> None:
         """Send a request to the server that was found."""
 
-    def _unfit(self, request: R, error: UnfitServerError) -> None:
+    def _unfit(self, request: R, error: IncompatibleServerError) -> None:
         self._finish(request, error)
 
     def _absent(self, request: R, now: float) -> None:

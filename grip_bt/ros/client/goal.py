@@ -6,9 +6,9 @@
 
 The owner of a goal is told exactly once how it ended, and never later than its patience allows. A goal whose time is
 over is cancelled, and its owner told of the time-out when the server has said that it ended: nothing else may begin
-before. What the server may still work on when its owner has been told (a cancel that nobody answered) is *loose*: it is
-cancelled, by its id, and again until the server answers, so that nothing goes on moving for nobody; what the owner is
-told says that it isn't known to have stopped.
+before. What the server may still work on when its owner has been told (a cancel that nobody answered) is *orphaned*:
+it is cancelled, by its id, and again until the server answers, so that nothing goes on moving for nobody; what its
+owner is told says that it isn't known to have stopped.
 
 The server's acceptance may be lost, for instance when the server doesn't know our ear yet. So a goal is accepted, too,
 when the server publishes its status or agrees to cancel it; and it is cancelled although nobody knows whether it was
@@ -35,10 +35,10 @@ REASK = 0.5
 """How long the result may take after the server published that the goal has ended, until it is asked for again [s]:
 a server keeps the last 10 requests and drops others without a word."""
 NEVER_CAME = 30.0
-"""For how long a server must say that it doesn't know a loose goal until it is believed [s]: it may have the goal in
+"""For how long a server must say that it doesn't know an orphaned goal until it is believed [s]: it may have it in
 hand, not taken yet."""
 FORGET = 10.0
-"""How long a loose goal is kept after its server was last seen [s]: a lease that ran out may be only a busy machine."""
+"""How long an orphaned goal is kept after its server was last seen [s]: the machine may only be busy."""
 
 
 class Phase(Enum):
@@ -105,13 +105,13 @@ class RequestCancel:
 
 
 @dataclass(frozen=True)
-class Tell:
-    """Tell the owner how it ended: the server's word, or an error."""
+class Notify:
+    """Notify the owner how it ended: the server's word, or an error."""
 
     end: GoalEnd | Exception
 
 
-Command = Send | RequestResult | RequestCancel | Tell
+Command = Send | RequestResult | RequestCancel | Notify
 
 
 class Goal:
@@ -135,7 +135,7 @@ class Goal:
         self._late: Exception | None = None  # what the owner is told when a goal whose time is over has ended
         self._sent = now
         self._asked: float | None = None  # when the last cancel request was sent, None when it was answered
-        self._unknown_since: float | None = None  # since when the server says that it doesn't know a loose goal
+        self._unknown_since: float | None = None  # since when the server says that it doesn't know an orphaned goal
         self._gone_since: float | None = None
         self._ended_since: float | None = None
 
@@ -150,7 +150,7 @@ class Goal:
 
     def server_unfit(self, error: Exception) -> list[Command]:
         """Who is there can't be used."""
-        return self._tell(error, Phase.OVER) if self.phase is Phase.WAITING else []
+        return self._notify(error, Phase.OVER) if self.phase is Phase.WAITING else []
 
     def server_seen(self, present: bool, now: float) -> list[Command]:
         """The server that has the goal is there, or isn't; to be said at every look."""
@@ -172,7 +172,7 @@ class Goal:
         if self.phase in (Phase.ORPHANED_SENT, Phase.ORPHANED, Phase.OVER):
             self.phase = Phase.OVER
             return []
-        return self._tell(self._lost(reason), Phase.OVER)
+        return self._notify(self._lost(reason), Phase.OVER)
 
     # --- the server answers ---
 
@@ -207,8 +207,8 @@ class Goal:
             self.phase = Phase.OVER
             return []
         if status not in STATUSES:
-            return self._tell(self._lost("the server doesn't know the goal any more; was it restarted?"), Phase.OVER)
-        return self._tell(self._late or GoalEnd(STATUSES[status], result), Phase.OVER)
+            return self._notify(self._lost("the server doesn't know the goal any more; was it restarted?"), Phase.OVER)
+        return self._notify(self._late or GoalEnd(STATUSES[status], result), Phase.OVER)
 
     def status(self, status: int, now: float) -> list[Command]:
         """What the server publishes of the goal; to be said at every look. The result comes by another way, or not."""
@@ -242,7 +242,7 @@ class Goal:
         return []
 
     def _doubt(self, now: float) -> list[Command]:
-        """Give up a loose goal that the server hasn't known for long; ask on until then."""
+        """Give up an orphaned goal that the server hasn't known for long; ask on until then."""
         if self.phase is Phase.ORPHANED_SENT:
             if self._unknown_since is None:
                 self._unknown_since = now
@@ -255,7 +255,7 @@ class Goal:
     def cancel(self, now: float) -> list[Command]:
         """The owner wants it to stop."""
         if self.phase is Phase.WAITING:
-            return self._tell(self._canceled("canceled before it was sent"), Phase.OVER)
+            return self._notify(self._canceled("canceled before it was sent"), Phase.OVER)
         return self._stop(now) if self._cancel_since is None and self.phase in LIVE else []
 
     def _stop(self, now: float) -> list[Command]:
@@ -268,7 +268,7 @@ class Goal:
     def close(self, now: float) -> list[Command]:
         """The connection is being closed."""
         if self.phase is Phase.WAITING:
-            return self._tell(self._canceled("the connection to ROS was closed"), Phase.OVER)
+            return self._notify(self._canceled("the connection to ROS was closed"), Phase.OVER)
         if self.phase in LIVE:
             return [*self._let_go(self._canceled("the connection to ROS was closed")), *self.tick(now)]
         return []
@@ -278,9 +278,9 @@ class Goal:
         if self.phase is Phase.WAITING:
             if now >= self._began + self.patience.server:
                 waited = self.patience.server
-                return self._tell(self._lost(f"no server within {waited:.1f} s", waited=waited), Phase.OVER)
+                return self._notify(self._lost(f"no server within {waited:.1f} s", waited=waited), Phase.OVER)
             if now >= self._began + self.patience.result:
-                return self._tell(self._timed_out("the goal wasn't sent"), Phase.OVER)
+                return self._notify(self._timed_out("the goal wasn't sent"), Phase.OVER)
             return []
         if self.phase in LIVE and self._cancel_since is None and now >= self._began + self.patience.result:
             what = "the server did not accept the goal" if self.phase is Phase.SENT else "no result"
@@ -297,8 +297,8 @@ class Goal:
             since = self._sent if self._asked is None else self._asked
             due = self._cancel_since is not None and now >= since + RECANCEL
         else:
-            loose = self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT)
-            due = loose and (self._asked is None or now >= self._asked + RECANCEL)
+            orphaned = self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT)
+            due = orphaned and (self._asked is None or now >= self._asked + RECANCEL)
         return self._ask_cancel(now) if due else []
 
     def _unanswered(self) -> ExpectedError:
@@ -310,23 +310,23 @@ class Goal:
 
     # --- parts ---
 
-    def _tell(self, end: GoalEnd | Exception, phase: Phase) -> list[Command]:
+    def _notify(self, end: GoalEnd | Exception, phase: Phase) -> list[Command]:
         self.phase = phase
-        return [Tell(end)]
+        return [Notify(end)]
 
     def _over_or_tell(self, error: Exception) -> list[Command]:
         if self.phase is Phase.ORPHANED_SENT:
             self.phase = Phase.OVER
             return []
-        return self._tell(error, Phase.OVER) if self.phase is Phase.SENT else []
+        return self._notify(error, Phase.OVER) if self.phase is Phase.SENT else []
 
     def _let_go(self, error: Exception) -> list[Command]:
-        """Tell the owner, and keep the goal until the server knows that nobody waits."""
+        """Notify the owner, and keep the goal until the server knows that nobody waits."""
         if self.phase is Phase.SENT:
             self._asked = None  # to be asked at once: the goal may have got there meanwhile
-            return self._tell(error, Phase.ORPHANED_SENT)
+            return self._notify(error, Phase.ORPHANED_SENT)
         told = self.phase is Phase.CANCELING and self._asked is None  # it has answered a cancel request already
-        return self._tell(error, Phase.OVER if told else Phase.ORPHANED)
+        return self._notify(error, Phase.OVER if told else Phase.ORPHANED)
 
     def _ask_cancel(self, now: float) -> list[Command]:
         self._asked = now

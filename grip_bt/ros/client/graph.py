@@ -61,7 +61,7 @@ def everything(node: Node) -> list[Served]:
     for name, types in get_action_names_and_types(node):
         found.append(Served(name, "action", _one(name, types), _nodes(node, f"{name}/_action/send_goal")))
     for name, types in node.get_service_names_and_types():
-        if not hidden(name):
+        if not is_internal(name):
             found.append(Served(name, "srv", _one(name, types), _nodes(node, name)))
     found += [Served(name, "msg", types[0]) for name, types, _ in topics(node)]
     return sorted(found, key=lambda served: (served.kind, served.name))
@@ -126,7 +126,7 @@ _NEAR = 0.6
 Names = Sequence[tuple[str, Sequence[str]]]
 
 
-def hidden(name: str) -> bool:
+def is_internal(name: str) -> bool:
     """Tell whether a name is of what every node has, or a part of an action."""
     return any(part in name if part.startswith("/_") else name.endswith(part) for part in _HIDDEN)
 
@@ -143,7 +143,7 @@ def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
     """
     if not isinstance(error, ServerLostError) or "waited" not in error.data:
         return error
-    services = [(name, types) for name, types in node.get_service_names_and_types() if not hidden(name)]
+    services = [(name, types) for name, types in node.get_service_names_and_types() if not is_internal(name)]
     actions = get_action_names_and_types(node)
     domain = node.context.get_domain_id()
     return ServerLostError(
@@ -180,7 +180,7 @@ def other_servers(node: Node, name: str) -> str:
     if name in published:
         return f"; {name} is a topic, of type {published[name][0]}"
     served = [*node.get_service_names_and_types(), *get_action_names_and_types(node)]
-    names = sorted(other for other, _ in served if not hidden(other))
+    names = sorted(other for other, _ in served if not is_internal(other))
     where = f"in ROS_DOMAIN_ID {node.context.get_domain_id()}"
     return f"{nearest(name, names)} (services and actions {where}: {_some(names, MOST)})"
 
@@ -188,7 +188,7 @@ def other_servers(node: Node, name: str) -> str:
 def topics(node: Node) -> list[tuple[str, list[str], int]]:
     """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
     seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
-    return sorted((name, types, count) for name, types, count in seen if count and not hidden(name))
+    return sorted((name, types, count) for name, types, count in seen if count and not is_internal(name))
 
 
 def other_topics(node: Node, name: str, wanted: str, heard: bool = False, most: int = MOST) -> str:
@@ -202,7 +202,7 @@ def other_topics(node: Node, name: str, wanted: str, heard: bool = False, most: 
         most: how many are listed.
     """
     ends = node.get_subscriptions_info_by_topic if heard else node.get_publishers_info_by_topic
-    names = [n for n, _ in node.get_topic_names_and_types() if not hidden(n)]
+    names = [n for n, _ in node.get_topic_names_and_types() if not is_internal(n)]
     there = [(n, types) for n in sorted(names) if (types := sorted({end.topic_type for end in ends(n)}))]
     if any(n == name for n, _ in there):  # its own type is told by whoever asks
         there = [(n, types) for n, types in there if wanted in types]

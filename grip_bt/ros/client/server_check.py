@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.qos import ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from grip_bt.base.failures import UnfitServerError
+from grip_bt.base.failures import IncompatibleServerError
 
 from .types import InterfaceType
 
@@ -48,7 +48,7 @@ def check_servers(node: Node, service: InterfaceType, name: str, servers: list[T
     """Check that the servers of a name are one server that a client of type `service` can call.
 
     Raises:
-        UnfitServerError: another type, another definition of it, best-effort, or several servers.
+        IncompatibleServerError: another type, another definition of it, best-effort, or several servers.
     """
     replies = node.get_publishers_info_by_topic(f"rr{name}Reply", no_mangle=True)
     parts = [(service, servers, "Request"), (service, replies, "Response")]
@@ -64,7 +64,7 @@ def check_action_servers(node: Node, action: InterfaceType, name: str, servers: 
     """Check that the servers of an action are one server that a client of type `action` can use.
 
     Raises:
-        UnfitServerError: as `check_servers`, for its goals and for its results.
+        IncompatibleServerError: as `check_servers`, for its goals and for its results.
     """
     impl, ends = action.Impl, node.get_publishers_info_by_topic
     parts = [
@@ -88,7 +88,7 @@ def _check_parts(
             _check_endpoint(type_, name, endpoint, part)
     if len(servers) > 1:
         nodes = ", ".join(sorted(_node(s) for s in servers))
-        raise UnfitServerError(
+        raise IncompatibleServerError(
             f"{name}: {len(servers)} {kind} ({nodes}), each of which would execute {executed}; stop all but one",
             server=name,
         )
@@ -99,7 +99,7 @@ def _check_endpoint(service: InterfaceType, name: str, endpoint: TopicEndpointIn
     package, kind = service.__module__.split(".")[:2]
     wanted = f"{package}::{kind}::dds_::{service.__name__}_" + (f"{part}_" if part else "")
     if endpoint.topic_type != wanted:
-        raise UnfitServerError(
+        raise IncompatibleServerError(
             f"{name}: {_node(endpoint)} serves {_readable(endpoint.topic_type)}, not {_readable(wanted)}",
             server=name,
             serves=_readable(endpoint.topic_type),
@@ -107,14 +107,14 @@ def _check_endpoint(service: InterfaceType, name: str, endpoint: TopicEndpointIn
     ours, theirs = type_hash(service, part), str(endpoint.topic_type_hash)
     if ours is not None and theirs != ours:
         half = _half(service, part)
-        raise UnfitServerError(
+        raise IncompatibleServerError(
             f"{name}: {_node(endpoint)} uses a different definition of the {half} of {_readable(wanted)} "
             f"({theirs[7:15]}..., ours is {ours[7:15]}...); build both from the same file",
             server=name,
         )
     if part and endpoint.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT:
         what = "a service" if kind == "srv" else "an action"
-        raise UnfitServerError(
+        raise IncompatibleServerError(
             f"{name}: {_node(endpoint)} is best-effort; {what} must be reliable, which is ROS's default",
             server=name,
         )

@@ -1,7 +1,7 @@
 """Calls of one service: checked before they are sent, watched until they end, and named when they fail.
 
 A call waits until there is one server that fits, is sent, and ends with the answer or with `ServerLostError` (nobody
-came, or who had the request is gone), `UnfitServerError` (see `server_check`) or `ServerTimeOutError`.
+came, or who had the request is gone), `IncompatibleServerError` (see `server_check`) or `ServerTimeOutError`.
 """
 
 from __future__ import annotations

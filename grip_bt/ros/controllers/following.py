@@ -78,10 +78,10 @@ class Following:
         self._began: float | None = None
         """When the motion has begun at the latest: never before the controller began, but soon after."""
         self._delays: deque[float] = deque(maxlen=KEPT)
-        self._blends: Places | None = None
+        self._blends: JointSamples | None = None
         self._goals: list[Operation[GoalEnd]] = []
-        self._waiting: Change | None = None
-        self._flying: Change | None = None
+        self._waiting: GoalReplacement | None = None
+        self._flying: GoalReplacement | None = None
         self.replaceable = True
         self.whole: Operation[GoalEnd] = Operation(on_cancel=self._cancel)
 
@@ -126,7 +126,7 @@ class Following:
         self._clock.after(begin - passed, partial(self._replace, found))
         return True
 
-    def _replace(self, found: Change) -> None:
+    def _replace(self, found: GoalReplacement) -> None:
         with self._lock:
             if self._waiting is not found or self.whole.done() or self.whole.cancel_asked:
                 return
@@ -146,7 +146,7 @@ class Following:
             self._began = self._clock.now()
             self._delays.append(self._began - self._sent)
 
-    def _replaced(self, found: Change) -> None:
+    def _replaced(self, found: GoalReplacement) -> None:
         with self._lock:
             now = self._clock.now()
             self._delays.append(now - self._sent)
@@ -204,7 +204,7 @@ _FEW = 16
 """So many of the places from which joints may be under way stand for all of them."""
 
 
-class Places(NamedTuple):
+class JointSamples(NamedTuple):
     """Where joints may be, and how fast.
 
     Attributes:
@@ -217,24 +217,24 @@ class Places(NamedTuple):
     positions: Array
     velocities: Array
 
-    def since(self, time: float) -> Places:
+    def since(self, time: float) -> JointSamples:
         """Return those of a time [s] and later."""
         kept = self.times >= time
-        return Places(*(values[kept] for values in self))
+        return JointSamples(*(values[kept] for values in self))
 
-    def few(self) -> Places:
+    def few(self) -> JointSamples:
         """Return some, from the first to the last."""
         order = np.argsort(self.times, kind="stable")
         kept = order[np.unique(np.linspace(0, len(order) - 1, _FEW).round().astype(int))]
-        return Places(*(values[kept] for values in self))
+        return JointSamples(*(values[kept] for values in self))
 
-    def and_those(self, others: Places) -> Places:
+    def and_those(self, others: JointSamples) -> JointSamples:
         """Return these and others."""
-        return Places(*(np.concatenate(both) for both in zip(self, others, strict=True)))
+        return JointSamples(*(np.concatenate(both) for both in zip(self, others, strict=True)))
 
 
 @dataclass(frozen=True)
-class Change:
+class GoalReplacement:
     """A goal that takes the place of the one before.
 
     Attributes:
@@ -247,7 +247,7 @@ class Change:
     whole: Trajectory
     row: int
     ahead: float
-    underway: Places
+    underway: JointSamples
 
     @property
     def began(self) -> float:
@@ -262,19 +262,19 @@ class Change:
         return Trajectory(whole.names, whole.times[row:] - whole.times[row], whole.positions[row:], velocities)
 
 
-def places(trajectory: Trajectory, time: float) -> Places:
+def places(trajectory: Trajectory, time: float) -> JointSamples:
     """Return where the joints of a motion may be at a time [s] or later; its points have velocities."""
     assert trajectory.velocities is not None
     later = trajectory.times > time
     now = np.array([np.interp(time, trajectory.times, column) for column in trajectory.velocities.T])
-    return Places(
+    return JointSamples(
         np.array([time, *trajectory.times[later]]),
         np.vstack([trajectory.at(time), trajectory.positions[later]]),
         np.vstack([now, trajectory.velocities[later]]),
     )
 
 
-def change(possible: Places, before: Trajectory, whole: Trajectory, time: float) -> Change | None:
+def change(possible: JointSamples, before: Trajectory, whole: Trajectory, time: float) -> GoalReplacement | None:
     """Return the goal by which a motion is changed; None, where the joints might go back or aside by any.
 
     Args:
@@ -295,11 +295,11 @@ def change(possible: Places, before: Trajectory, whole: Trajectory, time: float)
             underway = _underway(possible.few(), end, speed, time, ahead)
             aside = np.minimum(*(_aside(underway.positions, path, since) for path in (before, whole)))
             near = aside.max() <= ASIDE
-            return Change(whole, int(row), ahead, underway) if near else None
+            return GoalReplacement(whole, int(row), ahead, underway) if near else None
     return None
 
 
-def extremes(begin: Places, end: Array, speed: Array, duration: float) -> tuple[Array, Array]:
+def extremes(begin: JointSamples, end: Array, speed: Array, duration: float) -> tuple[Array, Array]:
     """Return the least and the greatest velocities on cubics from places to one place, each shape (m, n)."""
     mean = (end - begin.positions) / duration
     first, last = begin.velocities, np.broadcast_to(speed, begin.velocities.shape)
@@ -313,7 +313,7 @@ def extremes(begin: Places, end: Array, speed: Array, duration: float) -> tuple[
     return np.minimum(turning, np.minimum(first, last)), np.maximum(turning, np.maximum(first, last))
 
 
-def _underway(begin: Places, end: Array, speed: Array, time: float, duration: float) -> Places:
+def _underway(begin: JointSamples, end: Array, speed: Array, time: float, duration: float) -> JointSamples:
     """Return places on the cubics, by the time that the goal says."""
     part = _WAY[:, None, None]
     mean = (end - begin.positions) / duration
@@ -322,7 +322,7 @@ def _underway(begin: Places, end: Array, speed: Array, time: float, duration: fl
     velocities = begin.velocities + 2 * part * b + 3 * part**2 * c
     times = np.repeat(time + _WAY * duration, len(begin.times))
     shape = (len(times), begin.positions.shape[1])
-    return Places(times, positions.reshape(shape), velocities.reshape(shape))
+    return JointSamples(times, positions.reshape(shape), velocities.reshape(shape))
 
 
 def _aside(positions: Array, trajectory: Trajectory, time: float) -> Array:

@@ -1,7 +1,7 @@
 """MoveIt 2's move_group behind the commanders' ports: it plans, it chooses grasps, it executes."""
 
 from .client import MoveGroup, MoveGroupExecutor
-from .goals import Mount
+from .goals import ArmMapping
 from .planner import MoveGroupPlanner
 
-__all__ = ["Mount", "MoveGroup", "MoveGroupExecutor", "MoveGroupPlanner"]
+__all__ = ["ArmMapping", "MoveGroup", "MoveGroupExecutor", "MoveGroupPlanner"]

@@ -52,7 +52,7 @@ def at_joints(goal: JointState) -> Message:
     )
 
 
-def at_pose(pose: Pose, free: str, mount: Mount, frame: str) -> list[Message]:
+def at_pose(pose: Pose, free: str, mount: ArmMapping, frame: str) -> list[Message]:
     """Return the constraints of a grasp frame's pose; any of them is the goal.
 
     A free turn about an axis of the grasp frame is a tolerance where that is an axis of the link too; MoveIt knows no
@@ -79,7 +79,7 @@ def at_pose(pose: Pose, free: str, mount: Mount, frame: str) -> list[Message]:
     return [_posed(one, (TURN, TURN, TURN), mount, frame) for one in turned]
 
 
-def on_the_way(constraint: PathConstraint, mount: Mount, frame: str) -> Message:
+def on_the_way(constraint: PathConstraint, mount: ArmMapping, frame: str) -> Message:
     """Return the path constraints of a `PathConstraint`, about the link that carries the grasp frame.
 
     Raises:
@@ -94,7 +94,7 @@ def on_the_way(constraint: PathConstraint, mount: Mount, frame: str) -> Message:
     return _constraints(positions, orientations)
 
 
-def _kept_orientation(constraint: PathConstraint, mount: Mount, frame: str) -> Message:
+def _kept_orientation(constraint: PathConstraint, mount: ArmMapping, frame: str) -> Message:
     """Return the constraint of an orientation: tolerances are turned to the link's axes where that is exact."""
     assert constraint.orientation is not None
     to_link = mount.frame.rotation()
@@ -113,22 +113,22 @@ def _kept_orientation(constraint: PathConstraint, mount: Mount, frame: str) -> M
     return _oriented(link, (float(tolerance[0]), float(tolerance[1]), float(tolerance[2])), mount, frame)
 
 
-def _posed(pose: Pose, tolerance: tuple[float, float, float], mount: Mount, frame: str) -> Message:
+def _posed(pose: Pose, tolerance: tuple[float, float, float], mount: ArmMapping, frame: str) -> Message:
     oriented = _oriented(mount.link_pose(pose), tolerance, mount, frame)
     return _constraints([_at_point(pose, mount, frame)], [oriented])
 
 
-def _at_point(pose: Pose, mount: Mount, frame: str) -> Message:
+def _at_point(pose: Pose, mount: ArmMapping, frame: str) -> Message:
     """Return the constraint that the grasp frame's origin is where it is in `pose`."""
     ball = SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[REACH])
     return _within(ball, pose, mount, frame)
 
 
-def _in_box(pose: Pose, size: tuple[float, float, float], mount: Mount, frame: str) -> Message:
+def _in_box(pose: Pose, size: tuple[float, float, float], mount: ArmMapping, frame: str) -> Message:
     return _within(SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(map(float, size))), pose, mount, frame)
 
 
-def _within(shape: SolidPrimitive, pose: Pose, mount: Mount, frame: str) -> Message:
+def _within(shape: SolidPrimitive, pose: Pose, mount: ArmMapping, frame: str) -> Message:
     x, y, z = map(float, mount.frame.position)
     region = load_type("moveit_msgs/msg/BoundingVolume")(primitives=[shape], primitive_poses=[pose_to_message(pose)])
     return load_type("moveit_msgs/msg/PositionConstraint")(
@@ -140,7 +140,7 @@ def _within(shape: SolidPrimitive, pose: Pose, mount: Mount, frame: str) -> Mess
     )
 
 
-def _oriented(link: Pose, tolerance: tuple[float, float, float], mount: Mount, frame: str) -> Message:
+def _oriented(link: Pose, tolerance: tuple[float, float, float], mount: ArmMapping, frame: str) -> Message:
     message: PoseMessage = pose_to_message(link)
     x, y, z = tolerance
     return load_type("moveit_msgs/msg/OrientationConstraint")(
@@ -167,7 +167,7 @@ def _turn(axis: str, angle: float) -> Pose:
 
 
 @dataclass(frozen=True)
-class Mount:
+class ArmMapping:
     """One arm with its hand.
 
     Attributes:
@@ -185,7 +185,7 @@ class Mount:
     hand_links: tuple[str, ...]
 
     @classmethod
-    def of(cls, robot: RobotDescription, group: str, hand_group: str = "", moveit_group: str = "") -> Mount:
+    def of(cls, robot: RobotDescription, group: str, hand_group: str = "", moveit_group: str = "") -> ArmMapping:
         """Return the mount of a group of the robot.
 
         Args:

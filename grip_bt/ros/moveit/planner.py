@@ -40,8 +40,8 @@ from grip_bt.commanders.planning.requests import (
 from ..client.types import Message, load_type
 from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
 from .client import MoveGroup
-from .goals import Mount, at_joints, at_pose, on_the_way
-from .scene import SceneMirror
+from .goals import ArmMapping, at_joints, at_pose, on_the_way
+from .scene import PlanningSceneSync
 
 STEP = 0.005
 """How far apart points of a straight line are [m]."""
@@ -71,15 +71,15 @@ class MoveGroupPlanner:
         self,
         move_group: MoveGroup,
         robot: RobotDescription,
-        arms: Mapping[str, Mount],
-        hands: Mapping[str, Mount],
+        arms: Mapping[str, ArmMapping],
+        hands: Mapping[str, ArmMapping],
         pipeline: str = "",
         planner_id: str = "",
         by_service: bool = False,
     ):
         self._move_group, self.robot, self._arms = move_group, robot, dict(arms)
         self._pipeline, self._planner_id, self._by_service = pipeline, planner_id, by_service
-        self._mirror = SceneMirror(move_group, robot, hands)
+        self._scene = PlanningSceneSync(move_group, robot, hands)
         self._requests = Sequencer()
 
     def submit(self, request: Search) -> Operation[Plan | ChosenGrasp | None]:
@@ -88,7 +88,7 @@ class MoveGroupPlanner:
 
     def close(self) -> None:
         """Take our objects out of move_group's scene."""
-        self._requests.submit(lambda: run_steps(self._mirror.clear())).wait(CLEARING)
+        self._requests.submit(lambda: run_steps(self._scene.clear())).wait(CLEARING)
 
     def __enter__(self) -> MoveGroupPlanner:
         return self
@@ -98,7 +98,7 @@ class MoveGroupPlanner:
 
     # --- what requests are answered with ---
 
-    def mount(self, group: str) -> Mount:
+    def mount(self, group: str) -> ArmMapping:
         """Return the mount of a group of ours.
 
         Raises:
@@ -122,7 +122,7 @@ class MoveGroupPlanner:
 
     def show(self, situation: Situation) -> Steps[None]:
         """Send what changed in the scene."""
-        yield from self._mirror.show(situation.scene)
+        yield from self._scene.show(situation.scene)
 
     def free(self, request: PlanTo) -> Steps[Trajectory]:
         """Plan a free path in the scene that was shown."""
@@ -188,7 +188,7 @@ class MoveGroupPlanner:
 
     # --- requests and replies ---
 
-    def _plan_request(self, situation: Situation, mount: Mount) -> Message:
+    def _plan_request(self, situation: Situation, mount: ArmMapping) -> Message:
         settings = situation.settings
         return load_type("moveit_msgs/msg/MotionPlanRequest")(
             start_state=_state(situation.start),
@@ -201,7 +201,9 @@ class MoveGroupPlanner:
             max_acceleration_scaling_factor=settings.acceleration or settings.speed,
         )
 
-    def _line_request(self, situation: Situation, start: JointState, poses: tuple[Pose, ...], mount: Mount) -> Message:
+    def _line_request(
+        self, situation: Situation, start: JointState, poses: tuple[Pose, ...], mount: ArmMapping
+    ) -> Message:
         settings = situation.settings
         asked = load_type("moveit_msgs/srv/GetCartesianPath").Request(
             start_state=_state(start),
@@ -218,7 +220,7 @@ class MoveGroupPlanner:
         asked.header.frame_id = self.robot.base_link
         return asked
 
-    def _goals(self, request: PlanTo, mount: Mount) -> list[Message]:
+    def _goals(self, request: PlanTo, mount: ArmMapping) -> list[Message]:
         """Return the goals, any of which will do; joints that a goal doesn't name stay where they are."""
         if request.hints:  # these reach the pose, and what comes after it
             return [at_joints(JointState(mount.joints, hint.ordered(mount.joints))) for hint in request.hints]
@@ -232,7 +234,7 @@ class MoveGroupPlanner:
         frame = self.robot.base_link
         return [c for pose in poses for c in at_pose(self._in_base(pose), request.free, mount, frame)]
 
-    def _say_what_is_wrong(self, request: PlanTo, mount: Mount, error: ExpectedError) -> Steps[None]:
+    def _say_what_is_wrong(self, request: PlanTo, mount: ArmMapping, error: ExpectedError) -> Steps[None]:
         """Raise a better word than "no plan" for a pose that can't be reached; MoveIt doesn't tell them apart."""
         if not isinstance(request.goal, Pose) or request.free != "none" or request.hints:
             return
@@ -247,7 +249,7 @@ class MoveGroupPlanner:
             reason = f"wherever {request.goal} is reached, the robot touches something"
             raise GoalInCollisionError(reason, **error.data) from None
 
-    def _trajectory(self, found: Message, mount: Mount) -> Trajectory:
+    def _trajectory(self, found: Message, mount: ArmMapping) -> Trajectory:
         message = found.joint_trajectory
         if set(message.joint_names) != set(mount.joints):
             names = ", ".join(message.joint_names) or "nothing"

@@ -17,12 +17,12 @@ from grip_bt.commanders.scene import ANYTHING, SceneObject, SceneSnapshot
 
 from ..client.types import Message, load_type
 from .client import MoveGroup
-from .goals import REMOVE, Mount, collision_object, removed
+from .goals import REMOVE, ArmMapping, collision_object, removed
 
 _EMPTY = SceneSnapshot()
 
 
-class SceneMirror:
+class PlanningSceneSync:
     """Sends changes of a scene. One request at a time; see `grip_bt.base.steps.Sequencer`.
 
     What others put into move_group's scene is left alone; what was sent is taken out again by `clear`.
@@ -33,7 +33,7 @@ class SceneMirror:
         mounts: hand, as the scene knows it -> where it sits.
     """
 
-    def __init__(self, move_group: MoveGroup, robot: RobotDescription, mounts: Mapping[str, Mount]):
+    def __init__(self, move_group: MoveGroup, robot: RobotDescription, mounts: Mapping[str, ArmMapping]):
         self._move_group, self._mounts, self._frame = move_group, dict(mounts), robot.base_link
         self._links = [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
         self._sent = _EMPTY
