@@ -15,7 +15,7 @@ from grip_bt.formats.python_source import call, comment, literal, remarked, stat
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog
 
-from .containers import container, refuse_unknown, table, wrapped
+from .containers import container, table, wrapped
 from .leaves import foreign, is_file, leaf, manifest_text, needs_grip
 from .plan import ORDER, Plan, asks_for_codes
 
@@ -24,7 +24,7 @@ _STANDARD: dict[str, tuple[str, ...]] = {
     "collections.abc": ("Callable", "Iterator", "Mapping"),
     "numbers": ("Real",),
     "pathlib": ("Path",),
-    "typing": ("Any",),
+    "typing": ("Any", "NamedTuple"),
 }
 _OTHERS: dict[str, tuple[str, ...]] = {
     "grip_bt.task.catalog": ("Catalog", "Manifest", "load_implementation"),
@@ -50,7 +50,6 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
         InvalidTaskError: the task is wrong.
         NotExpressibleError: a part of it has no equal in such a file.
     """
-    refuse_unknown(task)
     resolved = resolve(task, catalog)
     plan = Plan(grip=needs_grip(resolved), codes=asks_for_codes(resolved))
     _variables(resolved, plan)
@@ -113,8 +112,9 @@ def _meaning(resolved: Resolved, catalog: Catalog, plan: Plan, root: str, folder
         "head": _head(resolved.task, plan),
         "grip": plan.grip,
         "codes": plan.codes,
-        "parts": [part for part in ORDER if part in plan.parts or (part == "exits_classes" and plan.exits_classes)],
-        "exits_classes": list(plan.exits_classes.items()),
+        "parts": [part for part in ORDER if part in plan.parts],
+        "kinds": plan.kinds.text(),
+        "asked": plan.kinds.questions,
         "manifests": "\n".join(manifests),
         "statements": plan.statements,
         "root": root,

@@ -19,7 +19,8 @@ from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
 from grip_bt.task.catalog.source_code import line_of, source_of
 
-from .plan import TARGET, Plan
+from .kind_source import TARGET
+from .plan import Plan
 
 _EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
 """Nodes of grip that have an equal without it."""

@@ -7,21 +7,22 @@ from dataclasses import dataclass, field
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.formats.names import Identifiers
 from grip_bt.task import model
+from grip_bt.task.kinds.base import every_kind
 
-TARGET = "a stand-alone py_trees file"
+from .kind_source import NAMES, KindSource
+
 ORDER = (
-    *("variable", "bind", "labels", "scope", "precondition", "guard", "timeout"),
-    *("chooser", "switch", "loop", "for_each", "cooldown", "exits", "exits_classes"),
-    *("parallel", "ruled_parallel", "dispatch", "fail", "log", "foreign"),
+    *("variable", "bind", "labels", "scope", "precondition", "same", "kinds", "container"),
+    *("fail", "log", "foreign"),
 )
 """Supporting parts, in the order in which the file has them."""
 _OWN_NAMES = (
-    *("py_trees", "Status", "Any", "Callable", "Iterator", "Mapping", "copy", "time", "logging"),
-    *("Variable", "Scope", "Precondition", "Guard", "Timeout", "WithExits", "Parallel", "Dispatch", "Fail", "Log"),
-    "Foreign",
-    *("RuledParallel", "Chooser", "Switch", "Loop", "ForEach", "Cooldown", "Real", "is_truth", "same"),
+    *("py_trees", "Status", "Any", "Callable", "Iterator", "Mapping", "NamedTuple", "copy", "time", "logging"),
+    *("Variable", "Scope", "Precondition", "Fail", "Log", "Foreign", "Real", "is_truth", "same"),
     *("bind", "outcome_of", "code_of", "carried_code", "look_up", "create_root", "end_of", "run", "ENDS"),
     *("Leaf", "Context", "RunContext", "Catalog", "Manifest", "load_implementation", "NODES", "Path", "HERE"),
+    *(kind.__name__ for kind in every_kind()),
+    *NAMES,
 )
 
 
@@ -34,7 +35,7 @@ class Plan:
         codes: whether an edge asks for the code of a failure.
         identifiers: names that are free.
         parts: names of the supporting parts that are used.
-        exits_classes: class with exits -> the class that it adds them to.
+        kinds: those whose own source is used.
         imports: module -> class -> its name in the file.
         builtin: whether manifests of nodes that come with grip are used.
         manifests: id -> name of its manifest in the file, for nodes that don't come with grip.
@@ -46,7 +47,7 @@ class Plan:
     codes: bool = False
     identifiers: Identifiers = field(default_factory=lambda: Identifiers(_OWN_NAMES))
     parts: set[str] = field(default_factory=lambda: {"labels"})
-    exits_classes: dict[str, str] = field(default_factory=dict)
+    kinds: KindSource = field(default_factory=KindSource)
     imports: dict[str, dict[str, str]] = field(default_factory=dict)
     builtin: bool = False
     manifests: dict[str, str] = field(default_factory=dict)

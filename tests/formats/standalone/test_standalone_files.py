@@ -141,16 +141,26 @@ def test_long_texts_keep_the_file_formatted(texts: list[str]) -> None:
 
 
 def test_what_has_no_equal_is_refused_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    from grip_bt.formats.standalone import containers
+    from grip_bt.formats.standalone import kind_source
 
-    task = {"kind": "sequence", "children": {"odd": {"kind": "invert", "child": {"x": {"node": "flow/fail"}}}}}
-    known = {kind: keys for kind, keys in containers._KNOWN.items() if kind.__name__ != "Invert"}
-    monkeypatch.setattr(containers, "_KNOWN", known)
-    with pytest.raises(NotExpressibleError, match="odd: a invert can't be expressed exactly as a stand-alone"):
-        of(task)
-    monkeypatch.setattr(containers, "_KNOWN", {**known, **{k: v - {"memory"} for k, v in known.items()}})
-    with pytest.raises(NotExpressibleError, match="/: `memory` of a sequence"):
-        of({"kind": "sequence", "memory": False, "children": {}})
+    asks = {"kind": "parallel", "cancel": "ask", "children": {"x": {"node": "flow/fail"}}}
+    with pytest.raises(
+        NotExpressibleError, match="odd: `cancel: ask` of a parallel can't be expressed exactly as a sta"
+    ):
+        of({"kind": "sequence", "children": {"odd": asks}})
+    loop = {"kind": "loop", "times": 2, "child": {"x": {"node": "flow/fail"}}}
+    monkeypatch.setattr(kind_source, "_ANSWERED", kind_source._ANSWERED - {"reached"})
+    with pytest.raises(NotExpressibleError, match="odd: a loop, which asks for `reached`, can't be expressed exactly"):
+        of({"kind": "sequence", "children": {"odd": loop}})
+
+
+def test_a_setting_that_the_class_of_py_trees_does_not_have_takes_the_source_of_the_kind() -> None:
+    children = {"x": {"node": "flow/fail"}}
+    for setting in ({"prompt": True}, {"policy": "any"}, {"exits": {"x.failure": "success"}}):
+        text = of({"kind": "parallel", "children": children, **setting})
+        assert "class Parallel(Kind):" in text
+        assert "py_trees.composites.Parallel(" not in text
+    assert "py_trees.composites.Parallel(" in of({"kind": "parallel", "children": children})
 
 
 def test_run_stops_what_still_runs_when_a_leaf_raises() -> None:
@@ -172,6 +182,5 @@ def test_children_that_are_activated_again_are_those_of_py_trees_without_synchro
     root = {"kind": "parallel", "retick": True, "children": {"a": {"node": "flow/succeed"}}}
     made = export(Task.model_validate({"grip": 1, "name": "t", "root": root}), Catalog.builtin())
     assert "SuccessOnAll(synchronise=False)" in made
-    ruled = {**root, "policy": "any"}
-    with pytest.raises(NotExpressibleError, match="`retick` of a parallel with exits, rules or another policy"):
-        export(Task.model_validate({"grip": 1, "name": "t", "root": ruled}), Catalog.builtin())
+    ruled = export(Task.model_validate({"grip": 1, "name": "t", "root": {**root, "policy": "any"}}), Catalog.builtin())
+    assert 'Parallel(policy="any", retick=True)' in ruled

@@ -25,7 +25,7 @@ from grip_bt.task.model import Leaf
 TASKS = int(os.environ.get("GRIP_FUZZ_TASKS", "240"))
 FIRST = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 CHUNKS = 4
-REFUSED = ("subtask", "reactive_switch")
+REFUSED = ("subtask",)
 """What an export refuses by name."""
 
 

@@ -9,7 +9,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from numbers import Real
-from typing import Any
+from typing import Any, NamedTuple
 
 import py_trees
 from py_trees.common import Status
@@ -57,12 +57,11 @@ def carried_code(node: py_trees.behaviour.Behaviour) -> str | None:
     return code_of(child)
 
 
-def look_up(table: Mapping[str, str], node: py_trees.behaviour.Behaviour) -> str | None:
-    """Return where the end of a node leads: by `label.code`, else by `label`."""
-    outcome, code = outcome_of(node), code_of(node)
-    if code is not None and f"{outcome}.{code}" in table:
-        return table[f"{outcome}.{code}"]
-    return table.get(outcome)
+def look_up(
+    table: Mapping[str, str], outcome: str, code: str | None = None
+) -> str | None:
+    """Return where an end leads: by `outcome.code`, else by its outcome."""
+    return table.get(f"{outcome}.{code}", table.get(outcome))
 
 
 class Scope(py_trees.decorators.Decorator):
@@ -119,65 +118,6 @@ class Precondition(py_trees.decorators.Decorator):
         return "precondition" if self.refused else code_of(self.decorated)
 
 
-class Guard(py_trees.decorators.EternalGuard):
-    """An EternalGuard that knows when it was its condition that failed."""
-
-    def __init__(
-        self,
-        name: str,
-        child: py_trees.behaviour.Behaviour,
-        condition: Callable[[], bool],
-    ):
-        super().__init__(name, child, self.open)
-        self.holds, self.closed = condition, False
-
-    def open(self) -> bool:
-        """Look at the condition."""
-        self.closed = not self.holds()
-        return not self.closed
-
-    @property
-    def code(self) -> str | None:
-        return "guard" if self.closed else carried_code(self)
-
-
-class Chooser(py_trees.composites.Composite):
-    """Ticks the child that was chosen, until that ends; at most one choice a tick."""
-
-    again = False  # whether a child's success leads to the next choice
-    refusal: str | None = None  # code of a failure that isn't a child's
-
-    def begin(self) -> None:
-        """Start anew: it was entered."""
-
-    def choose(self) -> py_trees.behaviour.Behaviour | None:
-        """Return the next child; None ends it: with success, or with a refusal."""
-        raise NotImplementedError
-
-    def tick(self) -> Iterator[py_trees.behaviour.Behaviour]:
-        if self.status != Status.RUNNING:
-            self.current_child = self.refusal = None
-            self.begin()
-        child = self.current_child or self.choose()
-        self.current_child = child
-        if child is None:
-            self.stop(Status.FAILURE if self.refusal else Status.SUCCESS)
-            yield self
-            return
-        yield from child.tick()
-        if child.status == Status.SUCCESS and self.again:
-            self.current_child, self.status = None, Status.RUNNING
-        elif child.status == Status.RUNNING:
-            self.status = Status.RUNNING
-        else:
-            self.stop(child.status)
-        yield self
-
-    @property
-    def code(self) -> str | None:
-        return self.refusal or carried_code(self)
-
-
 def is_truth(value: Any) -> bool:
     """Tell whether a value is true or false, by Python's type or by numpy's."""
     kind = getattr(getattr(value, "dtype", None), "kind", "")
@@ -193,271 +133,532 @@ def same(value: Any, literal: Any) -> bool:
     return type(value) is type(literal) and bool(value == literal)
 
 
-class Switch(Chooser):
-    """The child that has the value, as it is on entry, among its cases."""
+# The kinds of nodes, as grip has them: each says which of its children are ticked.
+# fmt: off
+
+
+CHILD = object()
+
+
+class Settings:
+    def __init__(self, **settings):
+        vars(self).update(settings)
+
+
+class Run(NamedTuple):
+    """Tick these children now, in this order; those that run and aren't among them are halted: before, with `first`."""
+
+    children: tuple[int, ...]
+    state: Any = 0
+    first: bool = False
+
+
+class Next(NamedTuple):
+    """No child is ticked any more in this tick; `begin(state)` is asked in the next one, which is asked for at once."""
+
+    state: Any
+
+
+class Stay(NamedTuple):
+    """Everything stays as it is."""
+
+    state: Any
+
+
+class End(NamedTuple):
+    """The container has ended."""
+
+    outcome: str
+    reason: Any = CHILD
+    """A `Reason`, the failure of a child, None, or `CHILD`."""
+
+
+class Reason(NamedTuple):
+    """Why a container fails by itself."""
+
+    code: str
+    text: str
+
+
+class Ended(NamedTuple):
+    """How a child has ended."""
+
+    child: str
+    outcome: str
+    meaning: str
+    code: str | None = None
+    failure: Any = None
+
+
+class Kind(Settings):
+    """The base of every kind of container."""
+
+    resets = concurrent = late_exits = False
+
+    @property
+    def reactive(self):
+        """Whether it is asked again at the beginning of every tick."""
+        return False
+
+    @property
+    def settles(self):
+        """Whether it is asked after every tick of its children."""
+        return False
+
+    def begin(self, state, q):
+        """Return the first step: the first child is run."""
+        return Run((0,))
+
+    def ended(self, state, child, end, q):
+        """Return what follows the end of a child: the container ends with its meaning."""
+        return End(end.meaning)
+
+    def again(self, state, running, q):
+        """Return the first step of a further tick: those who run go on."""
+        return Run(running, state)
+
+    def settle(self, state, q):
+        """Return what follows when every child was ticked: nothing changes."""
+        return Stay(state)
+
+    def over(self, state, q):
+        """Note that an activation has ended or was halted."""
+
+
+class Fallback(Kind):
+    """Children in order until one succeeds. With `memory: false` the first child is asked again on every tick."""
+
+    onward = "failure"
+    memory = True
+
+    @property
+    def reactive(self):
+        """Without memory."""
+        return not self.memory
+
+    def begin(self, state, q):
+        """Run the first child."""
+        return Run((0,)) if q.names else End(self.onward)
+
+    def ended(self, state, child, end, q):
+        """Go on with the next child, or end with the meaning of this one."""
+        if end.meaning == self.onward and child + 1 < len(q.names):
+            return Run((child + 1,))
+        return End(end.meaning)
+
+    def again(self, state, running, q):
+        """Begin with the first child again."""
+        return Run((0,))
+
+
+def _reason(q, outcome):
+    """Return why it failed: the failure of the first child that accounts for the outcome."""
+    there = [end for end in q.ends if end is not None]
+    accounts = [e for e in there if q.exit(e) == outcome] or [e for e in there if e.meaning == "failure"]
+    return accounts[0].failure if accounts else None
+
+
+class ParallelRule(Settings):
+    """A way in which a parallel ends, from how its children have ended; all of its conditions have to hold."""
+
+    when = {}
+    at_least = None
+    ends = "success"
+
+    def holds(self, there, complete):
+        """Tell whether it holds for the children that have ended; `complete`: no other child is waited for."""
+        if not self.when and self.at_least is None:
+            return complete
+        labels = {end.child: {end.outcome, f"{end.outcome}.{end.code}"} for end in there}
+        for child, said in self.when.items():
+            if labels.get(child, set()).isdisjoint([said] if isinstance(said, str) else said):
+                return False
+        return sum(end.meaning == self.ends for end in there) >= (self.at_least or 0)
+
+
+class Parallel(Kind):
+    """All children at once."""
+
+    resets = True
+    concurrent = True
+    late_exits = True
+    policy = "all"
+    rules = ()
+    wait_for = None
+    cancel = "halt"
+    retick = False
+    prompt = False
+
+    @property
+    def reactive(self):
+        """With `retick`."""
+        return self.retick
+
+    @property
+    def settles(self):
+        """Always: it is decided after all children were ticked."""
+        return True
+
+    def begin(self, state, q):
+        """Run all children."""
+        return Run(tuple(range(len(q.names))), None)
+
+    def ended(self, state, child, end, q):
+        """Wait until all children were ticked, or with `prompt` decide at once."""
+        return self.settle(state, q) if self.prompt else Stay(state)
+
+    def again(self, state, running, q):
+        """Run all children again."""
+        return Run(tuple(range(len(q.names))), state)
+
+    def settle(self, state, q):
+        """Decide; `state` is the end that was decided before, while others are asked to stop."""
+        everybody = None not in q.ends
+        if self.cancel == "join" and not everybody:
+            return Stay(None)
+        decided: End | None = state
+        if decided is None:
+            outcome = self._outcome(q)
+            if outcome is None:
+                return Stay(None)
+            decided = End(outcome, _reason(q, outcome))
+        if self.cancel == "ask" and not everybody:
+            q.ask(f"{decided.outcome}, when the others have stopped")
+            return Stay(decided)
+        return decided
+
+    def _outcome(self, q):
+        """Return what the ends decide, or None."""
+        there = [end for end in q.ends if end is not None]
+        if not self._waited({end.child for end in there}, len(q.ends)):
+            return None
+        complete = self.wait_for is not None or len(there) == len(q.ends)
+        taken = next(filter(None, map(q.exit, there)), None)
+        if taken is not None:
+            return taken
+        matching = next((rule.then for rule in self.rules if rule.holds(there, complete)), None)
+        if matching or self.rules and not complete:
+            return matching
+        return self._by_policy([end.meaning for end in there], complete)
+
+    def _by_policy(self, meanings, complete):
+        one, every = self._meanings
+        if not meanings and complete:
+            return "success"
+        return one if one in meanings else every if complete else None
+
+    def _waited(self, ended, size):
+        match self.wait_for:
+            case _ if len(ended) == size:
+                return True
+            case None:
+                return True
+            case "all":
+                return False
+            case "any":
+                return bool(ended)
+            case int(number):
+                return len(ended) >= number
+            case names:
+                return set(names) <= ended
+
+    @property
+    def _meanings(self):
+        """The meaning that decides when one child ends with it, and the one that takes all of them."""
+        return ("failure", "success") if self.policy == "all" else ("success", "failure")
+
+
+class Guard(Kind):
+    """Fails with the reason `guard` when `if` is false; looked at on every tick, before the child."""
+
+    @property
+    def reactive(self):
+        """Always."""
+        return True
+
+    def begin(self, state, q):
+        """Run the child where the condition holds."""
+        return Run((0,)) if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
+
+    def again(self, state, running, q):
+        """Look at the condition again."""
+        return self.begin(state, q)
+
+
+class Loop(Kind):
+    """The child again and again, one pass a tick: while a condition holds, until it fails or an exit is taken."""
+
+    times = None
+    while_ = ""
+
+    def begin(self, state, q):
+        """Look at the condition, then at the number of passes, which is the state."""
+        if self.while_ and not q.holds("while_"):
+            return End("success")
+        if self.times is None:
+            return Run((0,))
+        if state is not None and q.reached(state, self.times):
+            return End("failure", Reason("loop_limit", f"it was still looping after {self.times} passes"))
+        return Run((0,), q.up(0 if state is None else state))
+
+    def ended(self, state, child, end, q):
+        """Another pass, until one fails."""
+        return Next(state) if end.meaning == "success" else End("failure")
+
+
+class Cooldown(Kind):
+    """After the child has ended or was halted it isn't run for `seconds`: until then the container fails at once."""
+
+    def begin(self, state, q):
+        """Run the child where it may run again: `q.kept` says from when on."""
+        ready = q.kept
+        if ready is None or q.passed(ready):
+            return Run((0,), "ran")
+        return End("failure", Reason("cooldown", f"{q.names[0]} rests for {ready - q.now():g} s more"))
+
+    def over(self, state, q):
+        """Begin to rest, when the child has run."""
+        if state == "ran":
+            q.kept = q.now() + self.seconds
+
+
+class ForEach(Kind):
+    """The child once for each item of a list, one a tick, until it fails; an empty list runs nothing and succeeds."""
+
+    def begin(self, state, q):
+        """Run the child for the next item; the state is what is left of the list."""
+        left = q.items("items") if state is None else state
+        if q.empty(left):
+            return End("success")
+        item, left = q.take(left)
+        q.put("item", item)
+        return Run((0,), left)
+
+    def ended(self, state, child, end, q):
+        """Go on with the next item until one fails."""
+        return Next(state) if end.meaning == "success" else End("failure")
+
+
+class Switch(Kind):
+    """The one child whose case equals the value on entry; else `default`, or a failure with the reason `no_case`."""
+
+    default = ""
+    memory = True
+
+    @property
+    def reactive(self):
+        """Without memory."""
+        return not self.memory
+
+    def begin(self, state, q):
+        """Run the child whose literal equals the value."""
+        child = q.match("on_value", list(self.literals()), self.default)
+        if not child:
+            return End("failure", Reason("no_case", f"no case is for {q.value('on_value')!r}"))
+        return Run((q.at(child),), 0, True)
+
+    def again(self, state, running, q):
+        """Look at the value again."""
+        return self.begin(state, q)
+
+    def literals(self):
+        """Yield each child with each literal for which it is taken, in order."""
+        for child, said in self.cases.items():
+            for literal in said if isinstance(said, list) else [said]:
+                yield child, literal
+
+
+class StateMachine(Kind):
+    """One child at a time; each child's `on` says who is next."""
+
+    def begin(self, state, q):
+        """Run the initial child, or the one to which the last transition leads."""
+        return Run((q.at(self.initial if state is None else state),))
+
+    def ended(self, state, child, end, q):
+        """Go where the end leads; a child's name wins over an outcome that is called the same."""
+        target = q.edge(end)
+        return Next(target) if target in q.names else End(target)
+
+
+# fmt: on
+
+
+class Container(py_trees.composites.Composite):
+    """Ticks its children as a kind says.
+
+    Args:
+        kind: says who is ticked.
+        children: in order.
+        outcomes: what its own outcomes mean.
+        exits: child -> its end -> the outcome that it leads to, at once.
+        edges: child -> its end -> a child or an outcome, where the kind asks for that.
+        asked: what the kind asks for by a key.
+    """
 
     def __init__(
         self,
         name: str,
+        kind: Kind,
         children: list[py_trees.behaviour.Behaviour],
-        value: Callable[[], Any],
-        cases: Mapping[str, list[Any]],
-        default: str,
+        *,
+        outcomes: Mapping[str, Status] | None = None,
+        exits: Mapping[str, Mapping[str, str]] | None = None,
+        edges: Mapping[str, Mapping[str, str]] | None = None,
+        asked: Mapping[str, Callable[..., Any]] | None = None,
     ):
         super().__init__(name, children)
-        self.by_name = {child.name: child for child in children}
-        self.value, self.cases, self.default = value, cases, default
-
-    def choose(self) -> py_trees.behaviour.Behaviour | None:
-        value, chosen = self.value(), self.default
-        for name, literals in self.cases.items():
-            if any(same(value, literal) for literal in literals):
-                chosen = name
-                break
-        if not chosen:
-            self.refusal = "no_case"
-            return None
-        return self.by_name[chosen]
-
-
-class Loop(Chooser):
-    """The child again while a condition holds, so many times at most; one pass a tick."""
-
-    again = True
-
-    def __init__(
-        self,
-        name: str,
-        child: py_trees.behaviour.Behaviour,
-        condition: Callable[[], bool] | None,
-        times: int | None,
-    ):
-        super().__init__(name, [child])
-        self.condition, self.times = condition, times
-
-    def begin(self) -> None:
-        self.done = 0
-
-    def choose(self) -> py_trees.behaviour.Behaviour | None:
-        if self.condition is not None and not self.condition():
-            return None
-        if self.done == self.times:
-            self.refusal = "loop_limit"
-            return None
-        self.done += 1
-        return self.children[0]
-
-
-class ForEach(Chooser):
-    """The child once for each item of a list, as it is on entry; one item a tick."""
-
-    again = True
-
-    def __init__(
-        self,
-        name: str,
-        child: py_trees.behaviour.Behaviour,
-        items: Variable,
-        item: Variable,
-    ):
-        super().__init__(name, [child])
-        self.items, self.item = items, item
-
-    def begin(self) -> None:
-        self.left: list[Any] | None = None
-
-    def choose(self) -> py_trees.behaviour.Behaviour | None:
-        if self.left is None:
-            items = self.items.get()
-            if not isinstance(items, list | tuple):
-                raise TypeError(f"`items` is {items!r}, not a list")
-            self.left = list(reversed(items))
-        if not self.left:
-            return None
-        self.item.set(self.left.pop())
-        return self.children[0]
-
-
-class Cooldown(Chooser):
-    """The child, unless it ended or was halted less than `seconds` [s] ago."""
-
-    def __init__(self, name: str, child: py_trees.behaviour.Behaviour, seconds: float):
-        super().__init__(name, [child])
-        self.seconds, self.ready_at, self.used = seconds, None, False
-
-    def now(self) -> float:
-        """Return the time [s]."""
-        return time.monotonic()
-
-    def choose(self) -> py_trees.behaviour.Behaviour | None:
-        if self.ready_at is not None and self.now() < self.ready_at:
-            self.refusal = "cooldown"
-            return None
-        self.used = True
-        return self.children[0]
-
-    def terminate(self, new_status: Status) -> None:
-        if self.used:
-            self.used, self.ready_at = False, self.now() + self.seconds
-
-
-class WithExits(py_trees.behaviour.Behaviour):
-    """Mixed in before a composite or decorator: some ends of children end it at once.
-
-    Args:
-        exits: child -> its end -> the outcome that it leads to.
-        outcomes: what these outcomes mean.
-    """
-
-    def __init__(
-        self,
-        *args: Any,
-        exits: Mapping[str, Mapping[str, str]],
-        outcomes: Mapping[str, Status],
-        **kwargs: Any,
-    ):
-        super().__init__(*args, **kwargs)
-        self.exits, self.outcomes = exits, outcomes
-        self.outcome: str | None = None
+        plain = {"success": Status.SUCCESS, "failure": Status.FAILURE}
+        self.kind, self.outcomes = kind, {**plain, **(outcomes or {})}
+        self.exits, self.edges, self.asked = exits or {}, edges or {}, asked or {}
+        self.kept = self.outcome = self.last = self.state = self.reason = None
+        self.running: tuple[int, ...] = ()
+        self.resting = False
 
     def tick(self) -> Iterator[py_trees.behaviour.Behaviour]:
-        self.outcome = None
-        inner = super().tick()
-        for node in inner:
-            yield node
-            if node.parent is self and node.status in (Status.SUCCESS, Status.FAILURE):
-                self.outcome = look_up(self.exits.get(node.name, {}), node)
-                if self.outcome is not None:
-                    inner.close()
-                    for child in self.children:
-                        if child.status == Status.RUNNING:
-                            child.stop(Status.INVALID)
-                    self.current_child = node
-                    self.stop(self.outcomes[self.outcome])
-                    yield self
-                    return
+        step = self.opening()
+        while isinstance(step, Run):
+            following = None
+            self.state = step.state
+            if step.first:
+                self.halt_others(step.children)
+            if self.kind.concurrent:
+                for i in step.children:
+                    self.ends[i] = None
+            for i in step.children:
+                child = self.children[i]
+                yield from child.tick()
+                if child.status != Status.RUNNING:
+                    following = self.after(i, child)
+                    if following is not None:
+                        break
+            if following is None:
+                running = [c.status == Status.RUNNING for c in self.children]
+                self.running = tuple(i for i in step.children if running[i])
+                self.halt_others(step.children)
+                following = Stay(self.state)
+                if self.kind.settles:
+                    following = self.kind.settle(self.state, self)
+            step = following
+        if isinstance(step, End):
+            self.outcome, self.reason, self.current_child = (*step, self.last)
+            self.halt_others(())
+            self.stop(self.outcomes[self.outcome])
+        else:
+            self.state, self.status = step.state, Status.RUNNING
+            self.resting = isinstance(step, Next)
+            self.running = () if self.resting else self.running
+            running = [self.children[i] for i in self.running]
+            self.current_child = running[0] if running else None
+        yield self
 
-
-class SelectorWithExits(WithExits, py_trees.composites.Selector):
-    """Selector that some ends of children end at once."""
-
-
-class ForEachWithExits(WithExits, ForEach):
-    """ForEach that some ends of children end at once."""
-
-
-class Parallel(py_trees.composites.Parallel):
-    """Ticks every unfinished child once a tick, in order, and a finished one not again.
-
-    Args:
-        policy: `all`: every child has to succeed; `any`: one of them.
-        join: whether it ends only when every child has ended; else the rest is halted.
-        exits: child -> its end -> the outcome that it leads to; before the policy.
-        outcomes: what these outcomes mean.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        children: list[py_trees.behaviour.Behaviour],
-        policy: str,
-        join: bool,
-        exits: Mapping[str, Mapping[str, str]],
-        outcomes: Mapping[str, Status],
-    ):
-        shown = {
-            "all": py_trees.common.ParallelPolicy.SuccessOnAll,
-            "any": py_trees.common.ParallelPolicy.SuccessOnOne,
-        }
-        super().__init__(name, shown[policy](), children)
-        self.rule, self.join, self.exits, self.outcomes = policy, join, exits, outcomes
-        self.outcome: str | None = None
-
-    def tick(self) -> Iterator[py_trees.behaviour.Behaviour]:
+    def opening(self) -> Any:
+        """Return the first step of this tick."""
+        if self.status == Status.RUNNING and not self.resting:
+            if self.kind.reactive:
+                return self.kind.again(self.state, self.running, self)
+            return Run(self.running, self.state)
         if self.status != Status.RUNNING:
-            for child in self.children:
+            self.last = self.outcome = self.state = None
+            self.running, self.resting = (), False
+            self.ends = [None] * len(self.children)
+            for child in self.children if self.kind.resets else ():
                 if child.status != Status.INVALID:
                     child.stop(Status.INVALID)
-        for child in self.children:
-            if child.status not in (Status.SUCCESS, Status.FAILURE):
-                yield from child.tick()
-        status = self.decide()
-        if status != Status.RUNNING:
-            self.stop(status)
-        self.status = status
-        yield self
+        return self.kind.begin(self.state, self)
 
-    def decide(self) -> Status:
-        """Read the rule; the current child is the one that accounts for the end."""
-        self.outcome = None
-        ended = [child for child in self.children if child.status != Status.RUNNING]
-        if self.join and len(ended) < len(self.children):
-            return Status.RUNNING
-        return self.leave(ended) or self.by_policy(self.children)
+    def after(self, i: int, child: py_trees.behaviour.Behaviour) -> Any:
+        """Return the step that follows the end of a child; None when others come first."""
+        self.last, meaning = child, child.status.name.lower()
+        code = code_of(child)
+        end = Ended(child.name, outcome_of(child), meaning, code, code)
+        if not self.kind.late_exits:
+            target = self.exit(end)
+            if target is not None:
+                return End(target)
+        if self.kind.concurrent:
+            self.ends[i] = end
+        step = self.kind.ended(self.state, i, end, self)
+        if isinstance(step, Stay):
+            self.state = step.state
+            return None
+        return step
 
-    def leave(self, ended: list[py_trees.behaviour.Behaviour]) -> Status | None:
-        """Take the exit of the first child that has one."""
-        for child in ended:
-            self.outcome = look_up(self.exits.get(child.name, {}), child)
-            if self.outcome is not None:
-                self.current_child = child
-                return self.outcomes[self.outcome]
-        return None
+    def halt_others(self, run: tuple[int, ...]) -> None:
+        """Interrupt the children that run and aren't among these."""
+        for i, child in enumerate(self.children):
+            if child.status == Status.RUNNING and i not in run:
+                child.stop(Status.INVALID)
 
-    def by_policy(self, children: list[py_trees.behaviour.Behaviour]) -> Status:
-        """Go by how these children have ended."""
-        ends = [child.status for child in children]
-        failed = [child for child in children if child.status == Status.FAILURE]
-        self.current_child = next(iter(failed or children), None)
-        if self.rule == "any":
-            decisive, other = Status.SUCCESS, Status.FAILURE
-        else:
-            decisive, other = Status.FAILURE, Status.SUCCESS
-        if decisive in ends:
-            return decisive
-        if Status.RUNNING in ends:
-            return Status.RUNNING
-        return other if ends else Status.SUCCESS
+    def terminate(self, new_status: Status) -> None:
+        self.kind.over(self.state, self)
+        self.state = None
 
+    @property
+    def code(self) -> str | None:
+        """The code of its failure: its own, or that of the child that decided it."""
+        if self.status != Status.FAILURE:
+            return None
+        if self.reason is CHILD:
+            return code_of(self.last) if self.last is not None else None
+        return self.reason.code if isinstance(self.reason, Reason) else self.reason
 
-class Dispatch(py_trees.composites.Composite):
-    """A state machine: one active child; where its end leads, the next tick goes on.
+    # What kinds ask.
 
-    Args:
-        children: the states.
-        initial: name of the first one.
-        edges: state -> its end -> a state, or one of the outcomes.
-        outcomes: what the outcomes mean.
-    """
+    @property
+    def names(self) -> list[str]:
+        return [child.name for child in self.children]
 
-    def __init__(
-        self,
-        name: str,
-        children: list[py_trees.behaviour.Behaviour],
-        initial: str,
-        edges: Mapping[str, Mapping[str, str]],
-        outcomes: Mapping[str, Status],
-    ):
-        super().__init__(name, children)
-        self.states = {child.name: child for child in children}
-        self.initial, self.edges, self.outcomes = initial, edges, outcomes
-        self.outcome: str | None = None
+    def exit(self, end: Ended) -> str | None:
+        return look_up(self.exits.get(end.child, {}), end.outcome, end.code)
 
-    def tick(self) -> Iterator[py_trees.behaviour.Behaviour]:
-        if self.status != Status.RUNNING:
-            self.current_child, self.outcome = self.states[self.initial], None
-        state = self.current_child
-        yield from state.tick()
-        if state.status == Status.RUNNING:
-            self.status = Status.RUNNING
-        else:
-            target = look_up(self.edges[state.name], state)
-            if target in self.states:
-                self.current_child, self.status = self.states[target], Status.RUNNING
-            else:
-                self.outcome = target
-                self.stop(self.outcomes[target])
-        yield self
+    def edge(self, end: Ended) -> str:
+        target = look_up(self.edges[end.child], end.outcome, end.code)
+        assert target is not None, "every end of a state leads somewhere"
+        return target
+
+    def at(self, name: str) -> int:
+        return self.names.index(name)
+
+    def now(self) -> float:
+        return time.monotonic()
+
+    def deadline(self, seconds: float) -> float:
+        return self.now() + seconds
+
+    def passed(self, at: float) -> bool:
+        return self.now() >= at
+
+    def up(self, count: int) -> int:
+        return count + 1
+
+    def reached(self, count: int, limit: int) -> bool:
+        return count >= limit
+
+    def holds(self, key: str) -> bool:
+        return self.asked[key]()
+
+    def value(self, key: str) -> Any:
+        return self.asked[key]()
+
+    def match(self, key: str, literals: list[tuple[str, Any]], default: str) -> str:
+        value = self.value(key)
+        return next((name for name, said in literals if same(value, said)), default)
+
+    def items(self, key: str) -> list[Any]:
+        items = self.asked[key]()
+        if not isinstance(items, list | tuple):
+            raise TypeError(f"`{key}` is {items!r}, not a list")
+        return list(items)
+
+    def empty(self, left: list[Any]) -> bool:
+        return not left
+
+    def take(self, left: list[Any]) -> tuple[Any, list[Any]]:
+        return left[0], left[1:]
+
+    def put(self, key: str, value: Any) -> None:
+        self.asked[key](value)
 
 
 class Fail(py_trees.behaviours.Failure):
@@ -492,63 +693,65 @@ def create_root() -> py_trees.behaviour.Behaviour:
     near = Fail("near", code="no_plan")
     near_if = Precondition("near", near, lambda: count.get() < limit.get())
     far = Fail("far", code="no_ik")
-    look = SelectorWithExits(
+    look = Container(
         "look",
-        memory=True,
-        children=[near_if, far],
-        exits={"far": {"failure.no_ik": "nothing"}},
+        Fallback(),
+        [near_if, far],
         outcomes={"nothing": Status.FAILURE},
+        exits={"far": {"failure.no_ik": "nothing"}},
     )
     first = Log("first", message="seen:", value=seen.get)
     second = Fail("second", code="late")
-    race = Parallel(
-        "race",
-        children=[first, second],
-        policy="any",
-        join=True,
-        exits={},
-        outcomes={},
-    )
+    race = Container("race", Parallel(policy="any", cancel="join"), [first, second])
     fresh_race = Scope("race", race, [seen])
 
     def condition_of_take() -> bool:
         return count.get() + 1 <= limit.get() and count.get() not in [7, 8]
 
-    take = Guard("take", child=fresh_race, condition=condition_of_take)
+    take = Container(
+        "take",
+        Guard(if_="count + 1 <= limit and not count in [7, 8]"),
+        [fresh_race],
+        asked={"if_": condition_of_take},
+    )
     last = Fail("last", code="failed")
     turned = py_trees.decorators.Inverter("turned", child=last)
     settle = py_trees.decorators.Repeat("settle", child=turned, num_success=2)
     few = Fail("few", code="failed")
     call = Log("call", message="next", value=name.get)
-    turns = Loop("turns", child=call, condition=lambda: limit.get() > 3, times=2)
-    rest = Cooldown("rest", child=turns, seconds=60.0)
-    five = ForEachWithExits(
+    turns = Container(
+        "turns",
+        Loop(times=2, while_="limit > 3"),
+        [call],
+        asked={"while_": lambda: limit.get() > 3},
+    )
+    rest = Container("rest", Cooldown(seconds=60.0), [turns])
+    five = Container(
         "five",
-        child=rest,
-        items=names,
-        item=name,
-        exits={"rest": {"failure.cooldown": "tired"}},
+        ForEach(),
+        [rest],
         outcomes={"tired": Status.SUCCESS},
+        exits={"rest": {"failure.cooldown": "tired"}},
+        asked={"items": names.get, "item": name.set},
     )
     fresh_five = Scope("five", five, [names, name])
-    choose = Switch(
+    choose = Container(
         "choose",
-        children=[few, fresh_five],
-        value=lambda: count.get() + limit.get(),
-        cases={"few": [1, 2], "five": [5]},
-        default="few",
+        Switch(cases={"few": [1, 2], "five": 5}, default="few"),
+        [few, fresh_five],
+        asked={"on_value": lambda: count.get() + limit.get()},
     )
-    root = Dispatch(
+    root = Container(
         "labelled ends",
-        children=[look, take, settle, choose],
-        initial="look",
+        StateMachine(initial="look"),
+        [look, take, settle, choose],
+        outcomes={"done": Status.SUCCESS, "lost": Status.FAILURE},
         edges={
             "look": {"success": "look", "failure": "take", "nothing": "take"},
             "take": {"success": "settle", "failure.guard": "lost", "failure": "lost"},
             "settle": {"success": "choose", "failure": "lost"},
             "choose": {"success": "done", "failure.no_case": "lost", "failure": "lost"},
         },
-        outcomes={"done": Status.SUCCESS, "lost": Status.FAILURE},
     )
     return root
 
@@ -558,7 +761,7 @@ ENDS = {"done": "done", "lost": "gave up"}
 
 def end_of(root: py_trees.behaviour.Behaviour) -> str:
     """Return the task's outcome; the root has ended."""
-    return look_up(ENDS, root)
+    return look_up(ENDS, outcome_of(root), code_of(root))
 
 
 def run(root: py_trees.behaviour.Behaviour, period: float = 0.05) -> str:

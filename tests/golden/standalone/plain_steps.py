@@ -20,9 +20,11 @@ def outcome_of(node: py_trees.behaviour.Behaviour) -> str:
     return getattr(node, "outcome", None) or node.status.name.lower()
 
 
-def look_up(table: Mapping[str, str], node: py_trees.behaviour.Behaviour) -> str | None:
-    """Return where the end of a node leads: by its label."""
-    return table.get(outcome_of(node))
+def look_up(
+    table: Mapping[str, str], outcome: str, code: str | None = None
+) -> str | None:
+    """Return where an end leads: by `outcome.code`, else by its outcome."""
+    return table.get(f"{outcome}.{code}", table.get(outcome))
 
 
 class Log(py_trees.behaviours.Success):
@@ -43,7 +45,7 @@ def create_root() -> py_trees.behaviour.Behaviour:
     """Build the tree."""
     pause = py_trees.timers.Timer("pause", duration=0.01)
     opened = py_trees.behaviours.Success("opened")
-    door = py_trees.composites.Selector("door", memory=False, children=[pause, opened])
+    door = py_trees.composites.Selector("door", children=[pause, opened], memory=False)
     knock = py_trees.decorators.Retry("knock", child=door, num_failures=3)
     # Nobody waits longer than this.
     enter = py_trees.decorators.Timeout("enter", child=knock, duration=10.0)
@@ -51,15 +53,15 @@ def create_root() -> py_trees.behaviour.Behaviour:
     speak = Log("speak", message="Good day!")
     greet = py_trees.composites.Parallel(
         "greet",
-        policy=py_trees.common.ParallelPolicy.SuccessOnAll(),
         children=[bow, speak],
+        policy=py_trees.common.ParallelPolicy.SuccessOnAll(),
     )
     slam = py_trees.behaviours.Failure("slam")
     shut = py_trees.decorators.FailureIsSuccess("shut", child=slam)
     root = py_trees.composites.Sequence(
         "plain_steps",
-        memory=True,
         children=[enter, greet, shut],
+        memory=True,
     )
     return root
 
@@ -69,7 +71,7 @@ ENDS = {"success": "in", "failure": "out"}
 
 def end_of(root: py_trees.behaviour.Behaviour) -> str:
     """Return the task's outcome; the root has ended."""
-    return look_up(ENDS, root)
+    return look_up(ENDS, outcome_of(root))
 
 
 def run(root: py_trees.behaviour.Behaviour, period: float = 0.05) -> str:
