@@ -6,6 +6,8 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
+from grip_bt.formats.names import free
+
 _WRONG = re.compile(r"[^A-Za-z0-9_]+")
 _KEY = re.compile(r"\{([^{}]*)\}")
 _UNSET = object()
@@ -101,9 +103,7 @@ class Variables:
         """Declare a variable; return its name, which is free."""
         text = _WRONG.sub("_", wanted).strip("_") or "value"
         base = text if re.match(r"[A-Za-z_]", text) else f"v_{text}"
-        name, number = base, 2
-        while name in self.every or name in ("true", "false", "null", "None", "True", "False"):
-            name, number = f"{base}_{number}", number + 1
+        name = free(base, {*self.every, "true", "false", "null", "None", "True", "False"})
         self.every[name] = self.before.get(name) or Variable()
         return name
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+from typing import NoReturn
 from xml.sax.saxutils import escape, quoteattr
 
 from grip_bt.base.errors import DocumentError, NotExpressibleError
@@ -94,9 +93,51 @@ def _check_back(text: str, task: model.Task, catalog: Catalog) -> None:
         back = from_xml(text, catalog, "the file that was written").task
     except (DocumentError, ImportRefusedError) as error:
         raise NotExpressibleError("/", f"something ({error})", TARGET) from error
-    other = round_trip_difference(task, back)
-    if other is not None:
-        raise NotExpressibleError(other.path, f"{other.what} ({other.why})", TARGET)
+    _check_same(task, back)
+
+
+def _check_same(task: model.Task, back: model.Task) -> None:
+    """Refuse the first difference between a task and what came back; the task's own `doc` is a comment, may be lost."""
+
+    def refuse(path: str, what: str, why: str) -> NoReturn:
+        raise NotExpressibleError(path, f"{what} ({why})", TARGET)
+
+    one, other = dict(walking.walk(task.root)), dict(walking.walk(back.root))
+    for path, node in one.items():
+        if path not in other:
+            refuse(path, "its name or place", "it comes back under another")
+        there = other[path]
+        if type(node) is not type(there):
+            refuse(path, f"a {_kind(node)}", f"it comes back as a {_kind(there)}")
+        for name in type(node).model_fields.keys() - {"order"}:
+            a, b = _compared(node, name), _compared(there, name)
+            if a != b:
+                refuse(path, f"`{name.rstrip('_')}`", f"{a!r} comes back as {b!r}")
+    if more := other.keys() - one.keys():
+        refuse(min(more), "an additional node", "it comes back with it")
+    for kind in ("inputs", "data"):
+        said, read = getattr(task, kind), getattr(back, kind)
+        for name, variable in said.items():
+            if name not in read:
+                refuse("/", f"the variable {name!r}", "no node uses it, or only in another way")
+            a, b = (v if isinstance(v, str) else v.type for v in (variable, read[name]))
+            if a != b:
+                refuse("/", f"the type of the variable {name!r}", f"{a} comes back as {b}")
+        if extra := [name for name in read if name not in said]:
+            refuse("/", f"the variable {extra[0]!r}", f"it comes back among the {kind}")
+
+
+def _compared(node: model.AnyNode, field: str) -> object:
+    value = getattr(node, field)
+    if field in ("children", "child"):
+        return list(value)
+    if field in ("precondition", "on_value") and value:
+        return ast.unparse(parse_expression(value).tree)
+    return value
+
+
+def _kind(node: model.AnyNode) -> str:
+    return getattr(node, "kind", "leaf")
 
 
 def _described(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
@@ -265,67 +306,3 @@ def _models(used: dict[str, Manifest]) -> Iterator[str]:
 def _port(tag: str, name: str, type_name: str, doc: str, more: str = "") -> str:
     cpp = quoteattr(_CPP.get(type_name, type_name))
     return f"      <{tag} name={quoteattr(name)} type={cpp}{more}>{escape(doc)}</{tag}>"
-
-
-_EXPRESSIONS = ("precondition", "on_value")
-
-
-@dataclass(frozen=True)
-class RoundTripDifference:
-    """Something that isn't the same: where, what, and how."""
-
-    path: str
-    what: str
-    why: str
-
-
-def round_trip_difference(task: model.Task, back: model.Task) -> RoundTripDifference | None:
-    """Return the first difference between a task and what came back; its `doc` is a comment, and may be lost."""
-    one, other = dict(walking.walk(task.root)), dict(walking.walk(back.root))
-    for path, node in one.items():
-        if path not in other:
-            return RoundTripDifference(path, "its name or place", "it comes back under another")
-        found = _of_node(path, node, other[path])
-        if found is not None:
-            return found
-    for path in other:
-        if path not in one:
-            return RoundTripDifference(path, "an additional node", "it comes back with it")
-    for kind in ("inputs", "data"):
-        found = _variables(kind, getattr(task, kind), getattr(back, kind))
-        if found is not None:
-            return found
-    return None
-
-
-def _of_node(path: str, node: model.AnyNode, other: model.AnyNode) -> RoundTripDifference | None:
-    if type(node) is not type(other):
-        return RoundTripDifference(path, f"a {_kind(node)}", f"it comes back as a {_kind(other)}")
-    for name in type(node).model_fields:
-        a, b = getattr(node, name), getattr(other, name)
-        if name in ("children", "child"):
-            a, b = list(a), list(b)
-        if name in _EXPRESSIONS:
-            a, b = _unparsed(a), _unparsed(b)
-        if a != b and not (name == "order"):
-            return RoundTripDifference(path, f"`{name.rstrip('_')}`", f"{a!r} comes back as {b!r}")
-    return None
-
-
-def _kind(node: model.AnyNode) -> str:
-    return getattr(node, "kind", "leaf")
-
-
-def _unparsed(text: str) -> str:
-    return ast.unparse(parse_expression(text).tree) if text else ""
-
-
-def _variables(kind: str, said: Any, back: Any) -> RoundTripDifference | None:
-    for name, variable in said.items():
-        if name not in back:
-            return RoundTripDifference("/", f"the variable {name!r}", "no node uses it, or only in another way")
-        one, other = (v if isinstance(v, str) else v.type for v in (variable, back[name]))
-        if one != other:
-            return RoundTripDifference("/", f"the type of the variable {name!r}", f"{one} comes back as {other}")
-    extra = [name for name in back if name not in said]
-    return RoundTripDifference("/", f"the variable {extra[0]!r}", f"it comes back among the {kind}") if extra else None

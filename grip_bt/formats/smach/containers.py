@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from grip_bt.formats.names import free
 from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf
@@ -253,9 +254,7 @@ def steps_before(
     for label, added in found.added.items():
         rest = {key: value for key, value in constants_of(found, added).items() if key not in plain}
         for key, value in reversed(rest.items()):
-            name = f"set {key} of {names[label]}"
-            while name in taken:
-                name += "_"
+            name = free(f"set {key} of {names[label]}", taken)
             taken.add(name)
             steps[name] = Leaf(
                 node="flow/set",

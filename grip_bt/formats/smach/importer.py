@@ -10,6 +10,7 @@ from typing import Any
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.formats.generated_files import write_generated
+from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import Task, dumps
 
@@ -121,10 +122,7 @@ def _name(container: ContainerInfo, result: ImportedFile) -> str:
     wanted = entry.attr if isinstance(entry, ast.Attribute) else ""
     if not wanted:
         wanted = container.cls if container.cls != container.kind else result.file.stem
-    name, number = task_name(wanted), 2
-    while name in result.tasks:
-        name, number = task_name(f"{wanted}_{number}"), number + 1
-    return name
+    return free(task_name(wanted), result.tasks)
 
 
 def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path) -> list[Path]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.formats.generated_files import generated_by, manifests_text
+from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Meaning
 from grip_bt.task.catalog import Manifest
@@ -156,11 +157,8 @@ class Leaves:
         return self.specs[key]
 
     def _free(self, name: str) -> str:
-        used = {spec.cls for spec in self.specs.values()} | {NEXT_ITEM, "Path", "SmachLeaf", "load_legacy"}
-        candidate, number = name, 2
-        while candidate in used or candidate.startswith(MODULE):
-            candidate, number = f"{name}_{number}", number + 1
-        return candidate
+        name = f"State{name}" if name.startswith(MODULE) else name
+        return free(name, {*(spec.cls for spec in self.specs.values()), NEXT_ITEM, "Path", "SmachLeaf", "load_legacy"})
 
     def source(self, found: StateInfo) -> str:
         """Return the source that gives a legacy object; empty where nothing does."""

@@ -22,10 +22,11 @@ from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import ImportedFile, write_import
 from .leaves import Leaves
+from .placeholders import Finder
 from .reader.found import ContainerInfo, StateInfo
 from .reader.names import MODULE
-from .recorded import Record, RecordingMerge
-from .recorder import Recording
+from .recorded import RecordingMerge
+from .recorder import Record, Recording
 from .to_task import TaskMaker
 
 
@@ -106,14 +107,11 @@ def from_machine(
 
 def _read(machine: Container, file: Path) -> ContainerInfo:
     """Return what a machine is made of."""
-    recording = Recording(file, None, {})  # type: ignore[arg-type]  # it finds no packages
-    containers = list(_containers(machine))
-    numbers = {id(container): number for number, container in enumerate(containers)}
-    facts = [recording._container(container, numbers) for container in containers]
+    facts = Recording(file, Finder(), {}).containers(list(_containers(machine)))
     for said in facts:
-        if not said["consistent"]:
-            raise GripError(f"the machine is inconsistent: {said['reason']}")
-    return RecordingMerge([], Record(facts), file)._container(0, None)
+        if not said.consistent:
+            raise GripError(f"the machine is inconsistent: {said.reason}")
+    return RecordingMerge([], Record(containers=facts), file)._container(0, None)
 
 
 def _containers(container: Container) -> Iterator[Container]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,29 +15,14 @@ from .importer import ImportedFile, distinct, make_tasks
 from .reader.found import Child, ContainerInfo, Span, StateInfo, Unresolved
 from .reader.interpreter import Interpreter
 from .reader.names import Project
-
-
-@dataclass
-class Record:
-    """What the recording process told.
-
-    Attributes:
-        containers: as `recorder` writes them.
-        placeholders: packages that weren't there.
-        words: what it wrote to stderr: exceptions of the module's code among it.
-    """
-
-    containers: list[dict[str, Any]] = field(default_factory=list)
-    placeholders: list[str] = field(default_factory=list)
-    words: str = ""
+from .recorder import Record, RecordedChild, RecordedContainer, RecordedState, RecordedValue
 
 
 def record(file: Path, root: Path, given: Mapping[str, Mapping[str, Any]], timeout: float = TIMEOUT) -> Record:
     """Run a module in a process of its own and return what it built; what it had built in time, at least."""
     paths = [file.parent, root, root / "src", *sorted(root.glob("*/src"))]
     answer = last_json(f"{__package__}.recorder", [str(file), json.dumps(given)], paths, timeout)
-    facts = answer.data or {}
-    return Record(facts.get("containers", []), facts.get("placeholders", []), answer.stderr)
+    return Record.model_validate({**(answer.data or {}), "words": answer.stderr})
 
 
 def import_with_execution(
@@ -84,13 +68,13 @@ class RecordingMerge:
 
     def merged(self) -> list[ContainerInfo]:
         """Return the containers of the file."""
-        inner = {c["state"]["container"] for each in self.run.containers for c in each["children"]}
+        inner = {child.state.container for each in self.run.containers for child in each.children}
         result, used = [], set()
         for number, facts in enumerate(self.run.containers):
-            if number in inner or not facts["consistent"] or not facts["children"]:
+            if number in inner or not facts.consistent or not facts.children:
                 continue
             counterpart = self._counterpart(facts)
-            if (counterpart is None and facts["file"] != str(self.file) and facts["file"]) or id(counterpart) in used:
+            if (counterpart is None and facts.file != str(self.file) and facts.file) or id(counterpart) in used:
                 continue
             used.add(id(counterpart) if counterpart is not None else number)
             if counterpart is None or self._prefer_recorded(counterpart):
@@ -101,17 +85,17 @@ class RecordingMerge:
         kept = [c for c in self.read if id(c) not in gone]
         return sorted([*kept, *(c for new, _ in result for c in _all(new))], key=lambda c: c.span.line)
 
-    def _counterpart(self, facts: dict[str, Any]) -> ContainerInfo | None:
+    def _counterpart(self, facts: RecordedState) -> ContainerInfo | None:
         """Return the container that was read where this one was made."""
         for each in self.read:
-            here = str(each.span.file) == facts["file"] and each.span.line <= facts["line"] <= each.span.end_line
-            if each.cls == facts["cls"] and each.kind == facts["kind"] and (here or each.cls != each.kind):
+            here = str(each.span.file) == facts.file and each.span.line <= facts.line <= each.span.end_line
+            if each.cls == facts.cls and each.kind == facts.kind and (here or each.cls != each.kind):
                 return each
         return None
 
-    def _compare(self, facts: dict[str, Any], counterpart: ContainerInfo) -> None:
+    def _compare(self, facts: RecordedContainer, counterpart: ContainerInfo) -> None:
         """Say where the run has built other states than the text seemed to, unless a placeholder may be why."""
-        built, read = [child["label"] for child in facts["children"]], list(counterpart.added)
+        built, read = [child.label for child in facts.children], list(counterpart.added)
         if built != read and not self.run.placeholders:
             text = f"the run adds the states {built}, the text seems to add {read}"
             counterpart.problem("partial", text)
@@ -129,14 +113,14 @@ class RecordingMerge:
 
     def _container(self, number: int, counterpart: ContainerInfo | None) -> ContainerInfo:
         facts = self.run.containers[number]
-        line = facts["line"] or 1
+        line = facts.line or 1
         span = counterpart.span if counterpart is not None else Span(self.file, line, 1, line)
-        made = ContainerInfo(facts["kind"], facts["cls"], span)
+        made = ContainerInfo(facts.kind, facts.cls, span)
         self.made[number] = made
-        made.outcomes, made.input_keys = facts["outcomes"], facts["input_keys"]
-        made.output_keys, made.initial = facts["output_keys"], facts["initial"]
-        made.settings = _settings(facts["settings"])
-        made.userdata = _values(facts["userdata"])
+        made.outcomes, made.input_keys = facts.outcomes, facts.input_keys
+        made.output_keys, made.initial = facts.output_keys, facts.initial
+        made.settings = _settings(facts)
+        made.userdata = _values(facts.userdata)
         if counterpart is not None:
             made.expression, made.file, made.why = counterpart.expression, counterpart.file, counterpart.why
             made.entry, made.entry_is_call, made.entry_file = (
@@ -144,58 +128,56 @@ class RecordingMerge:
                 counterpart.entry_is_call,
                 counterpart.entry_file,
             )
-        if made.entry is None and facts["entry"] and "." not in facts["entry"]:
-            made.entry = ast.Attribute(ast.Name("legacy", ast.Load()), facts["entry"], ast.Load())
+        if made.entry is None and facts.entry and "." not in facts.entry:
+            made.entry = ast.Attribute(ast.Name("legacy", ast.Load()), facts.entry, ast.Load())
             made.entry_is_call, made.entry_file = True, self.file
-            made.entry_arguments = dict(self.given.get(facts["entry"], {}))
+            made.entry_arguments = dict(self.given.get(facts.entry, {}))
         if self.run.placeholders:
             names = ", ".join(sorted(self.run.placeholders))
             made.problem(
                 "partial", f"as one run built it, with placeholders for {names}; compare the states with the source"
             )
-        for child in facts["children"]:
-            added = made.added[child["label"]] = self._added(made, child, counterpart)
-            added.constants = _values(facts["constants"].get(child["label"], {}))
+        for child in facts.children:
+            added = made.added[child.label] = self._added(made, child, counterpart)
+            added.constants = _values(child.constants)
         return made
 
-    def _added(self, outer: ContainerInfo, child: dict[str, Any], counterpart: ContainerInfo | None) -> Child:
-        label, facts = child["label"], child["state"]
+    def _added(self, outer: ContainerInfo, child: RecordedChild, counterpart: ContainerInfo | None) -> Child:
+        label, facts = child.label, child.state
         read = counterpart.added.get(label) if counterpart is not None else None
-        if facts["container"] is not None and facts["container"] not in self.made:
+        if facts.container is not None and facts.container not in self.made:
             inner = read.state if read is not None and isinstance(read.state, ContainerInfo) else None
-            state: StateInfo = self._container(facts["container"], inner or self._counterpart(facts))
+            state: StateInfo = self._container(facts.container, inner or self._counterpart(facts))
         else:
             state = self._state(facts, outer, read.state if read is not None else None)
         state.parent = outer
         span = read.span if read is not None else state.span
-        return Child(label, state, child["transitions"], child["remapping"], span)
+        return Child(label, state, child.transitions, child.remapping, span)
 
-    def _state(self, facts: dict[str, Any], outer: ContainerInfo, read: StateInfo | None) -> StateInfo:
-        line = facts["line"] or outer.span.line
+    def _state(self, facts: RecordedState, outer: ContainerInfo, read: StateInfo | None) -> StateInfo:
+        line = facts.line or outer.span.line
         span = read.span if read is not None else Span(outer.span.file, line, 1, line)
-        made = StateInfo(facts["kind"], facts["cls"], span)
-        made.outcomes = facts["outcomes"]
-        made.input_keys, made.output_keys = facts["input_keys"], facts["output_keys"]
-        made.why = f"how {facts['cls']} is made is known only at run time"
+        made = StateInfo(facts.kind, facts.cls, span)
+        made.outcomes = facts.outcomes
+        made.input_keys, made.output_keys = facts.input_keys, facts.output_keys
+        made.why = f"how {facts.cls} is made is known only at run time"
         if read is not None:
             made.expression, made.file, made.why = read.expression, read.file, read.why
-        if not facts["kind"]:
-            made.problem("partial", f"the class {facts['cls']} isn't here: its outcomes are taken from its transitions")
+        if not facts.kind:
+            made.problem("partial", f"the class {facts.cls} isn't here: its outcomes are taken from its transitions")
         return made
 
 
-def _values(facts: dict[str, Any]) -> dict[str, Any]:
-    return {k: v.get("value", Unresolved(v.get("opaque", ""))) for k, v in facts.items()}
+def _values(facts: Mapping[str, RecordedValue]) -> dict[str, Any]:
+    return {key: value.plain() for key, value in facts.items()}
 
 
-def _settings(facts: dict[str, Any]) -> dict[str, Any]:
-    settings = dict(facts)
+def _settings(facts: RecordedContainer) -> dict[str, Any]:
+    settings: dict[str, Any] = dict(facts.settings)
     for name in ("outcome_cb", "child_termination_cb"):
         if name in settings:
             settings[name] = Unresolved(name) if settings[name] else None
-    if "it" in settings:
-        settings["it"] = settings["it"].get("value", Unresolved(settings["it"].get("opaque", "")))
-    return settings
+    return settings if facts.items is None else {**settings, "it": facts.items.plain()}
 
 
 def _all(container: ContainerInfo) -> list[ContainerInfo]:

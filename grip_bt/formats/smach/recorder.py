@@ -15,15 +15,18 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any, NoReturn
+
+from pydantic import BaseModel, JsonValue
 
 from grip_bt import smach_compat
 from grip_bt.nodes.smach_source import load_legacy, read_source
 
 from .placeholders import Finder, Placeholder
+from .reader.found import Unresolved
 
 _CONTAINERS = (
     smach_compat.StateMachine,
@@ -93,41 +96,45 @@ class Recording:
     def tell(self) -> None:
         """Write what is known on one line."""
         containers = [o for o in self.objects if isinstance(o, _CONTAINERS)]
-        numbers = {id(o): i for i, o in enumerate(containers)}
-        facts = {
-            "placeholders": self.finder.packages,
-            "containers": [self._container(c, numbers) for c in containers],
-        }
-        sys.__stdout__.write(json.dumps(facts) + "\n")  # type: ignore[union-attr]
+        record = Record(containers=self.containers(containers), placeholders=self.finder.packages)
+        sys.__stdout__.write(record.model_dump_json() + "\n")  # type: ignore[union-attr]
         sys.__stdout__.flush()  # type: ignore[union-attr]
 
-    def _container(self, found: Any, numbers: dict[int, int]) -> dict[str, Any]:
-        facts = self._state(found, numbers)
+    def containers(self, containers: Sequence[smach_compat.Container]) -> list[RecordedContainer]:
+        """Return what these containers are."""
+        numbers = {id(container): number for number, container in enumerate(containers)}
+        return [self._container(container, numbers) for container in containers]
+
+    def _container(self, found: Any, numbers: dict[int, int]) -> RecordedContainer:
         try:
             found.check_consistency()
-            facts["consistent"] = True
+            consistent, reason = True, ""
         except Exception as error:  # noqa: BLE001 - whatever is wrong with it
-            facts["consistent"], facts["reason"] = False, str(error)
+            consistent, reason = False, str(error)
         transitions = getattr(found, "_transitions", {})
         remappings = getattr(found, "_remappings", {})
-        facts["children"] = [
-            {
-                "label": str(label),
-                "state": self._state(state, numbers),
-                "transitions": {str(k): None if v is None else str(v) for k, v in transitions.get(label, {}).items()},
-                "remapping": {str(k): str(v) for k, v in dict(remappings.get(label) or {}).items()},
-            }
+        constants = getattr(found, "_constants", {})
+        children = [
+            RecordedChild(
+                label=str(label),
+                state=RecordedState(**self._state(state, numbers)),
+                transitions={str(k): None if v is None else str(v) for k, v in transitions.get(label, {}).items()},
+                remapping={str(k): str(v) for k, v in dict(remappings.get(label) or {}).items()},
+                constants={str(k): _literal(v) for k, v in constants.get(label, {}).items()},
+            )
             for label, state in found.get_children().items()
         ]
-        facts["initial"] = getattr(found, "_initial_state_label", None)
-        facts["userdata"] = {k: _literal(v) for k, v in found.userdata._data.items()}
-        facts["constants"] = {
-            str(label): {str(k): _literal(v) for k, v in given.items()}
-            for label, given in getattr(found, "_constants", {}).items()
-        }
-        facts["settings"] = _settings(found)
-        facts["entry"] = self.entries.get(id(found))
-        return facts
+        return RecordedContainer(
+            **self._state(found, numbers),
+            consistent=consistent,
+            reason=reason,
+            children=children,
+            initial=getattr(found, "_initial_state_label", None),
+            userdata={k: _literal(v) for k, v in found.userdata._data.items()},
+            settings=_settings(found),
+            items=_literal(found._items) if isinstance(found, smach_compat.Iterator) else None,
+            entry=self.entries.get(id(found)),
+        )
 
     def _state(self, state: Any, numbers: dict[int, int]) -> dict[str, Any]:
         file, line = self.places.get(id(state), ("", 0))
@@ -144,7 +151,68 @@ class Recording:
         }
 
 
-def _settings(found: Any) -> dict[str, Any]:
+class RecordedValue(BaseModel):
+    """What JSON holds, or the class of what it doesn't: objects of subclasses, too."""
+
+    value: JsonValue = None
+    opaque: str | None = None
+
+    def plain(self) -> object:
+        """Return the value, or what stands for one that is known only at run time."""
+        return self.value if self.opaque is None else Unresolved(self.opaque)
+
+
+class RecordedState(BaseModel):
+    """A state as it was made; `container` is its number among the containers."""
+
+    cls: str
+    kind: str
+    file: str
+    line: int
+    outcomes: list[str]
+    input_keys: list[str]
+    output_keys: list[str]
+    container: int | None = None
+
+
+class RecordedChild(BaseModel):
+    """A state as it was added to a container."""
+
+    label: str
+    state: RecordedState
+    transitions: dict[str, str | None]
+    remapping: dict[str, str]
+    constants: dict[str, RecordedValue]
+
+
+class RecordedContainer(RecordedState):
+    """A container as it was built; `items` are an Iterator's."""
+
+    consistent: bool
+    reason: str
+    children: list[RecordedChild]
+    initial: str | None
+    userdata: dict[str, RecordedValue]
+    settings: dict[str, object]
+    items: RecordedValue | None = None
+    entry: str | None
+
+
+class Record(BaseModel):
+    """What the recording process told.
+
+    Attributes:
+        containers: in the order in which they were made.
+        placeholders: packages that weren't there.
+        words: what it wrote to stderr: exceptions of the module's code among it.
+    """
+
+    containers: list[RecordedContainer] = []
+    placeholders: list[str] = []
+    words: str = ""
+
+
+def _settings(found: object) -> dict[str, object]:
     if isinstance(found, smach_compat.Concurrence):
         return {
             "default_outcome": found._default_outcome,
@@ -154,7 +222,6 @@ def _settings(found: Any) -> dict[str, Any]:
         }
     if isinstance(found, smach_compat.Iterator):
         return {
-            "it": _literal(found._items),
             "it_label": found._items_label,
             "exhausted_outcome": found._exhausted_outcome,
             "loop_outcomes": list(found._loop_outcomes),
@@ -164,13 +231,12 @@ def _settings(found: Any) -> dict[str, Any]:
     return {}
 
 
-def _literal(value: Any) -> dict[str, Any]:
-    """Return {"value": ...} for what JSON holds, {"opaque": its class} otherwise: objects of subclasses, too."""
+def _literal(value: Any) -> RecordedValue:
     plain = list(value) if isinstance(value, range) else value
-    return {"value": plain} if _is_plain(plain) else {"opaque": type(value).__name__}
+    return RecordedValue(value=plain) if _is_plain(plain) else RecordedValue(opaque=type(value).__name__)
 
 
-def _is_plain(value: Any) -> bool:
+def _is_plain(value: object) -> bool:
     if type(value) is list:
         return all(map(_is_plain, value))
     if type(value) is dict:

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Mapping
 from typing import Any
 
+from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable, walking
 from grip_bt.task.catalog import Catalog
@@ -127,16 +128,14 @@ class TaskMaker:
         plan = iteration_of(found)
         spec = self.leaves.next_item()
         added = next(iter(found.added.values()))
-        name = task_name(added.label)
-        name += "_" * (name in means or name == "next")
+        name = free(task_name(added.label), {*means, "next"})
         node, ends = self.child(found, added, keys, raw=True)
         position = self.variables.new("position", task_name(found.cls))
         item = keys(plan.label)
         self.sharing.wrote({item})
         on, steps = {here: task_name(plan.final[there]) for here, there in ends.items() if there in plan.final}, {}
         for number, (target, loops) in enumerate(plan.interrupted() or [(plan.exhausted, [])]):
-            step = "next" if not number else f"next {number + 1}"
-            step += "_" * (step in means)
+            step = free("next" if not number else f"next {number + 1}", means)
             on |= {here: step for here, there in ends.items() if there in loops}
             known = target in (found.outcomes or ())
             steps[step] = Leaf(
@@ -166,7 +165,7 @@ class TaskMaker:
             children[task_name(label)], ends_of[label] = self.child(found, added, keys)
         own, labels = labelled(found, given.default)
         ends = {"success": given.default, "failure": given.default} | {label: o for o, label in labels.items()}
-        asked = "asked" + "_" * ("asked" in children)
+        asked = free("asked", children)
         allowed = "preempted" in labels
         spec = self.leaves.obeyed()
         children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
@@ -286,14 +285,10 @@ class TaskMaker:
 
     def _labels(self, found: ContainerInfo) -> dict[str, str]:
         """Return the states' names; one that is also an outcome gets another, since SMACH prefers the state."""
-        used = {task_name(o) for o in found.outcomes or ()}
+        outcomes = {task_name(o) for o in found.outcomes or ()}
         names: dict[str, str] = {}
         for label in found.added:
-            name = task_name(label)
-            while name in used:
-                name += "_"
-            used.add(name)
-            names[label] = name
+            names[label] = free(task_name(label), {*outcomes, *names.values()})
         return names
 
     # --- the whole ---

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
@@ -38,12 +39,9 @@ class Variables:
     def new(self, key: str, prefix: str) -> str:
         """Return a new variable for a key of a container."""
         wanted = task_name(key)
-        if wanted in self.names:
-            wanted = task_name(f"{prefix}_{key}")
-        while wanted in self.names:
-            wanted += "_"
-        self.names[wanted] = None
-        return wanted
+        name = free(task_name(f"{prefix}_{key}") if wanted in self.names else wanted, self.names)
+        self.names[name] = None
+        return name
 
     def declared(self, maybe_unwritten: set[str]) -> dict[str, Variable | str]:
         """Return them as a task's `data`."""
@@ -213,9 +211,7 @@ def as_machine(node: AnyNode, ends: Mapping[str, str], outcomes: Mapping[str, Me
         ends: outcome of the node -> outcome of the machine.
         outcomes: those of the machine.
     """
-    name = "together"
-    while name in outcomes:
-        name += "_"
+    name = free("together", outcomes)
     state = node.model_copy(update={"on": FrozenDict(dict(ends))})
     return StateMachine(kind="state_machine", initial=name, outcomes=dict(outcomes), children={name: state})
 
@@ -229,7 +225,7 @@ def copy_in_first(node: StateMachine, copied: Mapping[str, str], inner: Keys, le
         inner: its own variables.
         leaves: takes the leaf.
     """
-    name = _free("enter", {*node.children, *node.outcomes})
+    name = free("enter", {*node.children, *node.outcomes})
     step = Leaf(
         node=leaves.copy(list(copied)).manifest.id,
         in_=dict(copied),
@@ -242,7 +238,7 @@ def copy_in_first(node: StateMachine, copied: Mapping[str, str], inner: Keys, le
 def copy_out_last(node: StateMachine, out: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
     """Put a state before each outcome that copies keys out; arguments as for `entered`."""
     taken = {*node.children, *node.outcomes}
-    names = {outcome: _free(f"leave {outcome}", taken) for outcome in node.outcomes}
+    names = {outcome: free(f"leave {outcome}", taken) for outcome in node.outcomes}
     children = {
         label: child.model_copy(update={"on": FrozenDict({k: names.get(t, t) for k, t in child.on.items()})})
         for label, child in node.children.items()
@@ -254,9 +250,3 @@ def copy_out_last(node: StateMachine, out: Mapping[str, str], inner: Keys, leave
             bound = {"in_": {key: inner(key) for key in out}, "out": dict(out)}
             children[name] = Leaf(node=spec.manifest.id, on={"done": outcome}, **bound)
     return node.model_copy(update={"children": FrozenDict(children)})
-
-
-def _free(name: str, taken: set[str]) -> str:
-    while name in taken:
-        name += "_"
-    return name
