@@ -63,7 +63,7 @@ def test_the_task_does_what_the_machine_does(file, target, tmp_path):
 
 
 def _name(label):
-    return {"done": "done_"}.get(label, task_name(label))  # a state that is called as an outcome gets another name
+    return {"done": "done_2"}.get(label, task_name(label))  # a state that is called as an outcome gets another name
 
 
 def test_a_task_that_needs_ros_says_what_is_missing(tmp_path):

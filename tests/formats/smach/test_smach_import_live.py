@@ -112,7 +112,7 @@ def test_machines_of_every_kind_of_container_become_tasks(stem, name):
     outcome, ends, _ = run(made, "bt")
     wanted, theirs = run_legacy(build())
     assert outcome == wanted
-    own = ("next", "next_", "asked")
+    own = ("next", "next_2", "asked")
     assert sorted(path for path, _ in ends if not path.endswith(own)) == sorted(p for p, _ in theirs)
 
 
