@@ -10,27 +10,26 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any
 
-Logger = Callable[[Any], Any]
+Logger = Callable[[object], object]
 
 
-def loginfo(msg: Any) -> None:
+def loginfo(msg: object) -> None:
     """Print an information."""
     sys.stdout.write(f"[  INFO ] : {msg}\n")
 
 
-def logwarn(msg: Any) -> None:
+def logwarn(msg: object) -> None:
     """Print a warning."""
     sys.stdout.write(f"[  WARN ] : {msg}\n")
 
 
-def logdebug(msg: Any) -> None:
+def logdebug(msg: object) -> None:
     """Print a detail for debugging."""
     sys.stdout.write(f"[ DEBUG ] : {msg}\n")
 
 
-def logerr(msg: Any) -> None:
+def logerr(msg: object) -> None:
     """Print an error."""
     sys.stdout.write(f"[ ERROR ] : {msg}\n")
 

@@ -14,8 +14,8 @@ class OrderedSet(set[Any]):
 
     # Whatever adds is overridden, so that `_order` has every name; what only removes is left to `set`.
 
-    def __init__(self, names: Iterable[Any] = ()):
-        self._order: dict[Any, None] = dict.fromkeys(names)
+    def __init__(self, names: Iterable[object] = ()):
+        self._order: dict[object, None] = dict.fromkeys(names)
         super().__init__(self._order)
 
     def __iter__(self) -> Iterator[Any]:
@@ -23,7 +23,7 @@ class OrderedSet(set[Any]):
             return iter(self._order)
         return iter([name for name in self._order if name in self])
 
-    def add(self, name: Any) -> None:
+    def add(self, name: object) -> None:
         """Add a name at the end."""
         self._order.setdefault(name)
         super().add(name)
@@ -38,7 +38,7 @@ class OrderedSet(set[Any]):
         self.update(other)
         return self
 
-    def symmetric_difference_update(self, other: Iterable[Any]) -> None:
+    def symmetric_difference_update(self, other: Iterable[object]) -> None:
         """Remove the names of another set that are here, and add those that aren't."""
         for name in dict.fromkeys(other):
             (self.discard if name in self else self.add)(name)
@@ -47,11 +47,11 @@ class OrderedSet(set[Any]):
         self.symmetric_difference_update(other)
         return self
 
-    def union(self, *others: Iterable[Any]) -> OrderedSet:
+    def union(self, *others: Iterable[object]) -> OrderedSet:
         """Return a new set: these names, then the others'."""
         result = OrderedSet(self)
         result.update(*others)
         return result
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return (OrderedSet, (list(self),))

@@ -30,7 +30,7 @@ class Container(State):
 
     _construction_stack: ClassVar[list[Container]] = []
     _construction_lock: ClassVar[Any] = threading.RLock()
-    _context_kwargs: ClassVar[dict[str, Any]] = {}
+    _context_kwargs: ClassVar[dict[str, object]] = {}
 
     def __init__(
         self,
@@ -163,7 +163,7 @@ class Container(State):
                 return
 
     @contextmanager
-    def opened(self: C, **kwargs: Any) -> Iterator[C]:
+    def opened(self: C, **kwargs: object) -> Iterator[C]:
         """Open it for the body of a `with`; unlike `with container:` this names it and always closes."""
         self.open()
         self._context_kwargs = kwargs  # type: ignore[misc]  # hides the class's empty one
@@ -175,15 +175,15 @@ class Container(State):
 
     # --- callbacks ---
 
-    def register_start_cb(self, cb: Callable[..., Any], cb_args: Iterable[Any] = NOTHING) -> None:
+    def register_start_cb(self, cb: Callable[..., object], cb_args: Iterable[object] = NOTHING) -> None:
         """Call `cb(userdata, initial_states, *cb_args)` when an execution begins."""
         self._start_cbs.append((cb, cb_args))
 
-    def register_transition_cb(self, cb: Callable[..., Any], cb_args: Iterable[Any] = NOTHING) -> None:
+    def register_transition_cb(self, cb: Callable[..., object], cb_args: Iterable[object] = NOTHING) -> None:
         """Call `cb(userdata, active_states, *cb_args)` at each transition."""
         self._transition_cbs.append((cb, cb_args))
 
-    def register_termination_cb(self, cb: Callable[..., Any], cb_args: Iterable[Any] = NOTHING) -> None:
+    def register_termination_cb(self, cb: Callable[..., object], cb_args: Iterable[object] = NOTHING) -> None:
         """Call `cb(userdata, terminal_states, outcome, *cb_args)` when an execution ends."""
         self._termination_cbs.append((cb, cb_args))
 

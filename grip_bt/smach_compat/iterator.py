@@ -31,7 +31,7 @@ class Iterator(Container):
         outcomes: list[str],
         input_keys: list[str],
         output_keys: list[str],
-        it: Iterable[Any] | Callable[[], Iterable[Any]] = NOTHING,
+        it: Iterable[object] | Callable[[], Iterable[object]] = NOTHING,
         it_label: str = "it_data",
         exhausted_outcome: str = "exhausted",
     ):
@@ -50,7 +50,7 @@ class Iterator(Container):
 
     # --- construction ---
 
-    def set_iteritems(self, it: Iterable[Any] | Callable[[], Iterable[Any]], it_label: str) -> None:
+    def set_iteritems(self, it: Iterable[object] | Callable[[], Iterable[object]], it_label: str) -> None:
         """Set the items, or the function that returns them, and the key of the current item."""
         self._items, self._items_label = it, it_label
 
@@ -165,9 +165,10 @@ class Iterator(Container):
         loop = self._loop_outcomes
         return outcome in self._break_outcomes or (bool(loop) and outcome not in loop)
 
-    def _execute_state(self) -> Any:
+    def _execute_state(self) -> str:
         try:
-            return self._state.execute(self.userdata)  # type: ignore[union-attr]
+            outcome: str = self._state.execute(self.userdata)  # type: ignore[union-attr]
+            return outcome
         except InvalidUserCodeError:
             hooks.logerr(f"State {self._state_label!r} failed to execute.")
             raise

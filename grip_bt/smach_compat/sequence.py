@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
 
 from ._hooks import hooks
 from .state import State
@@ -34,7 +33,7 @@ class Sequence(StateMachine):
 
     @staticmethod
     def add(  # type: ignore[override]  # upstream's has no constants
-        label: str, state: State, transitions: dict[str, Any] | None = None, remapping: Remapping | None = None
+        label: str, state: State, transitions: dict[str, object] | None = None, remapping: Remapping | None = None
     ) -> State:
         """Add a state to the open sequence and lead the previous one to it, unless that one leads elsewhere."""
         self = Sequence._currently_opened_container()

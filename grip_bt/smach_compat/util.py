@@ -16,7 +16,7 @@ def set_shutdown_check(cb: Callable[[], bool]) -> None:
     hooks.is_shutdown = cb
 
 
-def has_smach_interface(obj: Any) -> bool:
+def has_smach_interface(obj: object) -> bool:
     """Tell whether an object declares outcomes, input keys and output keys."""
     return (
         hasattr(obj, "get_registered_input_keys")
@@ -41,7 +41,7 @@ class CBInterface:
         self._input_keys = OrderedSet(input_keys)
         self._output_keys = OrderedSet(output_keys)
 
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+    def __call__(self, *args: object, **kwargs: object) -> object:
         """Call the function."""
         return self._cb(*args, **kwargs)
 
@@ -69,6 +69,6 @@ class cb_interface:
     ):
         self._outcomes, self._input_keys, self._output_keys = outcomes, input_keys, output_keys
 
-    def __call__(self, cb: Callable[..., Any]) -> CBInterface:
+    def __call__(self, cb: Callable[..., object]) -> CBInterface:
         """Return the decorated function."""
         return CBInterface(cb, self._outcomes, self._input_keys, self._output_keys)

@@ -191,9 +191,9 @@ class _Importer:
                 issues.add("incomplete", face.name, f"{text}; treated as input and output")
         return Imported({read.name: read}, tuple(issues), manifests=manifests)
 
-    def _declared(self, mentioned: set[str]) -> tuple[dict[str, Any], dict[str, Any]]:
-        inputs: dict[str, Any] = {}
-        data: dict[str, Any] = {}
+    def _declared(self, mentioned: set[str]) -> tuple[dict[str, object], dict[str, object]]:
+        inputs: dict[str, object] = {}
+        data: dict[str, object] = {}
         for name, entry in self.variables.every.items():
             if name not in mentioned:
                 continue  # a literal of a sub-tree that became part of a node

@@ -6,7 +6,6 @@ import ast
 import json
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from grip_bt.base.expression import CONSTANTS, parse_expression
 
@@ -26,7 +25,7 @@ _COMPARISONS: dict[type[ast.cmpop], str] = {
 _ARITHMETIC: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 
 
-def attribute_text(value: Any, type_name: str) -> str:
+def attribute_text(value: object, type_name: str) -> str:
     """Return the text that BT.CPP's attributes hold for a value of this type.
 
     Raises:

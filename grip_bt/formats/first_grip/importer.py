@@ -79,7 +79,7 @@ def _settings_file(file: Path, found: Configuration, issues: Issues) -> list[Gri
     return []
 
 
-def _task_data(file: Path) -> Mapping[str, Any] | None:
+def _task_data(file: Path) -> Mapping[str, object] | None:
     """Return a task in the older text form; None where the file is something else."""
     try:
         data = to_data(parse(read_file(file), str(file)))
@@ -191,7 +191,7 @@ def _container(found: GripContainer, context: ImportContext, place: str) -> dict
     return {"kind": "state_machine", "initial": names[found.initial], "outcomes": outcomes, "children": children}
 
 
-def _parallel(found: GripContainer, names: dict[str, str], context: ImportContext, place: str) -> dict[str, Any]:
+def _parallel(found: GripContainer, names: dict[str, str], context: ImportContext, place: str) -> dict[str, object]:
     """Return a parallel that waits for all and goes by rules; SMACH takes the rule with the most conditions."""
     children, ends = {}, {}
     for label, child in found.children.items():
@@ -213,7 +213,7 @@ def _parallel(found: GripContainer, names: dict[str, str], context: ImportContex
     return {"kind": "parallel", "cancel": "join", "rules": rules, "outcomes": own, "children": children}
 
 
-def _child(child: GripState, context: ImportContext, place: str) -> tuple[dict[str, Any], dict[str, str]]:
+def _child(child: GripState, context: ImportContext, place: str) -> tuple[dict[str, object], dict[str, str]]:
     if isinstance(child, GripContainer):
         node = _container(child, context, place)
         ends = {outcome: name_of(outcome) for outcome in child.outcomes}

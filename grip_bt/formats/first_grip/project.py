@@ -45,7 +45,7 @@ class Configuration:
         return self.parts.get(kind, {})
 
 
-def read_configuration(settings: Mapping[Key, Any], file: Path) -> Configuration:
+def read_configuration(settings: Mapping[Key, object], file: Path) -> Configuration:
     """Return what the files are that a robot's `.ini` names.
 
     A file that isn't where it was is looked for by its name below the folder of the `.ini`.
@@ -67,7 +67,7 @@ def add_files(found: Configuration, files: Iterable[Path]) -> None:
         _take_yaml(found, file)
 
 
-def _texts(value: Any) -> list[str]:
+def _texts(value: object) -> list[str]:
     if isinstance(value, str):
         return [value]
     return [text for each in value for text in _texts(each)] if isinstance(value, list | tuple) else []
@@ -115,23 +115,23 @@ def _take_yaml(found: Configuration, path: Path) -> None:
     found.sources.setdefault(kind, []).append(path.name)
 
 
-def _each(test: Callable[[Any], bool]) -> Callable[[dict[str, Any]], bool]:
+def _each(test: Callable[[object], bool]) -> Callable[[dict[str, object]], bool]:
     return lambda data: all(test(value) for value in data.values())
 
 
-def _has(*keys: str) -> Callable[[Any], bool]:
+def _has(*keys: str) -> Callable[[object], bool]:
     return lambda value: isinstance(value, dict) and set(keys) <= set(value)
 
 
-def _numbers(value: Any) -> bool:
+def _numbers(value: object) -> bool:
     return isinstance(value, dict) and bool(value) and all(type(each) in (int, float) for each in value.values())
 
 
-def _points(value: Any) -> bool:
+def _points(value: object) -> bool:
     return isinstance(value, list) and bool(value) and all(_has("name", "interpolate_time")(each) for each in value)
 
 
-_KINDS: dict[str, Callable[[dict[str, Any]], bool]] = {
+_KINDS: dict[str, Callable[[dict[str, object]], bool]] = {
     "hardware": lambda data: "robot_hardware" in data,
     "sensor plugins": lambda data: isinstance(data.get("sensors"), list),
     "poses": _each(_has("reference_frame")),
@@ -153,7 +153,7 @@ _TYPES = (
 )
 
 
-def sensor_entry(name: str, said: Mapping[str, Any], found: Configuration) -> dict[str, Any] | None:
+def sensor_entry(name: str, said: Mapping[str, object], found: Configuration) -> dict[str, object] | None:
     """Return a sensor as `grip.yaml` has it; None where it has no topic."""
     given = said["data_topics"]
     topics = {}
@@ -167,7 +167,7 @@ def sensor_entry(name: str, said: Mapping[str, Any], found: Configuration) -> di
         topics[key_of(str(alias))] = {"topic": "/" + str(topic).strip("/"), "type": type_name}
     if not topics:
         return None
-    made: dict[str, Any] = {"topics": topics}
+    made: dict[str, object] = {"topics": topics}
     pose = said.get("initial_pose")
     pose = found.part("poses").get(pose) if isinstance(pose, str) else pose
     if said.get("frame_id") and isinstance(pose, dict):
@@ -231,7 +231,7 @@ def project_texts(found: Configuration) -> dict[str, str]:
 
 
 def _project(found: Configuration) -> dict[str, Any]:
-    made: dict[str, Any] = {"grip": 1, "doc": "Imported from a configuration of the first GRIP."}
+    made: dict[str, object] = {"grip": 1, "doc": "Imported from a configuration of the first GRIP."}
     arms, hands = {}, {}
     for group, said in found.part("planners").items():
         if is_hand(group):
@@ -250,10 +250,10 @@ def _project(found: Configuration) -> dict[str, Any]:
     return made
 
 
-def _arm(group: str, said: Mapping[str, Any], issues: Issues) -> dict[str, Any]:
+def _arm(group: str, said: Mapping[str, object], issues: Issues) -> dict[str, object]:
     planner = str(said["planner_name"])
     planner = planner.removesuffix("kConfigDefault").removesuffix("ConfigDefault")
-    made: dict[str, Any] = {"group": group, "planner": planner}
+    made: dict[str, object] = {"group": group, "planner": planner}
     for key, name in (
         ("robot_speed_factor", "speed"),
         ("number_plan_attempt", "attempts"),
@@ -306,7 +306,7 @@ def _package(file: PurePosixPath, otherwise: str) -> str:
     return otherwise
 
 
-def _yaml_text(data: Mapping[str, Any], flow: bool = False) -> str:
+def _yaml_text(data: Mapping[str, object], flow: bool = False) -> str:
     yaml, text = YAML(), io.StringIO()
     yaml.default_flow_style = None if flow else False
     yaml.width = 120

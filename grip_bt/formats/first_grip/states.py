@@ -55,7 +55,7 @@ class ImportContext:
     components: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     messages: Mapping[str, Collection[str]] = field(default_factory=dict)
     produced: set[str] = field(default_factory=set)
-    variables: dict[str, Any] = field(default_factory=dict)
+    variables: dict[str, object] = field(default_factory=dict)
     unknown: dict[str, GripState] = field(default_factory=dict)
     issues: Issues = field(default_factory=Issues)
 
@@ -78,7 +78,7 @@ class StepBuilder:
 
     def __init__(self, state: GripState, context: ImportContext, place: str):
         self.state, self.context, self.place = state, context, place
-        self.steps: dict[str, dict[str, Any]] = {}
+        self.steps: dict[str, dict[str, object]] = {}
 
     def slot(self, name: str) -> str:
         """Return what a field holds, as text."""
@@ -89,7 +89,7 @@ class StepBuilder:
         """Tell what isn't as it was."""
         self.context.issues.add(code, self.place, text)
 
-    def add(self, step: str, node: str, **keys: Mapping[str, Any]) -> None:
+    def add(self, step: str, node: str, **keys: Mapping[str, object]) -> None:
         """Add a step; empty keys are left out."""
         name = name_of(step, self.steps)
         said = {{"in_": "in", "with_": "with"}.get(key, key): dict(value) for key, value in keys.items() if value}
@@ -297,7 +297,7 @@ def _input(steps: StepBuilder) -> str:
     return variable
 
 
-def _sensor(steps: StepBuilder) -> dict[str, Any]:
+def _sensor(steps: StepBuilder) -> dict[str, object]:
     key, alias = steps.context.sensors[steps.state.type], key_of(steps.slot("sensor_topic") or "data")
     out = {alias: steps.context.variable(steps.slot("output"))} if steps.slot("output") else {}
     steps.add("look", f"sensor/{key}", out=out)

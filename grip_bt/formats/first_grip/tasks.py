@@ -100,13 +100,13 @@ class BrokenTaskError(GripError):
     """A task of the first GRIP can't be read; the message says what and where."""
 
 
-def graph_task(settings: Mapping[Key, Any], source: str, issues: Issues) -> GripContainer:
+def graph_task(settings: Mapping[Key, object], source: str, issues: Issues) -> GripContainer:
     """Return the task that a file of settings holds; what isn't as it was is added to the issues.
 
     Raises:
         BrokenTaskError: there is none in it, or it is broken.
     """
-    graphs: dict[Key, dict[str, Any]] = {}
+    graphs: dict[Key, dict[str, object]] = {}
     for key, value in settings.items():
         if key[-1] != "container":
             continue
@@ -136,14 +136,14 @@ _AnySocket = Annotated[_Socket, BeforeValidator(lambda said: said if isinstance(
 class _Entry(_Said):
     name: str = Field(min_length=1)
     type: str = ""
-    content: dict[str, Any] = {}
+    content: dict[str, object] = {}
     input_socket: _AnySocket | None = None
     output_sockets: list[_AnySocket] = []
 
 
 class _Connector(_Said):
     start: Any = None
-    end: Any = None
+    end: object = None
 
 
 class _Graph(_Said):
@@ -154,7 +154,7 @@ class _Graph(_Said):
 
 
 class _Reader:
-    def __init__(self, graphs: Mapping[Key, dict[str, Any]], source: str, issues: Issues):
+    def __init__(self, graphs: Mapping[Key, dict[str, object]], source: str, issues: Issues):
         self.graphs, self.source = graphs, source
         self.issues = issues
 
@@ -179,7 +179,7 @@ class _Reader:
         self._finish(made, self._connect(made, graph.connectors, sockets, place), place)
         return made
 
-    def _graph(self, data: Mapping[str, Any], place: str) -> _Graph:
+    def _graph(self, data: Mapping[str, object], place: str) -> _Graph:
         try:
             return _Graph.model_validate(data)
         except ValidationError as error:
@@ -265,7 +265,7 @@ def _usual(child: GripState, count: int) -> list[str]:
     return [*(str(number) for number in range(count - 1)), "state_failure"]
 
 
-def _id(said: Any) -> int | str | None:
+def _id(said: object) -> int | str | None:
     found = said.get("id") if isinstance(said, dict) else said
     return found if isinstance(found, int | str) else None
 
@@ -284,7 +284,7 @@ _TYPES = {
 }
 
 
-def text_task(data: Any, source: str) -> GripContainer:
+def text_task(data: object, source: str) -> GripContainer:
     """Return the task that a nested dictionary holds.
 
     Raises:
@@ -339,7 +339,7 @@ def _child(label: str, said: Mapping[str, Any], place: str, depth: int) -> GripS
     return made
 
 
-def _rules(said: Any, place: str) -> dict[str, dict[str, list[str]]]:
+def _rules(said: object, place: str) -> dict[str, dict[str, list[str]]]:
     if not isinstance(said, Mapping) or not all(isinstance(when, Mapping) for when in said.values()):
         raise BrokenTaskError(f"{place}: `outcome_map` is outcome -> state -> outcome")
     return {str(o): {str(child): [str(end)] for child, end in when.items()} for o, when in said.items()}

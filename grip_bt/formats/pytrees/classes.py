@@ -109,15 +109,15 @@ def _timer(node: Any) -> Equal:
     return Equal(leaf, remark="its time is that of the run's clock now")
 
 
-def _always(**settings: Any) -> Callable[[Any], Equal]:
+def _always(**settings: object) -> Callable[[object], Equal]:
     return lambda node: Equal(dict(settings))
 
 
-def _pass_through(node: Any) -> Equal:
+def _pass_through(node: object) -> Equal:
     return Equal({"kind": "guard", "if": "true"}, remark="a PassThrough is a guard that is always open")
 
 
-_KNOWN: dict[type[Behaviour], Callable[[Any], Equal]] = {
+_KNOWN: dict[type[Behaviour], Callable[[object], Equal]] = {
     composites.Sequence: _sequence,
     composites.Selector: _selector,
     composites.Parallel: _parallel,
@@ -163,7 +163,7 @@ _WHY: dict[type[Behaviour], str] = {
 }
 
 
-def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[str, Any]:
+def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[str, object]:
     """Return a node's keys as its document has them, without children, with what was changed on the behaviour.
 
     Args:
@@ -176,7 +176,7 @@ def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[
     return keys
 
 
-def _changed_parameters(leaf: Leaf, document: model.Leaf) -> dict[str, Any]:
+def _changed_parameters(leaf: Leaf, document: model.Leaf) -> dict[str, object]:
     defaults = {name: p.default for name, p in leaf.manifest.parameters.items() if not p.required}
     if leaf.params == {**defaults, **document.with_}:
         return {}

@@ -144,7 +144,7 @@ _OF_A_RUN = {
 """Attributes that every behaviour has and that say nothing of how it was made."""
 
 
-def foreign_of(behaviour: Behaviour, name: str) -> dict[str, Any]:
+def foreign_of(behaviour: Behaviour, name: str) -> dict[str, object]:
     """Return the keys of a foreign node that makes a behaviour like this one.
 
     Each argument of its constructor is looked for in an attribute of the same name. Whether these are right is seen
@@ -163,7 +163,7 @@ def foreign_of(behaviour: Behaviour, name: str) -> dict[str, Any]:
         raise NoEqual(f"{cls.__qualname__} can't be imported by a name")
     if behaviour.children:
         raise NoEqual(f"{where} has children, and is no class that a task has")
-    args: dict[str, Any] = {}
+    args: dict[str, object] = {}
     for parameter in inspect.signature(cls).parameters.values():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
             continue
@@ -179,15 +179,15 @@ def foreign_of(behaviour: Behaviour, name: str) -> dict[str, Any]:
     return {"kind": "foreign", "behaviour": where, **({"args": args} if args else {})}
 
 
-def _imported(cls: type) -> Any:
+def _imported(cls: type) -> object:
     """Return what other programs find under the name of a class."""
-    found: Any = sys.modules.get(cls.__module__)
+    found: object = sys.modules.get(cls.__module__)
     for name in cls.__qualname__.split("."):
         found = getattr(found, name, None)
     return found
 
 
-def _literal(value: Any) -> bool:
+def _literal(value: object) -> bool:
     if isinstance(value, list):
         return all(map(_literal, value))
     if isinstance(value, dict):
@@ -207,7 +207,7 @@ def _compare(behaviour: Behaviour, where: str, args: dict[str, Any], named: bool
             raise NoEqual(f"{where}: made again its {name!r} would be another one")
 
 
-def _equal(one: Any, other: Any) -> bool:
+def _equal(one: object, other: object) -> bool:
     try:
         return type(one) is type(other) and bool(one == other)
     except Exception:  # noqa: BLE001 - what can't be compared isn't known to be equal

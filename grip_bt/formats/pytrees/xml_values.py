@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Any
 
 from grip_bt.base.types import Type
 from grip_bt.formats.names import node_name
@@ -19,7 +18,7 @@ _NOT_WRITTEN = re.compile("[{}]|[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U001
 """Braces would make it a key; the others are no characters of XML."""
 
 
-def to_text(value: Any, type_name: str) -> str:
+def to_text(value: object, type_name: str) -> str:
     """Return the text of a value; a whole number where a float is wanted is written as one, `1.0`.
 
     Raises:
@@ -36,7 +35,7 @@ def to_text(value: Any, type_name: str) -> str:
     return text
 
 
-def _as_float(wanted: Type, value: Any) -> Any:
+def _as_float(wanted: Type, value: object) -> object:
     if wanted.name == "list" and wanted.item is not None and isinstance(value, list | tuple):
         return [_as_float(wanted.item, item) for item in value]
     if wanted.name == "float" and type(value) is int and abs(value) <= 2**53:
@@ -44,7 +43,7 @@ def _as_float(wanted: Type, value: Any) -> Any:
     return value
 
 
-def _text_of(value: Any) -> str:
+def _text_of(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if value is None:
@@ -54,7 +53,7 @@ def _text_of(value: Any) -> str:
     return str(value)
 
 
-def from_text(text: str, type_name: str) -> Any:
+def from_text(text: str, type_name: str) -> object:
     """Return the value that a text is, where a type is wanted.
 
     Raises:
@@ -66,7 +65,7 @@ def from_text(text: str, type_name: str) -> Any:
     return _value(text, wanted)
 
 
-def _value(text: str, wanted: Type) -> Any:
+def _value(text: str, wanted: Type) -> object:
     if wanted.name == "list" and wanted.item is not None and wanted.item.name in _SIMPLE:
         return [_value(part.strip(), wanted.item) for part in re.split("[,;]", text)] if text.strip() else []
     if wanted.name in ("str", "Any"):

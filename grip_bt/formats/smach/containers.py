@@ -136,7 +136,7 @@ def iteration_of(found: ContainerInfo) -> Iteration:
     return Iteration(items, label, loops, final, mapped.get(exhausted, exhausted), dict(mapped))
 
 
-def _given(items: Any) -> Any:
+def _given(items: object) -> object:
     """Return items; those of a function that only returns a literal, or a range between literals, are that."""
     if isinstance(items, Unresolved) and isinstance(items.expression, ast.Lambda):
         body = items.expression.body
@@ -210,14 +210,14 @@ def labelled(found: ContainerInfo, default: str) -> tuple[dict[str, Meaning], di
     return {name: meaning_of(o) for o, name in own.items()}, {**labels, **own}
 
 
-def source_of(found: ContainerInfo) -> dict[str, Any]:
+def source_of(found: ContainerInfo) -> dict[str, object]:
     """Return the marks of a container: where it comes from, and what it was."""
     return {"x-source": str(found.span), MARK: found.kind}
 
 
-def constants_of(found: ContainerInfo, added: Child) -> dict[str, Any]:
+def constants_of(found: ContainerInfo, added: Child) -> dict[str, object]:
     """Return the constants of a state that a task can hold; what it can't is noted."""
-    result: dict[str, Any] = {}
+    result: dict[str, object] = {}
     for key, value in added.constants.items():
         try:
             result[key] = plain_literal(value)
@@ -273,7 +273,7 @@ def led_to(node: AnyNode, entries: Mapping[str, str], names: Mapping[str, str]) 
     return node.model_copy(update={"on": FrozenDict({o: begins.get(to, to) for o, to in node.on.items()})})
 
 
-def _plain(found: ContainerInfo) -> Iterator[tuple[str, Any]]:
+def _plain(found: ContainerInfo) -> Iterator[tuple[str, object]]:
     """Yield constants whose moment nobody can tell: all who read the key have the same one, and it stays inside."""
     given = {label: constants_of(found, added) for label, added in found.added.items()}
     for key in dict.fromkeys(key for constants in given.values() for key in constants):

@@ -6,7 +6,6 @@ import ast
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.formats.generated_files import write_generated
@@ -144,7 +143,9 @@ def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path)
     return write_generated(texts, "smach")
 
 
-def advice(imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[str, Any]] | None = None) -> list[str]:
+def advice(
+    imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[str, object]] | None = None
+) -> list[str]:
     """Return what to do, in lines; none where everything is exact.
 
     Args:
@@ -174,7 +175,7 @@ def advice(imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[s
 
 
 def _arguments(
-    imported: ImportedFile, unknown: list[ContainerInfo], given: Mapping[str, Mapping[str, Any]]
+    imported: ImportedFile, unknown: list[ContainerInfo], given: Mapping[str, Mapping[str, object]]
 ) -> dict[str, list[str]]:
     """Return class or function around a container -> parameters that have no default and weren't given."""
     tree = Project(imported.file.parent).source(imported.file).tree

@@ -9,7 +9,6 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from grip_bt.formats.generated_files import generated_by, manifests_text
 from grip_bt.formats.names import free
@@ -71,7 +70,7 @@ class Leaves:
     def __init__(self, file: Path):
         self.file = file
         self.stem = task_name(file.stem).replace("-", "_").replace(" ", "_").strip("_").lower() or "legacy"
-        self.specs: dict[Any, LeafSpec] = {}
+        self.specs: dict[object, LeafSpec] = {}
         self.modules: dict[Path, str] = {file: MODULE}
 
     def add(
@@ -170,7 +169,7 @@ class Leaves:
     def live(self, found: StateInfo) -> str:
         """Return the source that takes an object from the container that the legacy module builds."""
         labels: list[str] = []
-        inner: Any = found
+        inner: object = found
         outer = found.parent
         while outer is not None:
             labels.append(next((name for name, added in outer.added.items() if added.state is inner), ""))

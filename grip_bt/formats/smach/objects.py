@@ -70,7 +70,7 @@ class FromMachine:
 
 
 def from_machine(
-    machine: Any, name: str = "", *, source: Callable[[], Any] | None = None, catalog: Catalog | None = None
+    machine: object, name: str = "", *, source: Callable[[], object] | None = None, catalog: Catalog | None = None
 ) -> FromMachine:
     """Return the task of a machine: of a compiled one, or of any StateMachine, Sequence, Concurrence or Iterator.
 
@@ -139,7 +139,7 @@ def _issues(found: ContainerInfo) -> Iterator[Issue]:
             yield from _issues(added.state)
 
 
-def _importable(machine: Container, name: str, source: Callable[[], Any]) -> ImportedFile:
+def _importable(machine: Container, name: str, source: Callable[[], object]) -> ImportedFile:
     file = inspect.getsourcefile(source)
     if file is None or source.__qualname__ != source.__name__:
         raise GripError(
@@ -162,9 +162,9 @@ class _ObjectLeaves(Leaves):
 
     def __init__(self, file: Path):
         super().__init__(file)
-        self.objects: dict[StateInfo, Any] = {}
-        self.sources: dict[str, Any] = {}
-        self.firsts: dict[str, tuple[Any, str]] = {}
+        self.objects: dict[StateInfo, object] = {}
+        self.sources: dict[str, object] = {}
+        self.firsts: dict[str, tuple[object, str]] = {}
 
     def source(self, found: StateInfo) -> str:
         """Return a name for an object."""

@@ -30,10 +30,10 @@ class _Kind(type):
 class Placeholder(metaclass=_Kind):
     """Accepts every call, attribute and operation."""
 
-    def __init__(self, *arguments: Any, **named: Any):
+    def __init__(self, *arguments: object, **named: object):
         """Take anything."""
 
-    def __call__(self, *arguments: Any, **named: Any) -> Any:
+    def __call__(self, *arguments: object, **named: object) -> object:
         """Return a placeholder; as a decorator, what is decorated."""
         if len(arguments) == 1 and not named and isinstance(arguments[0], (FunctionType, type)):
             return arguments[0]
@@ -47,7 +47,7 @@ class Placeholder(metaclass=_Kind):
     def __getitem__(self, key: Any) -> Any:
         return Placeholder()
 
-    def __setitem__(self, key: Any, value: Any) -> None:
+    def __setitem__(self, key: object, value: object) -> None:
         pass
 
     def __iter__(self) -> Iterator[Any]:
@@ -69,7 +69,7 @@ class Placeholder(metaclass=_Kind):
     def __bool__(self) -> bool:
         return True
 
-    def __contains__(self, item: Any) -> bool:
+    def __contains__(self, item: object) -> bool:
         return False
 
     def __float__(self) -> float:
@@ -85,13 +85,13 @@ class Placeholder(metaclass=_Kind):
 
     __fspath__ = __str__
 
-    def _same(self, *others: Any) -> Any:
+    def _same(self, *others: object) -> object:
         return self
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = _same
     __neg__ = __pow__ = __mod__ = __or__ = __and__ = __floordiv__ = _same
 
-    def _no(self, other: Any) -> bool:
+    def _no(self, other: object) -> bool:
         return False
 
     __lt__ = __le__ = __gt__ = __ge__ = _no
@@ -144,7 +144,7 @@ class Finder(MetaPathFinder, Loader):
     def __init__(self) -> None:
         self.packages: list[str] = []
 
-    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
         """Find every module that isn't part of Python or of an installed package."""
         package = fullname.split(".")[0]
         there = sys.modules.get(package)
@@ -169,7 +169,7 @@ class Finder(MetaPathFinder, Loader):
         """Do nothing: names are made when somebody asks for them."""
 
 
-def _get_param(name: str, default: Any = None) -> Any:
+def _get_param(name: str, default: object = None) -> object:
     return Placeholder() if default is None else default
 
 

@@ -26,7 +26,7 @@ def record(file: Path, root: Path, given: Mapping[str, Mapping[str, Any]], timeo
 
 
 def import_with_execution(
-    file: Path, root: Path | None = None, given: Mapping[str, Mapping[str, Any]] | None = None
+    file: Path, root: Path | None = None, given: Mapping[str, Mapping[str, object]] | None = None
 ) -> ImportedFile:
     """Read a legacy file, run it in a process of its own with a recording smach, and merge what both say.
 
@@ -61,7 +61,11 @@ class RecordingMerge:
     """Containers that were read, and containers that were recorded."""
 
     def __init__(
-        self, read: list[ContainerInfo], run: Record, file: Path, given: Mapping[str, Mapping[str, Any]] | None = None
+        self,
+        read: list[ContainerInfo],
+        run: Record,
+        file: Path,
+        given: Mapping[str, Mapping[str, object]] | None = None,
     ):
         self.read, self.run, self.file, self.given = read, run, file, given or {}
         self.made: dict[int, ContainerInfo] = {}

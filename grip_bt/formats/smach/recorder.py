@@ -60,9 +60,9 @@ class Recording:
         entries: identity -> the class or function of the module that gives it, called without placeholders.
     """
 
-    def __init__(self, file: Path, finder: Finder, given: dict[str, dict[str, Any]]):
+    def __init__(self, file: Path, finder: Finder, given: dict[str, dict[str, object]]):
         self.file, self.finder, self.given = file, finder, given
-        self.objects: list[Any] = []
+        self.objects: list[object] = []
         self.places: dict[int, tuple[str, int]] = {}
         self.stands: set[int] = set()
         self.entries: dict[int, str] = {}
@@ -244,7 +244,7 @@ def _is_plain(value: object) -> bool:
     return value is None or type(value) in (bool, int, str) or (type(value) is float and math.isfinite(value))
 
 
-def _place(frame: FrameType | None, state: Any) -> tuple[str, int]:
+def _place(frame: FrameType | None, state: object) -> tuple[str, int]:
     """Return where the code makes the object: outside smach and outside the constructors of its own class."""
     while frame is not None:
         own = frame.f_locals.get("self") is state

@@ -79,7 +79,7 @@ class Keys:
             except ValueError as error:
                 self._first(found, key, name, value, str(error))
 
-    def _first(self, found: ContainerInfo, key: str, name: str, value: Any, shown: str) -> None:
+    def _first(self, found: ContainerInfo, key: str, name: str, value: object, shown: str) -> None:
         expression = (
             value.expression if isinstance(value, (Unresolved, Reference)) else getattr(value, "expression", None)
         )
@@ -95,7 +95,7 @@ class Keys:
             self._variables.first[name] = (ast.Constant(key), found)
 
 
-def plain_literal(value: Any) -> Any:
+def plain_literal(value: object) -> object:
     """Return a value as a task can hold it; a tuple becomes a list.
 
     Raises:

@@ -99,7 +99,7 @@ def fields(message: Any) -> tuple[str, ...]:
     return tuple(message.__slots__)
 
 
-def is_node(thing: Any) -> bool:
+def is_node(thing: object) -> bool:
     """Tell whether something is a node, of rclpy or a stand-in."""
     return hasattr(thing, "create_publisher") and hasattr(thing, "get_name")
 

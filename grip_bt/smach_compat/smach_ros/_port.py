@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-Logger = Callable[[Any], Any]
+Logger = Callable[[object], object]
 
 
 class ServiceFailedError(Exception):
@@ -25,7 +25,7 @@ class Closable(Protocol):
 class Publisher(Closable, Protocol):
     """Sends on one topic."""
 
-    def publish(self, message: Any) -> None:
+    def publish(self, message: object) -> None:
         """Send a message to who is there."""
 
 
@@ -35,7 +35,7 @@ class Service(Protocol):
     def wait(self, timeout: float) -> bool:
         """Tell whether there is a server within `timeout` [s]."""
 
-    def call(self, request: Any) -> Any:
+    def call(self, request: object) -> Any:
         """Return the answer.
 
         Raises:
@@ -49,7 +49,7 @@ class ActionClient(Protocol):
     def wait(self, timeout: float) -> bool:
         """Tell whether there is a server within `timeout` [s]."""
 
-    def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callable[[Any], None]) -> None:
+    def send(self, goal: object, done: Callable[[str, int, object], None], feedback: Callable[[object], None]) -> None:
         """Send a goal and return at once.
 
         Args:
@@ -69,10 +69,10 @@ class ActionServer(Protocol):
     def start(self) -> None:
         """Take goals from now on."""
 
-    def feedback(self, message: Any) -> None:
+    def feedback(self, message: object) -> None:
         """Send feedback on the goal being worked on; nothing when there is none."""
 
-    def end(self, ending: str, result: Any = None) -> None:
+    def end(self, ending: str, result: object = None) -> None:
         """End the goal being worked on as `succeeded`, `aborted` or `preempted`."""
 
 
@@ -89,7 +89,7 @@ class Introspection(Protocol):
     def packed(self, data: bytes) -> Any:
         """Return bytes as the field `local_data` has them."""
 
-    def unpacked(self, local_data: Any) -> bytes:
+    def unpacked(self, local_data: object) -> bytes:
         """Return the bytes of a field `local_data`."""
 
 
@@ -111,23 +111,23 @@ class Ros(Protocol):
     def sleep(self, seconds: float) -> None:
         """Wait; less when ROS is shut down meanwhile."""
 
-    def subscribe(self, topic: str, type_: Any, callback: Callable[[Any], None]) -> Closable:
+    def subscribe(self, topic: str, type_: object, callback: Callable[[object], None]) -> Closable:
         """Call `callback(message)` for each message."""
 
-    def advertise(self, topic: str, type_: Any) -> Publisher:
+    def advertise(self, topic: str, type_: object) -> Publisher:
         """Return a publisher."""
 
-    def topics_of(self, type_: Any) -> list[str]:
+    def topics_of(self, type_: object) -> list[str]:
         """Return the names of the topics that somebody sends messages of a type on."""
 
-    def service(self, name: str, type_: Any) -> Service:
+    def service(self, name: str, type_: object) -> Service:
         """Return a client."""
 
-    def action_client(self, name: str, type_: Any) -> ActionClient:
+    def action_client(self, name: str, type_: object) -> ActionClient:
         """Return a client."""
 
     def action_server(
-        self, name: str, type_: Any, execute: Callable[[Any], None], preempt: Callable[[], None]
+        self, name: str, type_: object, execute: Callable[[object], None], preempt: Callable[[], None]
     ) -> ActionServer:
         """Return a server, not started.
 
@@ -141,5 +141,5 @@ class Ros(Protocol):
     def introspection(self) -> Introspection:
         """Return the messages of smach_msgs."""
 
-    def name_of(self, name: str, node: Any) -> str:
+    def name_of(self, name: str, node: object) -> str:
         """Return the full name of a topic, service or action as a node of the user's would have it."""

@@ -97,11 +97,11 @@ class ActionServerWrapper:
 
     # --- the container's callbacks ---
 
-    def transition_cb(self, userdata: Any, active_states: list[str]) -> None:
+    def transition_cb(self, userdata: object, active_states: list[str]) -> None:
         """Send feedback at a transition."""
         self.publish_feedback(userdata)
 
-    def termination_cb(self, userdata: Any, terminal_states: Any, container_outcome: str) -> None:
+    def termination_cb(self, userdata: object, terminal_states: object, container_outcome: str) -> None:
         """Note that the container has ended."""
         hooks.logdebug(f"The wrapped container ended in {terminal_states} with {container_outcome!r}")
 
@@ -141,7 +141,7 @@ class ActionServerWrapper:
         for slot, key in self._goal_slots_map.items():
             self.userdata[key] = getattr(goal, slot)
 
-    def _result(self) -> Any:
+    def _result(self) -> object:
         result = self.userdata[self._result_key]
         for slot, key in self._result_slots_map.items():
             setattr(result, slot, self.userdata[key])

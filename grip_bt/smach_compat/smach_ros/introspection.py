@@ -42,7 +42,7 @@ _REFUSED = (
 class IntrospectionClient:
     """Finds servers and sets where their containers begin. A node's name or a node is accepted and not needed."""
 
-    def __init__(self, *_names: Any, **_options: Any):
+    def __init__(self, *_names: object, **_options: object):
         pass
 
     def get_servers(self) -> list[str]:
@@ -171,7 +171,7 @@ class ContainerProxy:
         except Exception:  # noqa: BLE001 - a spectator must not stop the machine
             hooks.logerr(f"Sending introspection of {self._path!r} failed: {traceback.format_exc()}")
 
-    def _transition_cb(self, *args: Any, **kwargs: Any) -> None:
+    def _transition_cb(self, *args: object, **kwargs: object) -> None:
         self._publish_status(f"{args}, {kwargs}")
 
     def _init_cmd_cb(self, command: Any) -> None:
@@ -204,7 +204,7 @@ class IntrospectionServer:
     """
 
     @with_optional_node
-    def __init__(self, server_name: str, state: Any, path: str):
+    def __init__(self, server_name: str, state: object, path: str):
         self._server_name, self._state, self._path = server_name, state, path
         self._proxies: list[ContainerProxy] = []
 
@@ -244,7 +244,7 @@ def _pickled(data: dict[str, Any]) -> bytes:
         return pickle.dumps(kept, 2)
 
 
-def _can_be_pickled(value: Any) -> bool:
+def _can_be_pickled(value: object) -> bool:
     try:
         pickle.dumps(value, 2)
     except Exception:  # noqa: BLE001 - pickling calls the user's code, which may raise anything
@@ -252,7 +252,7 @@ def _can_be_pickled(value: Any) -> bool:
     return True
 
 
-def _holds(wanted: dict[str, Any], data: bytes) -> bool:
+def _holds(wanted: dict[str, object], data: bytes) -> bool:
     """Tell whether the userdata in a status has these values. Only called when unpickling was asked for."""
     there = {} if data in _NO_DATA else pickle.loads(data)
     return all(key in there and there[key] == value for key, value in wanted.items())

@@ -61,7 +61,7 @@ class MonitorState(RosState):
             return "preempted"
         return outcome
 
-    def _judge(self, ud: Any) -> str:
+    def _judge(self, ud: object) -> str:
         number = 0
         while not self.preempt_requested():
             message = self._messages.get()

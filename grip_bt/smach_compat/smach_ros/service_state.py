@@ -115,7 +115,7 @@ class ServiceState(RosState):
         self.service_preempt()
         return True
 
-    def _fill_request(self, ud: Any) -> None:
+    def _fill_request(self, ud: object) -> None:
         if self._request_key is not None:
             self._request = _present(ud, self._request_key)
         for key in self._request_slots:

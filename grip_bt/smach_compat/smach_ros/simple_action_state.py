@@ -173,7 +173,7 @@ class SimpleActionState(RosState):
 
     # --- the goal under way ---
 
-    def _run_goal(self, ud: Any) -> None:
+    def _run_goal(self, ud: object) -> None:
         clock = ros()
         activated, canceled = clock.now(), None
         self._ending, self._goal_result, self._feedback = "", None, []
@@ -210,13 +210,13 @@ class SimpleActionState(RosState):
             hooks.logwarn(f"Action {self._action_name!r} didn't stop within {seconds(self._preempt_timeout)} s.")
             self._ending = "lost"
 
-    def _goal_done_cb(self, ending: str, status: int, result: Any) -> None:
+    def _goal_done_cb(self, ending: str, status: int, result: object) -> None:
         with self._done_cond:
             if self._status == self.ACTIVE:
                 self._ending, self._goal_status, self._goal_result = ending, status, result
                 self._done_cond.notify_all()
 
-    def _goal_feedback_cb(self, message: Any) -> None:
+    def _goal_feedback_cb(self, message: object) -> None:
         if self._feedback_cb.cb is not None:
             with self._done_cond:
                 self._feedback.append(message)
@@ -264,7 +264,7 @@ class SimpleActionState(RosState):
         return "aborted"
 
 
-def _check_slots(what: str, slots: list[str], message: Any) -> None:
+def _check_slots(what: str, slots: list[str], message: object) -> None:
     unknown = [slot for slot in slots if slot not in fields(message)]
     if unknown:
         raise InvalidStateError(f"{what}_slots has {unknown}, but the {what} has {list(fields(message))}")

@@ -37,7 +37,7 @@ class Calls(Evaluation):
         self.steps = 0
         self.modules: dict[str, Scope] = {}
 
-    def apply(self, function: Function, arguments: list[Any], named: dict[str, Any]) -> Any:
+    def apply(self, function: Function, arguments: list[object], named: dict[str, object]) -> object:
         """Follow a function; the interpreter does."""
         raise NotImplementedError
 
@@ -57,7 +57,7 @@ class Calls(Evaluation):
                 named.update(value)
         return list(self._items(node.args, scope)), named
 
-    def call(self, node: ast.Call, scope: Scope) -> Any:
+    def call(self, node: ast.Call, scope: Scope) -> object:
         """Follow a call."""
         if isinstance(node.func, ast.Name) and node.func.id == "super" and scope.find("super") is None:
             return self._super(node, scope)
@@ -74,7 +74,7 @@ class Calls(Evaluation):
             return self._method(callee, arguments, named, span)
         return NotImplemented
 
-    def _callee(self, node: ast.expr, scope: Scope) -> Any:
+    def _callee(self, node: ast.expr, scope: Scope) -> object:
         callee = self.value(node, scope)
         if isinstance(callee, Reference):
             module, _, name = callee.name.rpartition(".")
@@ -83,7 +83,7 @@ class Calls(Evaluation):
                 return there.names[name]
         return callee
 
-    def _super(self, node: ast.Call, scope: Scope) -> Any:
+    def _super(self, node: ast.Call, scope: Scope) -> object:
         function = next((f for f in reversed(self.running) if f.owner is not None), None)
         me = scope.find(function.node.args.args[0].arg) if function and function.node.args.args else None
         if function is None or me is None:
@@ -105,8 +105,8 @@ class Calls(Evaluation):
     # --- making objects ---
 
     def _make(
-        self, cls: Class, arguments: list[Any], named: dict[str, Any], node: ast.Call, scope: Scope, span: Span
-    ) -> Any:
+        self, cls: Class, arguments: list[object], named: dict[str, object], node: ast.Call, scope: Scope, span: Span
+    ) -> object:
         kind = self.kind_of(cls)
         external = [b for b in self.lineage(cls) if isinstance(b, Unresolved) or _of_a_package(b)]
         if not kind and not external:
@@ -120,7 +120,7 @@ class Calls(Evaluation):
         return found
 
     def instantiate(
-        self, cls: Class, arguments: list[Any], named: dict[str, Any], kind: str | None, span: Span
+        self, cls: Class, arguments: list[object], named: dict[str, object], kind: str | None, span: Span
     ) -> StateInfo:
         """Make an object of a class of the project whose base is a state or a container."""
         kind = self.kind_of(cls) if kind is None else kind
@@ -158,8 +158,14 @@ class Calls(Evaluation):
             found.why = f"`{ast.unparse(node)}` needs `{error}`, known only at run time"
 
     def _reference(
-        self, callee: Reference, arguments: list[Any], named: dict[str, Any], node: ast.Call, scope: Scope, span: Span
-    ) -> Any:
+        self,
+        callee: Reference,
+        arguments: list[object],
+        named: dict[str, object],
+        node: ast.Call,
+        scope: Scope,
+        span: Span,
+    ) -> object:
         package, _, rest = callee.name.partition(".")
         last = callee.name.split(".")[-1]
         if package == "builtins":
@@ -185,7 +191,7 @@ class Calls(Evaluation):
 
     # --- methods ---
 
-    def _method(self, bound: Bound, arguments: list[Any], named: dict[str, Any], span: Span) -> Any:
+    def _method(self, bound: Bound, arguments: list[object], named: dict[str, object], span: Span) -> object:
         target, name = bound.target, bound.name
         if isinstance(target, tuple) and name != "super" and len(target) == 2:
             return self._base_method(target, name, arguments, named, span)
@@ -220,12 +226,12 @@ class Calls(Evaluation):
         for text, failed in self.conditions:
             container.problem("failed" if failed else "partial", f"{what} {text}", span)
 
-    def set_userdata(self, container: StateInfo, key: str, value: Any, span: Span) -> None:
+    def set_userdata(self, container: StateInfo, key: str, value: object, span: Span) -> None:
         """Note an initial value."""
         if isinstance(container, ContainerInfo):
             container.userdata[key] = value
             self.doubtful(container, f"userdata `{key}` is set", span)
 
 
-def _of_a_package(base: Any) -> bool:
+def _of_a_package(base: object) -> bool:
     return isinstance(base, Reference) and not base.name.startswith("builtins.")

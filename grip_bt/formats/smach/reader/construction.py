@@ -47,7 +47,7 @@ class Reading(Protocol):
         """Note that what happens to a container hangs on what is known only at run time."""
 
 
-def initialise(reader: Reading, found: StateInfo, kind: str, arguments: list[Any], named: dict[str, Any]) -> None:
+def initialise(reader: Reading, found: StateInfo, kind: str, arguments: list[object], named: dict[str, object]) -> None:
     """Do what the constructor of a class of smach does."""
     found.initialised = True
     given = dict(zip(PARAMETERS.get(kind, ()), arguments, strict=False)) | named
@@ -75,7 +75,7 @@ def initialise(reader: Reading, found: StateInfo, kind: str, arguments: list[Any
             setattr(found, name, list(dict.fromkeys(words)))
 
 
-def _words(found: StateInfo, name: str, value: Any) -> list[str] | None:
+def _words(found: StateInfo, name: str, value: object) -> list[str] | None:
     """Return the words of a list; None, with a note, where they are known only at run time."""
     value = use_default(value, lambda told: found.problem("partial", f"the {name} of {found.cls}: {told}"))
     if isinstance(value, str):
@@ -89,7 +89,7 @@ def _words(found: StateInfo, name: str, value: Any) -> list[str] | None:
     return None
 
 
-def _interface(found: StateInfo, name: str, callback: Any) -> None:
+def _interface(found: StateInfo, name: str, callback: object) -> None:
     """Add what `cb_interface` declares on a callback."""
     held = callback.interface if isinstance(callback, Function) else None
     if held is None:
@@ -116,8 +116,14 @@ def _add_words(there: list[str], more: list[str]) -> None:
 
 
 def call(
-    reader: Reading, kind: str, name: str, me: StateInfo | None, arguments: list[Any], named: dict[str, Any], span: Span
-) -> Any:
+    reader: Reading,
+    kind: str,
+    name: str,
+    me: StateInfo | None,
+    arguments: list[object],
+    named: dict[str, object],
+    span: Span,
+) -> object:
     """Do what a method of a state or container does."""
     if name in _ADD and kind in CONTAINERS:
         given = dict(zip(_ADD[name], arguments, strict=False)) | named
@@ -207,7 +213,7 @@ def _connect(container: ContainerInfo, added: Child) -> None:
             before.transitions[outcome] = added.label
 
 
-def _state_of(value: Any, span: Span) -> StateInfo:
+def _state_of(value: object, span: Span) -> StateInfo:
     if isinstance(value, StateInfo):
         return value
     if isinstance(value, Reference):
@@ -221,7 +227,7 @@ def _state_of(value: Any, span: Span) -> StateInfo:
     return made
 
 
-def _constants(container: ContainerInfo, label: str, value: Any, span: Span) -> dict[str, Any]:
+def _constants(container: ContainerInfo, label: str, value: object, span: Span) -> dict[str, object]:
     if not value:
         return {}
     if isinstance(value, dict) and all(isinstance(key, str) for key in value):

@@ -55,7 +55,7 @@ class Unresolved:
 
     text: str
     expression: ast.expr | None = None
-    default: Any = field(default=MISSING, compare=False)
+    default: object = field(default=MISSING, compare=False)
 
 
 @dataclass(frozen=True)
@@ -92,10 +92,10 @@ class StateInfo:
     outcomes: list[str] | None = None
     input_keys: list[str] = field(default_factory=list)
     output_keys: list[str] = field(default_factory=list)
-    attributes: dict[str, Any] = field(default_factory=dict)
+    attributes: dict[str, object] = field(default_factory=dict)
     issues: list[Issue] = field(default_factory=list)
     initialised: bool = False
-    home: Any = None
+    home: object = None
     parent: ContainerInfo | None = None
 
     def problem(self, verdict: Verdict, text: str, span: Span | None = None) -> None:
@@ -161,7 +161,7 @@ class ContainerInfo(StateInfo):
     entry_is_call: bool = False
     entry_file: Path | None = None
     entry_arguments: dict[str, Any] = field(default_factory=dict)
-    executed_in: list[Any] = field(default_factory=list)
+    executed_in: list[object] = field(default_factory=list)
 
     @property
     def verdict(self) -> Verdict:

@@ -24,7 +24,7 @@ MOST_STEPS = 50_000
 
 
 class _Return(Exception):
-    def __init__(self, value: Any):
+    def __init__(self, value: object):
         self.value = value
 
 
@@ -174,7 +174,7 @@ class Interpreter(Calls):
         if node.value is not None:
             self.assign(node.target, self.value(node.value, scope), node.value, scope)
 
-    def _take_userdata(self, owner: ContainerInfo, value: Any, source: ast.expr, span: Span) -> None:
+    def _take_userdata(self, owner: ContainerInfo, value: object, source: ast.expr, span: Span) -> None:
         """Note a container's store; one that is another container's too is one that the task hasn't."""
         store = value.target if isinstance(value, UserDataOf) else None
         if isinstance(store, ContainerInfo) and store.kind == "UserData" and store.parent is None:
@@ -313,7 +313,7 @@ class Interpreter(Calls):
 
     # --- functions ---
 
-    def apply(self, function: Function, arguments: list[Any], named: dict[str, Any]) -> Any:
+    def apply(self, function: Function, arguments: list[object], named: dict[str, object]) -> object:
         """Follow a function's body and return what it returns."""
         if self.steps > MOST_STEPS or len(self.running) >= _DEEPEST or function in self.running:
             return Unresolved(f"{function.name}(...)")
@@ -325,7 +325,7 @@ class Interpreter(Calls):
         base, self.base = self.base, len(self.conditions)
         opened = len(self.open)
         self.running.append(function)
-        result: Any = None
+        result: object = None
         try:
             self.body(function.node.body, scope)
             result = scope.names.get("<return>")
@@ -340,7 +340,7 @@ class Interpreter(Calls):
         self._note_entry(function, result)
         return result
 
-    def _note_entry(self, function: Function, result: Any) -> None:
+    def _note_entry(self, function: Function, result: object) -> None:
         """A function of the module that needs no argument and gives a container can give it to the leaves."""
         node = function.node
         required = len(node.args.args) - len(node.args.defaults)
@@ -350,7 +350,7 @@ class Interpreter(Calls):
                 result.entry = ast.Attribute(ast.Name("legacy", ast.Load()), function.name, ast.Load())
                 result.entry_is_call, result.entry_file = True, function.scope.file
 
-    def _parameters(self, function: Function, arguments: list[Any], named: dict[str, Any], scope: Scope) -> None:
+    def _parameters(self, function: Function, arguments: list[object], named: dict[str, object], scope: Scope) -> None:
         spec = function.node.args
         names = [a.arg for a in (*spec.posonlyargs, *spec.args)]
         defaults = dict(zip(reversed(names), reversed(spec.defaults), strict=False))

@@ -100,7 +100,7 @@ class Scope:
     is_module: bool = False
     takes_more: bool = False
 
-    def find(self, name: str) -> tuple[Any, Scope] | None:
+    def find(self, name: str) -> tuple[object, Scope] | None:
         """Return a name's value and the scope that holds it."""
         scope: Scope | None = self
         while scope is not None:
@@ -122,7 +122,7 @@ class Function:
     scope: Scope
     name: str
     owner: Class | None = None
-    interface: dict[str, Any] | None = None
+    interface: dict[str, object] | None = None
     called: bool = False
 
 
@@ -132,7 +132,7 @@ class Class:
 
     node: ast.ClassDef
     scope: Scope
-    bases: list[Any]
+    bases: list[object]
     names: dict[str, Any] = field(default_factory=dict)
     made: int = 0
 
@@ -155,7 +155,7 @@ class Instance:
     """An object of a class that is no state."""
 
     cls: Class
-    attributes: dict[str, Any] = field(default_factory=dict)
+    attributes: dict[str, object] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ class UserDataOf:
     target: StateInfo
 
 
-def is_literal(value: Any, depth: int = 0) -> bool:
+def is_literal(value: object, depth: int = 0) -> bool:
     """Tell whether a value is wholly known."""
     if depth > 20:
         return False
@@ -176,7 +176,7 @@ def is_literal(value: Any, depth: int = 0) -> bool:
     return value is None or isinstance(value, (bool, int, float, str, bytes, range))
 
 
-def literal_source(value: Any) -> ast.expr:
+def literal_source(value: object) -> ast.expr:
     """Return the source of a known value."""
     return ast.parse(repr(value), mode="eval").body
 
