@@ -8,7 +8,7 @@ import pytest
 
 from grip_bt.cli.shell import make_parser
 from grip_bt.task import load
-from grip_bt.task.walking import walk
+from grip_bt.task.model import walk
 
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = (ROOT / "README.md").read_text()

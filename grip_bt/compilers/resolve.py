@@ -9,11 +9,23 @@ from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue
 from grip_bt.task.catalog import Catalog, Manifest, check_value, manifest_of_task, parse_type
 from grip_bt.task.edges import Edges
-from grip_bt.task.model import AnyNode, Container, Leaf, StateMachine, Subtask, Task, Variable, type_of
+from grip_bt.task.model import (
+    AnyNode,
+    Container,
+    Leaf,
+    StateMachine,
+    Subtask,
+    Task,
+    Variable,
+    children_of,
+    join,
+    outcomes_of,
+    type_of,
+    with_refusal,
+)
 from grip_bt.task.validation import structural_issues
 from grip_bt.task.validation.analysis import type_or_none
 from grip_bt.task.validation.codes import default_outcome
-from grip_bt.task.walking import children_of, join, outcomes_of, with_refusal
 
 from .scopes import Scope, Scopes
 

@@ -12,7 +12,7 @@ from pydantic import JsonValue
 
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.issue import Issue, Severity, ordered
-from grip_bt.task import Task, model, walking
+from grip_bt.task import Task, model
 from grip_bt.task.catalog import Catalog, Manifest
 
 CODES: dict[str, Severity] = {
@@ -176,7 +176,7 @@ class Imported:
         return "\n".join(lines) + "\n"
 
     def _task_lines(self, name: str, task: Task) -> list[str]:
-        nodes = [node for _, node in walking.walk(task.root)]
+        nodes = [node for _, node in model.walk(task.root)]
         types = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in self.manifests})
         sizes = f"{len(nodes)} nodes, {len(task.data)} variables, {len(task.inputs)} inputs"
         return [f"task {name}: {sizes}, {len(task.outcomes)} outcomes", f"  node types: {listing(types)}"]

@@ -26,7 +26,7 @@ from grip_bt.compilers.task_machine import TaskMachine
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.node import Observer
-from grip_bt.task import model, walking
+from grip_bt.task import model
 from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import time_sense
 
@@ -149,7 +149,7 @@ class ReExecution:
         if sense == "before":
             answers.judge = recorded_limit(self.clock, self.recording, answers.path, kind.codes)
         elif sense == "after":
-            children = [walking.join(answers.path, name) for name in ends]
+            children = [model.join(answers.path, name) for name in ends]
             answers.judge = recorded_rest(self.clock, self.recording, answers.path, children)
 
     def restored(self, event: Event) -> Any:

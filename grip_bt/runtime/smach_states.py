@@ -20,7 +20,7 @@ from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.smach_compat import State
 from grip_bt.task import Leaf, Task
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.walking import join
+from grip_bt.task.model import join
 
 from .context import RunContext
 from .pacing import Pacing

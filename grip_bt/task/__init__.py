@@ -1,12 +1,14 @@
 """What a task is: frozen models, the text that they are read from and written to, and edits of both.
 
 `model` and `parts` with `kinds/` (a kind of container a file: its fields, and what it does), `document` (text ->
-task, with places), `shape` (what a document may hold), `canonical` and `comments` (task -> text), `walking`, `edges`.
-`exploration` and `kind_analysis` find out what a kind can do. `edit/`, `catalog/`, `validation/`: each imports only
-what stands before it.
+task, with places), `shape` (what a document may hold, and its JSON Schema), `canonical` and `comments` (task -> text),
+`edges`. `exploration` and `kind_analysis` find out what a kind can do. `edit/`, `catalog/`, `validation/`: each imports
+only what stands before it.
 """
 
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.model import children_of, expressions_of, join, outcomes_of, walk, with_refusal
+from grip_bt.task.shape import schema
 
 from .canonical import dumps, fmt
 from .document import Document, load, loads, read, read_text
@@ -39,8 +41,6 @@ from .model import (
     Timeout,
     Variable,
 )
-from .schema import schema
-from .walking import children_of, expressions_of, join, outcomes_of, walk, with_refusal
 
 __all__ = [
     "AnyNode",

@@ -13,43 +13,42 @@ root maps to the outcomes of the task.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
-
-from .kinds import KINDS as KINDS
-from .kinds.base import Decorator as Decorator
-from .kinds.base import Kind as Kind
-from .kinds.base import Leaf as Leaf
-from .kinds.base import Node as Node
-from .kinds.cooldown import Cooldown as Cooldown
-from .kinds.for_each import ForEach as ForEach
-from .kinds.force import Force as Force
-from .kinds.foreign import Foreign as Foreign
-from .kinds.guard import Guard as Guard
-from .kinds.invert import Invert as Invert
-from .kinds.loop import Loop as Loop
-from .kinds.parallel import Parallel as Parallel
-from .kinds.parallel import ParallelRule as ParallelRule
-from .kinds.repeat import Repeat as Repeat
-from .kinds.retry import Retry as Retry
-from .kinds.sequence import Fallback as Fallback
-from .kinds.sequence import Sequence as Sequence
-from .kinds.state_machine import StateMachine as StateMachine
-from .kinds.subtask import Subtask as Subtask
-from .kinds.switch import Switch as Switch
-from .kinds.timeout import Timeout as Timeout
-from .parts import FORMAT_VERSION as FORMAT_VERSION
-from .parts import Case as Case
-from .parts import Meaning as Meaning
-from .parts import Name as Name
-from .parts import Shape as Shape
-from .parts import Variable as Variable
-from .parts import WithFreeKeys as WithFreeKeys
-from .parts import type_of as type_of
+from grip_bt.task.kinds import KINDS as KINDS
+from grip_bt.task.kinds.base import Decorator as Decorator
+from grip_bt.task.kinds.base import Kind as Kind
+from grip_bt.task.kinds.base import Leaf as Leaf
+from grip_bt.task.kinds.base import Node as Node
+from grip_bt.task.kinds.cooldown import Cooldown as Cooldown
+from grip_bt.task.kinds.for_each import ForEach as ForEach
+from grip_bt.task.kinds.force import Force as Force
+from grip_bt.task.kinds.foreign import Foreign as Foreign
+from grip_bt.task.kinds.guard import Guard as Guard
+from grip_bt.task.kinds.invert import Invert as Invert
+from grip_bt.task.kinds.loop import Loop as Loop
+from grip_bt.task.kinds.parallel import Parallel as Parallel
+from grip_bt.task.kinds.parallel import ParallelRule as ParallelRule
+from grip_bt.task.kinds.repeat import Repeat as Repeat
+from grip_bt.task.kinds.retry import Retry as Retry
+from grip_bt.task.kinds.sequence import Fallback as Fallback
+from grip_bt.task.kinds.sequence import Sequence as Sequence
+from grip_bt.task.kinds.state_machine import StateMachine as StateMachine
+from grip_bt.task.kinds.subtask import Subtask as Subtask
+from grip_bt.task.kinds.switch import Switch as Switch
+from grip_bt.task.kinds.timeout import Timeout as Timeout
+from grip_bt.task.parts import FORMAT_VERSION as FORMAT_VERSION
+from grip_bt.task.parts import Case as Case
+from grip_bt.task.parts import Meaning as Meaning
+from grip_bt.task.parts import Name as Name
+from grip_bt.task.parts import Shape as Shape
+from grip_bt.task.parts import Variable as Variable
+from grip_bt.task.parts import WithFreeKeys as WithFreeKeys
+from grip_bt.task.parts import type_of as type_of
 
 Container = Kind
 AnyNode = Leaf | Kind
@@ -94,3 +93,53 @@ class Task(WithFreeKeys):
     def variables(self) -> Mapping[str, Variable | str]:
         """The variables of the whole task: inputs, outputs and data."""
         return {**self.outputs, **self.inputs, **self.data} if self.inputs or self.outputs else self.data
+
+
+_NONE: FrozenDict[str, AnyNode] = FrozenDict()
+
+
+def children_of(node: AnyNode) -> FrozenDict[str, AnyNode]:
+    """Return a node's children by name, in order; empty for a leaf."""
+    return _NONE if isinstance(node, Leaf) else node.below
+
+
+def join(parent: str, name: str) -> str:
+    """Return the path of the child `name` of the node at `parent`.
+
+    The root of a task has the path `/`, that of a subtask at `attempt/fetch` has `attempt/fetch/`, and its children
+    `attempt/fetch/look`.
+    """
+    if parent == "/":
+        return name
+    return f"{parent}{name}" if parent.endswith("/") else f"{parent}/{name}"
+
+
+def walk(node: AnyNode, path: str = "/") -> Iterator[tuple[str, AnyNode]]:
+    """Yield every node below and including `node` with its path, parents first, in document order."""
+    stack = [(path, node)]
+    while stack:
+        path, node = stack.pop()
+        yield path, node
+        stack.extend((join(path, name), child) for name, child in reversed(children_of(node).items()))
+
+
+def outcomes_of(node: Container) -> dict[str, Meaning]:
+    """Return every outcome that a container can end with, and its meaning; those of a subtask stand in its own file."""
+    return with_refusal(node, node.all_outcomes())
+
+
+def with_refusal(node: AnyNode, outcomes: Mapping[str, Meaning]) -> dict[str, Meaning]:
+    """Return a node's outcomes and, where it has a precondition, the `failure` that it then may end with."""
+    refusal: dict[str, Meaning] = {"failure": "failure"} if node.precondition else {}
+    return {**outcomes, **{k: v for k, v in refusal.items() if k not in outcomes}}
+
+
+def expressions_of(node: AnyNode) -> Iterator[tuple[str, str]]:
+    """Yield the key and text of each expression of a node.
+
+    A `precondition` sees the variables around the node, the others its own too.
+    """
+    if node.precondition:
+        yield "precondition", node.precondition
+    if not isinstance(node, Leaf):
+        yield from node.expressions()

@@ -6,15 +6,16 @@ The keys of a file are the fields of the models (by their aliases), plus free ke
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.yaml.models import Diagnostic, diagnostic_of, document_error
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlValue, to_data
-
-from . import model
-from .parts import FREE_PREFIX
+from grip_bt.task import model
+from grip_bt.task.model import Task
+from grip_bt.task.parts import FREE_PREFIX
 
 CHILDREN = ("children", "child")
 DECLARING = ("inputs", "outputs", "data")
@@ -150,3 +151,16 @@ def _wrong_variables(node: YamlMapping) -> Iterator[Diagnostic]:
                 entry.value.line,
                 entry.value.column,
             )
+
+
+_TITLE = "GRIP task, format 1"
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a task file; free keys are `x-*` in a task and in a node."""
+    made = Task.model_json_schema(by_alias=True)
+    shapes = [made, *(s for s in made.get("$defs", {}).values() if "*" in s.get("properties", {}))]
+    for shape in shapes:
+        shape["properties"].pop("*")
+        shape["patternProperties"] = {f"^{FREE_PREFIX}": {}}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made, "title": _TITLE}

@@ -9,7 +9,7 @@ from played import TestClient
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.task import load, loads
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.walking import walk
+from grip_bt.task.model import walk
 from grip_gui.view.projection import project_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"

@@ -15,7 +15,7 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.catalog.catalog import load_implementation
 from grip_bt.task.catalog.sensors import sensor_manifest
 from grip_bt.task.model import Leaf as LeafNode
-from grip_bt.task.walking import walk
+from grip_bt.task.model import walk
 
 ROOT = Path(__file__).parents[2]
 MANIFESTS = [*Catalog.builtin(), sensor_manifest("overhead")]

@@ -20,8 +20,7 @@ from grip_bt.nodes.node import halt
 from grip_bt.runtime import ManualClock, TickEngine
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest, TaskTexts
-from grip_bt.task.model import Subtask, Task
-from grip_bt.task.walking import walk
+from grip_bt.task.model import Subtask, Task, walk
 
 CATALOG = Catalog(
     Manifest(

@@ -16,7 +16,7 @@ from grip_bt.task.kind_analysis import flow, possible
 from grip_bt.task.kinds import KINDS
 from grip_bt.task.kinds.base import Kind
 from grip_bt.task.validation.analysis import TaskAnalysis
-from grip_bt.task.validation.possible import PossibleOutcomes
+from grip_bt.task.validation.dataflow import PossibleOutcomes
 
 LOOKS = ("equal", "less", "true", "length", "order")
 SEEDS = range(int(os.environ.get("GRIP_FUZZ_KINDS", "150")))

@@ -16,8 +16,7 @@ from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.nodes.mock import MockLeaf, MockStep
 from grip_bt.runtime.debugger import node_path
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.model import AnyNode, Leaf, Task
-from grip_bt.task.walking import children_of, join
+from grip_bt.task.model import AnyNode, Leaf, Task, children_of, join
 
 
 class Step(BaseModel):

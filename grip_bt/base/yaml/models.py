@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import UnionType
-from typing import TypeVar, Union, get_args, get_origin
+from typing import Annotated, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import DocumentError, listing, nearest
-
-from .tree import YamlEntry, YamlMapping, YamlValue, parse, read_file, to_data
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlValue, parse, read_file, to_data
 
 Diagnostic = tuple[str, int, int]
 """Message, line, column; both 1-based."""
@@ -190,3 +189,31 @@ def document_error(faults: Iterable[Diagnostic], source: str) -> DocumentError:
     if len(faults) > 10:
         others.append(f"\n  and {len(faults) - 10} more")
     return DocumentError(message + "".join(others), source, line, column)
+
+
+Identifier = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
+RosName = Annotated[str, StringConstraints(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+"""A whole name: of a topic, service, action or namespace."""
+
+
+class Settings(BaseModel):
+    """A part of a settings file: frozen, and nothing else is allowed in it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+
+def exactly_one(settings: Settings, keys: Sequence[str], shown: str = "") -> None:
+    """Check that one of several keys is given.
+
+    Args:
+        settings: what has the keys.
+        keys: their names.
+        shown: how the choice is written where the keys alone don't tell it.
+
+    Raises:
+        ValueError: none of them is given, or several are.
+    """
+    given = [key for key in keys if getattr(settings, key)]
+    if len(given) != 1:
+        here = " and ".join(given) or "none of them"
+        raise ValueError(f"give exactly one of {shown or ', '.join(f'`{key}`' for key in keys)}; here: {here}")

@@ -12,9 +12,8 @@ from grip_bt.task.edit import AnyCommand, Convert, Group, Inline, Patch, apply, 
 from grip_bt.task.edit.documents import differences
 from grip_bt.task.edit.draft import Draft
 from grip_bt.task.edit.steps import Place, Put, Rekey, Shift, Step
-from grip_bt.task.model import Task
+from grip_bt.task.model import Task, join, walk
 from grip_bt.task.shape import CHILDREN
-from grip_bt.task.walking import join, walk
 
 from .inlining import inlined
 from .result import Restructured

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.model import AnyNode, Fallback, Force, Leaf, Meaning, Repeat, Sequence, StateMachine
-from grip_bt.task.walking import outcomes_of
+from grip_bt.task.model import AnyNode, Fallback, Force, Leaf, Meaning, Repeat, Sequence, StateMachine, outcomes_of
 
 from ..resolve import Part
 from .regions import Arc, Chain, Loop, Region, State

@@ -20,8 +20,7 @@ from grip_bt.nodes.node import Observer, halt
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Foreign as ForeignNode
 from grip_bt.task.model import Leaf as LeafNode
-from grip_bt.task.model import Parallel, Task
-from grip_bt.task.walking import walk
+from grip_bt.task.model import Parallel, Task, walk
 
 from ..to_tree import CompiledTree, to_tree
 from .result import Restructured

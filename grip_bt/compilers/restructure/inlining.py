@@ -31,9 +31,9 @@ from grip_bt.task.model import (
     Timeout,
     Variable,
     type_of,
+    walk,
 )
 from grip_bt.task.validation.analysis import PlacedNode, TaskAnalysis
-from grip_bt.task.walking import walk
 
 
 def expect_nobody_can_tell(placed: PlacedNode, reads: set[str], writes: set[str]) -> None:

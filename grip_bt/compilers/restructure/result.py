@@ -13,8 +13,7 @@ from grip_bt.base.yaml.writer import WIDTH
 from grip_bt.compilers.machine_table import lead
 from grip_bt.compilers.resolve import Part
 from grip_bt.task import dumps
-from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task
-from grip_bt.task.walking import join
+from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task, join
 
 Place = tuple[str, ...]
 """A node's names, from some node above it downwards."""

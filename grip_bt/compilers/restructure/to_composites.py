@@ -11,8 +11,7 @@ from grip_bt.base.errors import listing
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.compilers.restructure.regions import offending_edges
 from grip_bt.task.catalog import Catalog
-from grip_bt.task.model import Leaf, StateMachine, Subtask, Task
-from grip_bt.task.walking import outcomes_of
+from grip_bt.task.model import Leaf, StateMachine, Subtask, Task, outcomes_of
 
 from ..machine_table import interrupts, lead
 from ..resolve import Part, resolve

@@ -19,7 +19,7 @@ from grip_bt.base.issue import Issue
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
 from grip_bt.formats.xml_trees import MOST_NODES, Element
-from grip_bt.task import dumps, loads, model, walking
+from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
 
@@ -182,7 +182,7 @@ class _Importer:
             issues.add("null-at-first", name, "may be read before it is written; it is null until then")
         for name in inputs:
             issues.add("changed", name, "is read and never written; it is an input of the task")
-        used = {node.node for _, node in walking.walk(read.root) if isinstance(node, model.Leaf)}
+        used = {node.node for _, node in model.walk(read.root) if isinstance(node, model.Leaf)}
         manifests = tuple(m for m in self.leaves.settled.values() if m.id in used)
         for face in self.leaves.faces.values():
             unknown = [port for port, use in face.uses.items() if use.port is None and use.bound]
@@ -221,12 +221,12 @@ class _Importer:
 def _mentioned(root: Keys) -> set[str]:
     """Return the variables that a node, or one below it, reads or writes."""
     names: set[str] = set()
-    for _, node in walking.walk(model.Task.model_validate({"grip": 1, "name": "t", "root": root}).root):
+    for _, node in model.walk(model.Task.model_validate({"grip": 1, "name": "t", "root": root}).root):
         if isinstance(node, model.Leaf):
             names.update(node.in_.values(), node.out.values())
         if isinstance(node, model.ForEach):
             names.add(node.items)
-        for _, text in walking.expressions_of(node):
+        for _, text in model.expressions_of(node):
             names.update(parse_expression(text).names)
     return names
 
@@ -234,7 +234,7 @@ def _mentioned(root: Keys) -> set[str]:
 def with_nulls(task: model.Task, catalog: Catalog) -> tuple[model.Task, list[str]]:
     """Return the task with null in the variables that only ports and Switches read too early, and their names."""
     issues = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
-    nodes = dict(walking.walk(task.root))
+    nodes = dict(model.walk(task.root))
     patient, strict = set[str](), set[str]()
     for issue in issues:
         names, mild = _read(nodes[issue.path], issue)
@@ -261,6 +261,6 @@ def _read(node: model.AnyNode, issue: Issue) -> tuple[Iterable[str], bool]:
     key = issue.key[0] if issue.key else ""
     if isinstance(node, model.Leaf) and key == "in":
         return [node.in_[str(issue.key[1])]], node.node != "flow/compute"
-    texts = dict(walking.expressions_of(node))
+    texts = dict(model.expressions_of(node))
     names = parse_expression(texts[str(key)]).names if key in texts else ()
     return names, key == "on_value" and texts["on_value"] in names

@@ -18,7 +18,7 @@ from grip_bt.formats.expressible import require_expressible
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.formats.names import node_name
 from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
-from grip_bt.task import model, walking
+from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import from_xml
@@ -102,7 +102,7 @@ def _check_same(task: model.Task, back: model.Task) -> None:
     def refuse(path: str, what: str, why: str) -> NoReturn:
         raise NotExpressibleError(path, f"{what} ({why})", TARGET)
 
-    one, other = dict(walking.walk(task.root)), dict(walking.walk(back.root))
+    one, other = dict(model.walk(task.root)), dict(model.walk(back.root))
     for path, node in one.items():
         if path not in other:
             refuse(path, "its name or place", "it comes back under another")

@@ -14,7 +14,7 @@ from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import distinct, node_name
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.node import Node
-from grip_bt.task import model, walking
+from grip_bt.task import model
 
 from .classes import ENDS, Equal, NoEqual, equal_of, from_document, is_known, refuse_variables
 
@@ -110,7 +110,7 @@ class Reader:
         result: dict[str, dict[str, Any]] = {}
         names = distinct(child.name for child in behaviour.children)
         for name, child in zip(names, behaviour.children, strict=True):
-            below = walking.join(path, name)
+            below = model.join(path, name)
             if name != child.name:
                 self.issues.add("renamed", below, f"was called {child.name!r}")
             result[name] = self.node(child, below)

@@ -15,7 +15,7 @@ from grip_bt.base.errors import listing, nearest
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import distinct, node_name
 from grip_bt.formats.xml_trees import DEEPEST, MOST_NODES, Element, TreeFiles
-from grip_bt.task import model, walking
+from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
 from .classes import Equal, NoEqual, equal_of, why_not
@@ -136,7 +136,7 @@ class _Reader:
         result = {}
         wanted = [child.attributes.get("name", child.tag) for child in element.children]
         for name, given, child in zip(distinct(wanted), wanted, element.children, strict=True):
-            below = walking.join(path, name)
+            below = model.join(path, name)
             if name != given:
                 self.issues.add("renamed", below, f"was called {given!r}")
             result[name] = self.node(child, names, below, inside)

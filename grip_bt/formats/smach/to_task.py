@@ -8,7 +8,7 @@ from typing import Any
 
 from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
-from grip_bt.task import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable, walking
+from grip_bt.task import FrozenDict, Leaf, Parallel, StateMachine, Task, Variable, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import AnyNode, Meaning, ParallelRule
 from grip_bt.task.validation import validate
@@ -305,7 +305,7 @@ class TaskMaker:
 
     def _task(self, node: AnyNode, outcomes: Mapping[str, Meaning], missing: set[str]) -> Task:
         data = self.variables.declared(missing)
-        local = {name for _, each in walking.walk(node) for name in getattr(each, "data", {})}
+        local = {name for _, each in model.walk(node) for name in getattr(each, "data", {})}
         return Task(
             grip=1,
             name=self.name,
@@ -318,6 +318,6 @@ class TaskMaker:
 
 def _read_too_early(task: Task, catalog: Catalog) -> set[str]:
     """Return the variables that a leaf may read before anything has written them."""
-    nodes = dict(walking.walk(task.root))
+    nodes = dict(model.walk(task.root))
     early = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
     return {str(nodes[issue.path].in_[str(issue.key[1])]) for issue in early}  # type: ignore[union-attr]  # of leaves

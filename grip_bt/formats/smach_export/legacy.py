@@ -12,7 +12,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.scopes import Cell, Scope
 from grip_bt.nodes.smach_asking import CONSTANT, MARK
-from grip_bt.task import model, walking
+from grip_bt.task import model
 
 NEXT_ITEM = "grip_bt.nodes.smach_leaf:NextItem"
 OBEYED = "grip_bt.nodes.smach_leaf:Obeyed"
@@ -53,7 +53,7 @@ def _outside(part: Part, used: Iterator[tuple[Scope, str]]) -> dict[str, Cell]:
 def _read(part: Part) -> Iterator[tuple[Scope, str]]:
     for below in part.walk():
         node = below.node
-        for key, text in walking.expressions_of(node):
+        for key, text in model.expressions_of(node):
             scope = below.around if key == "precondition" else below.scope
             yield from ((scope, name) for name in parse_expression(text).names)
         if isinstance(node, model.Leaf | model.Subtask):

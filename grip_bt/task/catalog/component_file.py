@@ -15,11 +15,10 @@ from pydantic import Field, StringConstraints, field_validator, model_validator
 from grip_bt.base.errors import ExpressionError
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.yaml.models import read_model
+from grip_bt.base.yaml.models import Identifier, RosName, Settings, read_model
 from grip_bt.task.model import Meaning
 
 from .component_parts import PortType, Start, Timeouts
-from .names import Identifier, RosName, Settings
 from .ros_config import Kind
 
 FILE_NAME = "component.yaml"

@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StringConstraints, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
-
-from .names import RosName, Settings, exactly_one
+from grip_bt.base.yaml.models import RosName, Settings, exactly_one
 
 UNITS: dict[str, float] = {
     **{"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254},

@@ -8,8 +8,8 @@ from typing import Literal
 from pydantic import Field, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.yaml.models import RosName, Settings, exactly_one
 
-from .names import RosName, Settings, exactly_one
 from .sensors import Mount
 
 MOVE_GROUP = "move_group"

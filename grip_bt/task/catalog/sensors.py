@@ -9,10 +9,10 @@ from pydantic import Field, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import parse_type
+from grip_bt.base.yaml.models import Identifier, RosName, Settings
 
 from .component_parts import Start
 from .manifest import Manifest, OutputPort, Parameter
-from .names import Identifier, RosName, Settings
 
 MESSAGES = {
     "PointCloud": "sensor_msgs/msg/PointCloud2",

@@ -4,8 +4,9 @@
 only the lines of the command change; `documents` reads typed text as a command; `history` with its file.
 """
 
+from grip_bt.task.edit.editing import BaseCommand
+
 from .change_kind import ChangeKind, Convert, Extract, Inline
-from .command import BaseCommand
 from .commands import AnyCommand, Applied, Command, Group, Patch, apply, command_of, title_of
 from .comment import Comment, comment_of
 from .containers import Unwrap, Wrap

@@ -6,13 +6,13 @@ from typing import Any, Literal
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.edit.editing import BaseCommand, kind_in_words, said
+from grip_bt.task.model import children_of
 
 from ..kind_analysis import following
 from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine
 from ..parts import FREE_PREFIX
 from ..shape import CHILDREN, keys_of, model_of_kind
-from ..walking import children_of
-from .command import BaseCommand, kind_in_words, said
 from .editing import Editing, holds_nodes, kind_of, slot
 
 STANDARD = ("success", "failure")

@@ -8,9 +8,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Discriminator, TypeAdapter
 
+from grip_bt.task.edit.editing import BaseCommand
+
 from ..model import Task
 from .change_kind import ChangeKind, Convert, Extract, Inline
-from .command import BaseCommand
 from .comment import Comment
 from .containers import Unwrap, Wrap
 from .editing import Editing

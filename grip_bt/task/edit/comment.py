@@ -9,9 +9,9 @@ from typing import Literal
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
+from grip_bt.task.edit.editing import BaseCommand, said
 
 from ..document import Document
-from .command import BaseCommand, said
 from .editing import Editing
 from .steps import HEAD, Place, Remark
 from .text_places import content_end, is_tidy, line_end, line_start, region_end

@@ -8,11 +8,11 @@ from pydantic import Field
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.edit.editing import BaseCommand, kind_in_words, said
+from grip_bt.task.model import children_of, outcomes_of
 
 from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task
-from ..walking import children_of, outcomes_of
 from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
-from .command import BaseCommand, kind_in_words, said
 from .editing import Editing, expect_free, slot
 from .steps import Place
 

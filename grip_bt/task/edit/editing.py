@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.base.errors import EditError, listing, nearest
+from pydantic import BaseModel, ConfigDict
 
-from ..model import AnyNode, StateMachine, Task
-from ..shape import CHILDREN
-from ..walking import children_of, join, walk
-from .draft import Draft
-from .steps import Assign, Drop, Place, Put, Rekey, Shift, Step
+from grip_bt.base.errors import EditError, listing, nearest
+from grip_bt.task.edit.draft import Draft
+from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Shift, Step
+from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
+from grip_bt.task.shape import CHILDREN
 
 
 class Editing:
@@ -177,3 +177,33 @@ def expect_others(container: AnyNode, path: str) -> None:
     if len(children_of(container)) == 1 and (hasattr(container, "child") or isinstance(container, StateMachine)):
         kind = kind_of(container)
         raise EditError(path, f"a {kind} needs a child; remove or unwrap the {kind} instead")
+
+
+class BaseCommand(BaseModel):
+    """An edit of a task, as a value: the same in Python, on the wire and in a history."""
+
+    # built on first use: whoever only runs tasks needs none of it
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    def in_words(self) -> str:
+        """Return the command in a few words, such as `rename look to see`."""
+        raise NotImplementedError
+
+    def plan(self, editing: Editing) -> None:
+        """Take the steps of which the command consists.
+
+        Raises:
+            EditError: it can't be carried out.
+        """
+        raise NotImplementedError
+
+
+def said(path: str) -> str:
+    """Return a node's path as titles say it."""
+    return {"": "the task", "/": "the root"}.get(path, path)
+
+
+def kind_in_words(kind: str) -> str:
+    """Return a kind with its article, such as `a state machine`."""
+    words = kind.replace("_", " ")
+    return f"an {words}" if words[:1] in "aeiou" else f"a {words}"

@@ -7,12 +7,12 @@ from typing import Any, Literal
 from pydantic import Field
 
 from grip_bt.base.errors import EditError, listing, nearest
+from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.model import children_of, outcomes_of
 
 from ..model import Meaning, StateMachine
 from ..parts import FREE_PREFIX
 from ..shape import CHILDREN, keys_of
-from ..walking import children_of, outcomes_of
-from .command import BaseCommand, said
 from .editing import Editing, kind_of
 from .steps import Place
 

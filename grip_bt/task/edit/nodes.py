@@ -12,11 +12,11 @@ from pydantic import Field
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.model import children_of
 
 from ..canonical import file_data
 from ..model import AnyNode, Name, StateMachine
-from ..walking import children_of
-from .command import BaseCommand, said
 from .editing import Editing, expect_free, expect_others, expect_room, slot
 from .steps import Assign, Place
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from grip_bt.base.errors import EditError, listing, nearest
+from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.model import outcomes_of
 
 from ..canonical import file_data
 from ..model import AnyNode, Leaf, Name, StateMachine, Subtask, Task
-from ..walking import outcomes_of
 from .change_kind import STANDARD
-from .command import BaseCommand, said
 from .editing import Editing, kind_of
 from .steps import Place
 

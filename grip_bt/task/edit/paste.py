@@ -9,11 +9,11 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.model import children_of, outcomes_of
 
 from ..canonical import file_data
 from ..model import AnyNode, Name, StateMachine, Task
-from ..walking import children_of, outcomes_of
-from .command import BaseCommand, said
 from .editing import Editing, expect_free, expect_room, slot
 from .variables import RenameVariable, declared_by, used_by
 

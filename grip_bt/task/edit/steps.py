@@ -12,9 +12,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from grip_bt.task.model import join
+
 from ..parts import FREE_PREFIX
 from ..shape import CHILDREN, key_rank
-from ..walking import join
 
 Place = tuple[str, ...]
 

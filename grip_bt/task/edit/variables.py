@@ -11,12 +11,12 @@ from pydantic import Field
 
 from grip_bt.base.errors import EditError, ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
+from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.model import children_of, expressions_of, join
 
 from ..canonical import file_data
 from ..model import AnyNode, Name, Variable
 from ..shape import DECLARING
-from ..walking import children_of, expressions_of, join
-from .command import BaseCommand, said
 from .editing import Editing
 
 _READS = ("items",)

@@ -6,6 +6,7 @@ from grip_bt.base.issue import Issue, Report, ordered
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
+from grip_bt.task.validation.dataflow import PossibleOutcomes
 
 from .analysis import TaskAnalysis
 from .codes import SEVERITY, STRUCTURAL
@@ -14,7 +15,6 @@ from .expressions import check_expressions
 from .leaves import check_names, check_numbers, check_subtasks
 from .outcomes import check_outcomes, check_reach
 from .parts import check_foreign, check_messages, check_parts
-from .possible import PossibleOutcomes
 from .subtasks import Checked, Subtasks
 from .variables import check_parallel, check_variables
 

@@ -8,10 +8,10 @@ from grip_bt.base.errors import listing, nearest
 from grip_bt.base.evaluation import same_literal
 from grip_bt.task import Parallel, StateMachine, Switch, Task
 from grip_bt.task.model import Childless
+from grip_bt.task.validation.dataflow import PossibleOutcomes, machine_edges, reachable
 
 from .analysis import PlacedNode, TaskAnalysis
 from .codes import default_outcome, suggestion
-from .possible import PossibleOutcomes, machine_edges, reachable
 
 
 def check_outcomes(analysis: TaskAnalysis, possible: PossibleOutcomes | None) -> None:

@@ -14,8 +14,7 @@ from grip_bt.runtime.journal_writer import preview
 from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import Convert
-from grip_bt.task.model import Leaf
-from grip_bt.task.walking import join, outcomes_of
+from grip_bt.task.model import Leaf, join, outcomes_of
 from grip_gui.editing.open_document import Sheet
 from grip_gui.view.documents import finder
 from grip_gui.view.projection import project_task

@@ -13,8 +13,8 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Convert, Extract, Group, Inline
 from grip_bt.task.edit.steps import Step
-from grip_bt.task.layout import layout_path
 from grip_gui.editing.files import Recovery, TextFile
+from grip_gui.editing.layout import layout_path
 from grip_gui.editing.open_document import Sheet
 from grip_gui.project import ProjectFolder
 

@@ -13,8 +13,8 @@ from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Edited, Group, History, Patch, command_of, path_after, rewrite
 from grip_bt.task.edit.history import history_path, load_history, save_history
 from grip_bt.task.edit.steps import Step
-from grip_bt.task.layout import Layout, read_layout, write_layout
 from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError, Unsaved
+from grip_gui.editing.layout import Layout, read_layout, write_layout
 
 log = logging.getLogger(__name__)
 KEPT = 1000

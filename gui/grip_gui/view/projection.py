@@ -11,8 +11,7 @@ from grip_bt.task.canonical import data_of
 from grip_bt.task.canonical import file_data as plain_data
 from grip_bt.task.catalog.manifest import Manifest
 from grip_bt.task.kind_analysis import derived_edges, surely_first
-from grip_bt.task.model import AnyNode, Kind, Leaf, Subtask, Task, Variable
-from grip_bt.task.walking import join, outcomes_of, walk
+from grip_bt.task.model import AnyNode, Kind, Leaf, Subtask, Task, Variable, join, outcomes_of, walk
 from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, Transition, VariableView
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]

@@ -26,8 +26,8 @@ from grip_bt.task import (
     children_of,
 )
 from grip_bt.task.catalog import Catalog, InputPort, Manifest, OutputPort
+from grip_bt.task.model import join
 from grip_bt.task.validation import validate
-from grip_bt.task.walking import join
 
 NODE = Manifest(
     id="demo/leaf",

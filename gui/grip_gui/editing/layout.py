@@ -16,8 +16,7 @@ from typing import Any
 
 from grip_bt.base.yaml.tree import YamlMapping, from_data, parse, read_file, to_data
 from grip_bt.base.yaml.writer import write
-
-from .edit.steps import Step, path_after
+from grip_bt.task.edit.steps import Step, path_after
 
 Position = tuple[int, int]
 """x and y [px] of a node's upper left corner, in the frame of the container that holds it."""
