@@ -10,14 +10,15 @@ import ast
 import operator
 from collections.abc import Callable, Mapping
 from numbers import Real
-from typing import Any
+from typing import TypeVar
 
 from grip_bt.base.errors import EvaluationError
 
 from .expression import CONSTANTS, Expression
 
-Thunk = Callable[[], Any]
-_ARITHMETIC: dict[type[ast.operator], tuple[str, Callable[[Any, Any], Any]]] = {
+T = TypeVar("T")
+Evaluator = Callable[[], object]
+_ARITHMETIC: dict[type[ast.operator], tuple[str, Callable[..., object]]] = {
     ast.Add: ("+", operator.add),
     ast.Sub: ("-", operator.sub),
     ast.Mult: ("*", operator.mul),
@@ -25,7 +26,7 @@ _ARITHMETIC: dict[type[ast.operator], tuple[str, Callable[[Any, Any], Any]]] = {
     ast.FloorDiv: ("//", operator.floordiv),
     ast.Mod: ("%", operator.mod),
 }
-_COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+_COMPARISONS: dict[type[ast.cmpop], Callable[..., object]] = {
     ast.Eq: operator.eq,
     ast.NotEq: operator.ne,
     ast.Lt: operator.lt,
@@ -37,10 +38,10 @@ _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.Is: operator.is_,
     ast.IsNot: operator.is_not,
 }
-_FUNCTIONS: dict[str, Callable[..., Any]] = {"len": len, "min": min, "max": max, "abs": abs}
+_FUNCTIONS: dict[str, Callable[..., object]] = {"len": len, "min": min, "max": max, "abs": abs}
 
 
-def value_of(expression: Expression, readers: Mapping[str, Thunk]) -> Thunk:
+def value_of(expression: Expression, readers: Mapping[str, Evaluator]) -> Evaluator:
     """Return a function that computes the expression.
 
     Args:
@@ -50,19 +51,19 @@ def value_of(expression: Expression, readers: Mapping[str, Thunk]) -> Thunk:
     Returns:
         A function that raises EvaluationError when the values don't fit the expression.
     """
-    return _explained(expression, _thunk(expression.tree, readers))
+    return _with_context(expression, _compile(expression.tree, readers))
 
 
-def condition_of(expression: Expression, readers: Mapping[str, Thunk]) -> Callable[[], bool]:
+def condition_of(expression: Expression, readers: Mapping[str, Evaluator]) -> Callable[[], bool]:
     """Return a function that computes a condition; anything but a truth value is an EvaluationError."""
-    compute = _thunk(expression.tree, readers)
-    return _explained(expression, lambda: _truth(compute()))
+    compute = _compile(expression.tree, readers)
+    return _with_context(expression, lambda: _truth(compute()))
 
 
-def _explained(expression: Expression, compute: Thunk) -> Thunk:
+def _with_context(expression: Expression, compute: Callable[[], T]) -> Callable[[], T]:
     """Return `compute` with what it raises said in terms of the expression."""
 
-    def value() -> Any:
+    def value() -> T:
         try:
             return compute()
         except (TypeError, ValueError, ArithmeticError, AttributeError, RecursionError) as error:
@@ -71,7 +72,7 @@ def _explained(expression: Expression, compute: Thunk) -> Thunk:
     return value
 
 
-def same_literal(value: Any, literal: Any) -> bool:
+def same_literal(value: object, literal: object) -> bool:
     """Tell whether a value is a literal of a task file: 1 and 1.0 are the same, 1 and true aren't."""
     if _is_truth(value) or isinstance(literal, bool):
         return _is_truth(value) and isinstance(literal, bool) and bool(value) == literal
@@ -80,7 +81,7 @@ def same_literal(value: Any, literal: Any) -> bool:
     return type(value) is type(literal) and bool(value == literal)
 
 
-def _thunk(node: ast.expr, readers: Mapping[str, Thunk]) -> Thunk:
+def _compile(node: ast.expr, readers: Mapping[str, Evaluator]) -> Evaluator:
     match node:
         case ast.Constant(value=value):
             return lambda: value
@@ -90,30 +91,30 @@ def _thunk(node: ast.expr, readers: Mapping[str, Thunk]) -> Thunk:
                 return lambda: constant
             return readers[name]
         case ast.Attribute(value=owner, attr=name):
-            return _attribute(_thunk(owner, readers), name)
+            return _attribute(_compile(owner, readers), name)
         case ast.List(elts=items) | ast.Tuple(elts=items):
-            parts = [_thunk(item, readers) for item in items]
+            parts = [_compile(item, readers) for item in items]
             return lambda: [part() for part in parts]
         case ast.BoolOp(op=op, values=values):
-            terms = [_thunk(value, readers) for value in values]
+            terms = [_compile(value, readers) for value in values]
             if isinstance(op, ast.And):
                 return lambda: all(_truth(term()) for term in terms)
             return lambda: any(_truth(term()) for term in terms)
         case ast.UnaryOp(op=sign, operand=operand):
-            return _unary(sign, _thunk(operand, readers))
+            return _unary(sign, _compile(operand, readers))
         case ast.BinOp(left=left, op=way, right=right):
-            return _arithmetic(way, _thunk(left, readers), _thunk(right, readers))
+            return _arithmetic(way, _compile(left, readers), _compile(right, readers))
         case ast.Compare(left=left, ops=ops, comparators=others):
-            steps = [(_COMPARISONS[type(op)], _thunk(other, readers)) for op, other in zip(ops, others, strict=True)]
-            return _comparison(_thunk(left, readers), steps)
+            steps = [(_COMPARISONS[type(op)], _compile(other, readers)) for op, other in zip(ops, others, strict=True)]
+            return _comparison(_compile(left, readers), steps)
         case ast.Call(func=ast.Name(id=name), args=args):
-            function, given = _FUNCTIONS[name], [_thunk(arg, readers) for arg in args]
+            function, given = _FUNCTIONS[name], [_compile(arg, readers) for arg in args]
             return lambda: function(*(arg() for arg in given))
     raise AssertionError(f"{type(node).__name__} passed the allow-list and has no meaning")
 
 
-def _attribute(owner: Thunk, name: str) -> Thunk:
-    def value() -> Any:
+def _attribute(owner: Evaluator, name: str) -> Evaluator:
+    def value() -> object:
         found = getattr(owner(), name)
         if callable(found):
             raise TypeError(f"{name!r} is a method; an expression can't call it")
@@ -122,7 +123,7 @@ def _attribute(owner: Thunk, name: str) -> Thunk:
     return value
 
 
-def _unary(sign: ast.unaryop, operand: Thunk) -> Thunk:
+def _unary(sign: ast.unaryop, operand: Evaluator) -> Evaluator:
     if isinstance(sign, ast.Not):
         return lambda: not _truth(operand())
     if isinstance(sign, ast.USub):
@@ -130,12 +131,12 @@ def _unary(sign: ast.unaryop, operand: Thunk) -> Thunk:
     return lambda: +_number(operand(), "+")
 
 
-def _arithmetic(way: ast.operator, left: Thunk, right: Thunk) -> Thunk:
+def _arithmetic(way: ast.operator, left: Evaluator, right: Evaluator) -> Evaluator:
     sign, function = _ARITHMETIC[type(way)]
     return lambda: function(_number(left(), sign), _number(right(), sign))
 
 
-def _comparison(first: Thunk, steps: list[tuple[Callable[[Any, Any], Any], Thunk]]) -> Thunk:
+def _comparison(first: Evaluator, steps: list[tuple[Callable[..., object], Evaluator]]) -> Evaluator:
     def value() -> bool:
         left = first()
         for compare, other in steps:
@@ -148,22 +149,23 @@ def _comparison(first: Thunk, steps: list[tuple[Callable[[Any, Any], Any], Thunk
     return value
 
 
-def _number(value: Any, sign: str) -> Any:
+def _number(value: object, sign: str) -> Real:
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise TypeError(f"`{sign}` is for numbers, not for {_shown(value)}")
+        raise TypeError(f"`{sign}` needs numbers; got {_describe(value)}")
     return value
 
 
-def _is_truth(value: Any) -> bool:
-    return isinstance(value, bool) or (getattr(getattr(value, "dtype", None), "kind", "") == "b" and value.ndim == 0)
+def _is_truth(value: object) -> bool:
+    of_numpy = getattr(getattr(value, "dtype", None), "kind", "") == "b" and getattr(value, "ndim", None) == 0
+    return isinstance(value, bool) or of_numpy
 
 
-def _truth(value: Any) -> bool:
+def _truth(value: object) -> bool:
     if not _is_truth(value):
-        raise TypeError(f"a condition is true or false, not {_shown(value)}")
+        raise TypeError(f"a condition must be true or false; got {_describe(value)}")
     return bool(value)
 
 
-def _shown(value: Any) -> str:
+def _describe(value: object) -> str:
     text = repr(value)
-    return f"{text if len(text) <= 40 else text[:37] + '...'} (a {type(value).__name__})"
+    return f"{text if len(text) <= 40 else text[:37] + '...'} ({type(value).__name__})"

@@ -86,7 +86,7 @@ def _syntax(text: str) -> ast.expr:
         raise ExpressionError(text[:40] + "...", f"longer than {LONGEST} characters", LONGEST)
     for wrong, word in (("\n", "a line break"), ("\\", "a backslash"), ("#", "`#`"), ("\0", "a null character")):
         if wrong in text:
-            raise ExpressionError(text, f"{word} can't stand in an expression", text.index(wrong) + 1)
+            raise ExpressionError(text, f"expressions can't contain {word}", text.index(wrong) + 1)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

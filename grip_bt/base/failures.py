@@ -198,7 +198,7 @@ class EmptyQueueError(ExpectedError):
     code = "empty"
 
     def __init__(self, store: str):
-        super().__init__(f"store {store!r}: nothing waits in its queue", store=store)
+        super().__init__(f"store {store!r}: its queue is empty", store=store)
 
 
 class NoEntryError(ExpectedError):

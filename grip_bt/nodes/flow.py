@@ -9,7 +9,7 @@ from typing import Any
 from py_trees.common import Status
 
 from grip_bt.base.errors import DataError
-from grip_bt.base.evaluation import Thunk, value_of
+from grip_bt.base.evaluation import Evaluator, value_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.nodes.leaf import Leaf
 
@@ -35,8 +35,8 @@ class ExpressionLeaf(Leaf):
         """Return what the expression comes to now."""
         return self._value()
 
-    def _inputs(self) -> dict[str, Thunk]:
-        first: dict[str, Thunk] = {"a": lambda: self.read("a"), "b": lambda: self.read("b")}
+    def _inputs(self) -> dict[str, Evaluator]:
+        first: dict[str, Evaluator] = {"a": lambda: self.read("a"), "b": lambda: self.read("b")}
         first |= {"c": lambda: self.read("c"), "d": lambda: self.read("d"), "e": lambda: self.read("e")}
         return first | {"f": lambda: self.read("f"), "g": lambda: self.read("g"), "h": lambda: self.read("h")}
 

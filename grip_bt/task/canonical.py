@@ -81,7 +81,7 @@ def _arrange(node: YamlMapping, shape: type[BaseModel], whole: bool = False) -> 
         seconds.value.value = _shortest(seconds.value.value)
 
 
-def _says_nothing(entry: YamlEntry, defaults: dict[str, Any]) -> bool:
+def _says_nothing(entry: YamlEntry, defaults: dict[str, object]) -> bool:
     if entry.key not in defaults or entry.comments.any() or _has_comments(entry.value):
         return False
     value, default = to_data(entry.value), defaults[entry.key]
@@ -96,7 +96,7 @@ def _has_comments(value: YamlValue) -> bool:
     )
 
 
-def _shortest(number: Any) -> Any:
+def _shortest(number: object) -> object:
     if isinstance(number, float) and number.is_integer() and abs(number) < 2**53:
         return int(number)
     return number
@@ -111,9 +111,9 @@ def file_data(value: object) -> Any:
     return [file_data(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
-def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
+def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, object]:
     """Return the keys of a task or a node as they stand in a file; nodes in it are left as models."""
-    data: dict[str, Any] = {}
+    data: dict[str, object] = {}
     for name, field in type(shape).model_fields.items():
         value = getattr(shape, name)
         if name in skipped:
@@ -131,17 +131,17 @@ def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, Any]:
     return data
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Return a list of models as a list of the keys that were given; every other value as it is."""
     if not isinstance(value, list):
         return value
     return [entry.model_dump(exclude_defaults=True) if isinstance(entry, BaseModel) else entry for entry in value]
 
 
-def _variable(variable: model.Variable | str) -> Any:
+def _variable(variable: model.Variable | str) -> object:
     if isinstance(variable, str):
         return variable
-    data: dict[str, Any] = {"type": variable.type}
+    data: dict[str, object] = {"type": variable.type}
     if variable.has_value:
         data["value"] = variable.value
     if variable.doc:
@@ -149,7 +149,7 @@ def _variable(variable: model.Variable | str) -> Any:
     return data
 
 
-def lines_of(key: str, value: Any, node: bool, beside: str = "") -> list[str]:
+def lines_of(key: str, value: object, node: bool, beside: str = "") -> list[str]:
     """Return the lines of one entry in canonical order and layout, indented from column 0; nothing is left out.
 
     Args:

@@ -14,7 +14,7 @@ root maps to the outcomes of the task.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
 
@@ -74,7 +74,7 @@ class Task(WithFreeKeys):
 
     @field_validator("grip", mode="before")
     @classmethod
-    def _version_is_a_number(cls, value: Any) -> Any:
+    def _version_is_a_number(cls, value: object) -> object:
         if type(value) is not int:  # true and 1.0 equal 1
             raise ValueError(f"the version of the format is a whole number, `grip: {FORMAT_VERSION}`")
         return value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
 
@@ -52,7 +52,7 @@ class Variable(Shape):
 
     type: str
     """Name of a value type, a builtin, `list[T]`, `dict[str, T]`, `T | None`, a ROS type or `Any`."""
-    value: Any = None
+    value: object = None
     """Initial value; a literal. Absent means that the variable must be written before it is read."""
     doc: str = ""
 

@@ -6,7 +6,6 @@ The keys of a file are the fields of the models (by their aliases), plus free ke
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -156,7 +155,7 @@ def _wrong_variables(node: YamlMapping) -> Iterator[Diagnostic]:
 _TITLE = "GRIP task, format 1"
 
 
-def schema() -> dict[str, Any]:
+def schema() -> dict[str, object]:
     """Return the JSON Schema (draft 2020-12) of a task file; free keys are `x-*` in a task and in a node."""
     made = Task.model_json_schema(by_alias=True)
     shapes = [made, *(s for s in made.get("$defs", {}).values() if "*" in s.get("properties", {}))]

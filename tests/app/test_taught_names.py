@@ -42,10 +42,10 @@ def said(tmp_path):
 @pytest.mark.parametrize(
     ("teach", "use", "message"),
     [
-        (TEACH, MOVE, "nothing was taught to right as 'above' yet; tasks/learn.yaml teaches it"),
-        (TEACH, GO, "nothing was taught to right as 'above' yet; tasks/learn.yaml teaches it"),
-        (TEACH_POSE, GO, "nothing was taught to right as 'above' yet; tasks/learn.yaml teaches it"),
-        (TEACH_HAND, PINCH, "nothing was taught to right_hand as 'pinch' yet; tasks/learn.yaml teaches it"),
+        (TEACH, MOVE, "'above' hasn't been taught to right yet; tasks/learn.yaml teaches it"),
+        (TEACH, GO, "'above' hasn't been taught to right yet; tasks/learn.yaml teaches it"),
+        (TEACH_POSE, GO, "'above' hasn't been taught to right yet; tasks/learn.yaml teaches it"),
+        (TEACH_HAND, PINCH, "'pinch' hasn't been taught to right_hand yet; tasks/learn.yaml teaches it"),
     ],
 )
 def test_a_name_that_another_task_teaches_is_told_with_that_task(said, tmp_path, teach, use, message):

@@ -97,7 +97,7 @@ def test_any_message_is_queued_and_taken_in_order(ask, tmp_path, monkeypatch):
     assert ask("take", "words")[1] == "data: two\n"
     status, _, error = ask("take", "words")
     assert status != 0
-    assert "nothing waits in its queue" in error
+    assert "its queue is empty" in error
 
 
 def test_the_next_message_of_a_topic_is_added_with_its_header(ask, served):

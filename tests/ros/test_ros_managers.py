@@ -124,7 +124,7 @@ def test_a_queue_gives_first_what_came_first_and_each_once(messages):
     for i in range(4):
         ended(messages.put("poses", "", Pose([i, 0, 0])))
     assert [ended(messages.get("poses", "")).value.position[0] for _ in range(4)] == [0, 1, 2, 3]
-    with pytest.raises(EmptyQueueError, match="nothing waits in its queue"):
+    with pytest.raises(EmptyQueueError, match="its queue is empty"):
         ended(messages.get("poses", ""))
 
 

@@ -101,10 +101,10 @@ def test_what_isnt_in_the_language_is_refused_with_its_column_and_what_is_allowe
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("text * 1000000", "`*` is for numbers"),
-        ("text % n", "`%` is for numbers"),
-        ("yes_ + 1", "`+` is for numbers"),
-        ("n and yes_", "true or false, not 3 (a int)"),
+        ("text * 1000000", "`*` needs numbers"),
+        ("text % n", "`%` needs numbers"),
+        ("yes_ + 1", "`+` needs numbers"),
+        ("n and yes_", "true or false; got 3 (int)"),
         ("not n", "true or false"),
         ("n / 0", "division by zero"),
         ("text < n", "not supported"),

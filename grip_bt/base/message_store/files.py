@@ -15,7 +15,6 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -31,7 +30,7 @@ class _File:
     source: str
     root: YamlMapping
 
-    def error(self, value: Any, reason: str) -> DocumentError:
+    def error(self, value: YamlEntry, reason: str) -> DocumentError:
         return DocumentError(reason, self.source, value.line, value.column)
 
 
@@ -98,33 +97,33 @@ def _open(path: Path | str, text: str | None) -> _File:
         return _File(source, YamlMapping())  # a file that waits for its first entry
     tree = parse(text, source)
     if not isinstance(tree, YamlMapping):
-        raise DocumentError("a mapping from names to values is expected", source, tree.line, tree.column)
+        raise DocumentError("expected a mapping from names to values", source, tree.line, tree.column)
     return _File(source, tree)
 
 
 def _mapping(file: _File, entry: YamlEntry, name: str) -> YamlMapping:
     if not isinstance(entry.value, YamlMapping):
-        raise file.error(entry, f"{name}: a mapping is expected")
+        raise file.error(entry, f"{name}: expected a mapping")
     return entry.value
 
 
 def _text(file: _File, entry: YamlEntry) -> str:
     if not isinstance(entry.value, YamlScalar) or not isinstance(entry.value.value, str) or not entry.value.value:
-        raise file.error(entry, f"{entry.key}: the name of a frame is expected")
+        raise file.error(entry, f"{entry.key}: expected the name of a frame")
     return entry.value.value
 
 
 def _numbers(file: _File, entry: YamlEntry, what: str) -> dict[str, float]:
     parts = _mapping(file, entry, entry.key).entries
     if not parts:
-        raise file.error(entry, f"{entry.key}: {what} are expected, such as {{joint_1: 0.5}}")
+        raise file.error(entry, f"{entry.key}: expected {what}, such as {{joint_1: 0.5}}")
     return {key: _number(file, part) for key, part in parts.items()}
 
 
 def _number(file: _File, entry: YamlEntry) -> float:
     value = entry.value.value if isinstance(entry.value, YamlScalar) else None
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise file.error(entry, f"{entry.key}: a number is expected, not {value!r}")
+        raise file.error(entry, f"{entry.key}: expected a number, not {value!r}")
     return float(value)
 
 
@@ -195,7 +194,7 @@ def _points(
     file: _File, name: str, value: YamlValue, at: YamlEntry, states: Mapping[str, JointState]
 ) -> Iterator[tuple[JointState, float, float, YamlEntry]]:
     if not isinstance(value, YamlList) or not value.entries:
-        raise file.error(at, f"{name}: a list of way-points {{{', '.join(_POINT)}}} is expected")
+        raise file.error(at, f"{name}: expected a list of way-points {{{', '.join(_POINT)}}}")
     for item in value.entries:
         parts = _mapping(file, item, name).entries
         if set(parts) != set(_POINT):

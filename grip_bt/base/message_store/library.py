@@ -5,15 +5,17 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError, NoEntryError
 from grip_bt.base.operation import Operation
+from grip_bt.base.values import JointState
 
 from .files import read_joint_states, read_poses, read_trajectories
 from .store import Change, Entry, MessageStore
 
+T = TypeVar("T")
 STANDARD: dict[str, str] = {
     "joint_states": "JointState",
     "poses": "Pose",
@@ -43,13 +45,13 @@ class MessageLibrary:
     def __init__(self, folder: Path | str | None = None):
         self._folder = None if folder is None else Path(folder)
         self._lock = threading.RLock()
-        self._stores: dict[str, MessageStore[Any]] = {n: MessageStore(n, type_) for n, type_ in STANDARD.items()}
-        self._watchers: list[Callable[[str, Change[Any]], None]] = []
+        self._stores: dict[str, MessageStore[object]] = {n: MessageStore(n, type_) for n, type_ in STANDARD.items()}
+        self._watchers: list[Callable[[str, Change[object]], None]] = []
         for name, store in self._stores.items():
             self._connect(name, store)
         self.reset()
 
-    def store(self, name: str, make: bool = False) -> MessageStore[Any]:
+    def store(self, name: str, make: bool = False) -> MessageStore[object]:
         """Return a store.
 
         Args:
@@ -67,7 +69,7 @@ class MessageLibrary:
                 self._connect(name, self._stores[name])
             return self._stores[name]
 
-    def stores(self) -> Mapping[str, MessageStore[Any]]:
+    def stores(self) -> Mapping[str, MessageStore[object]]:
         """Return all stores by name."""
         with self._lock:
             return dict(self._stores)
@@ -86,28 +88,28 @@ class MessageLibrary:
             for entry, (value, source) in from_files.get(key, {}).items():
                 store.put(entry, value, source)
 
-    def watch(self, callback: Callable[[str, Change[Any]], None]) -> Callable[[], None]:
+    def watch(self, callback: Callable[[str, Change[object]], None]) -> Callable[[], None]:
         """Call `callback(store, change)` for each change of any store; return what ends that."""
         self._watchers.append(callback)
         return lambda: self._watchers.remove(callback) if callback in self._watchers else None
 
-    def _connect(self, name: str, store: MessageStore[Any]) -> None:
-        def tell(change: Change[Any]) -> None:
+    def _connect(self, name: str, store: MessageStore[object]) -> None:
+        def tell(change: Change[object]) -> None:
             for watcher in list(self._watchers):
                 watcher(name, change)
 
         store.watch(tell)
 
-    def _from_files(self) -> dict[str, dict[str, tuple[Any, str]]]:
+    def _from_files(self) -> dict[str, dict[str, tuple[object, str]]]:
         """Return the contents of the files: store -> name -> (value, file)."""
         if self._folder is None:
             return {}
-        found: dict[str, dict[str, tuple[Any, str]]] = {}
+        found: dict[str, dict[str, tuple[object, str]]] = {}
 
-        def add(store: str, file: Path, values: Mapping[str, Any]) -> None:
+        def add(store: str, file: Path, values: Mapping[str, object]) -> None:
             found[store] = {name: (value, str(file)) for name, value in values.items()}
 
-        states: Mapping[str, Any] = {}
+        states: Mapping[str, JointState] = {}
         if (file := self._folder / JOINT_STATES).is_file():
             states = read_joint_states(file)
             add("joint_states", file, states)
@@ -131,7 +133,7 @@ class LocalMessages:
     def __init__(self, library: MessageLibrary, saved: Callable[[], int] | None = None):
         self.library, self._save = library, saved
 
-    def put(self, store: str, name: str, value: Any, provenance: str = "") -> Operation[None]:
+    def put(self, store: str, name: str, value: object, provenance: str = "") -> Operation[None]:
         """Add or replace a value; without a name it goes to the end of the store's queue."""
 
         def work() -> None:
@@ -143,7 +145,7 @@ class LocalMessages:
 
         return _at_once(work)
 
-    def get(self, store: str, name: str) -> Operation[Entry[Any]]:
+    def get(self, store: str, name: str) -> Operation[Entry[object]]:
         """Return an entry; without a name the oldest of the store's queue, which is removed."""
         return _at_once(lambda: self.library.store(store).entry(name) if name else self.library.store(store).take())
 
@@ -162,15 +164,15 @@ class LocalMessages:
     def save(self) -> Operation[int]:
         """Keep everything for later runs; return how many entries there are."""
         if self._save is None:
-            return Operation.failed(NoEntryError("these messages are kept nowhere: they belong to no project"))
+            return Operation.failed(NoEntryError("messages can't be saved outside of a project"))
         return _at_once(self._save)
 
-    def watch(self, callback: Callable[[str, Change[Any]], None]) -> Callable[[], None]:
+    def watch(self, callback: Callable[[str, Change[object]], None]) -> Callable[[], None]:
         """Call `callback(store, change)` for each change, from the thread that makes it; return what ends that."""
         return self.library.watch(callback)
 
 
-def _at_once(work: Callable[[], Any]) -> Operation[Any]:
+def _at_once(work: Callable[[], T]) -> Operation[T]:
     try:
         return Operation.finished(work())
     except UnknownNameError as error:

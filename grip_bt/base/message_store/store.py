@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, Literal, TypeVar
+from typing import Generic, Literal, TypeVar
 
 from grip_bt.base.errors import GripError, UnknownNameError, WrongTypeError
 from grip_bt.base.failures import EmptyQueueError
@@ -218,7 +218,7 @@ class MessageStore(Generic[T]):
     def _made(self, name: str, value: T, provenance: str, at: float | None) -> Entry[T]:
         return Entry(name, value, time.time() if at is None else at, provenance, self._revision + 1)
 
-    def _tell(self, kind: ChangeKind, name: str, value: Any) -> None:
+    def _tell(self, kind: ChangeKind, name: str, value: T | None) -> None:
         self._revision += 1
         change: Change[T] = Change(kind, name, value, self._revision)
         for callback in list(self._watchers.values()):
@@ -242,7 +242,7 @@ class ArchiveError(GripError):
     """A file of kept messages can't be read."""
 
 
-def save(stores: Mapping[str, MessageStore[Any]], file: Path, encode: Callable[[Any], bytes]) -> int:
+def save(stores: Mapping[str, MessageStore[T]], file: Path, encode: Callable[[T], bytes]) -> int:
     """Write all entries and queues into a file, in place of what it held; return how many there are.
 
     Args:
@@ -276,7 +276,7 @@ def names(file: Path) -> dict[str, set[str]]:
     return found
 
 
-def load(store_of: Callable[[str], MessageStore[Any]], file: Path, decode: Callable[[bytes], Any]) -> int:
+def load(store_of: Callable[[str], MessageStore[T]], file: Path, decode: Callable[[bytes], T]) -> int:
     """Put the entries of a file into stores, in their order; return how many there are.
 
     What a store has under the same name is replaced; queues are continued.

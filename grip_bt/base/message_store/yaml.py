@@ -22,7 +22,7 @@ EDITABLE = 2000
 _IN_FILES = ("joint_states", "poses", "robot_poses")
 
 
-def text_of(value: Any, digits: int | None = None) -> str:
+def text_of(value: object, digits: int | None = None) -> str:
     """Return a joint state, a pose, a robot pose or a message as YAML; empty for what isn't changed by hand.
 
     Args:
@@ -31,7 +31,7 @@ def text_of(value: Any, digits: int | None = None) -> str:
     """
     match value:
         case JointState():
-            data: Any = _numbers(value.names, value.position, digits)
+            data: object = _numbers(value.names, value.position, digits)
         case Pose():
             data = {"reference_frame": value.frame, **_pose(value, digits)}
         case dict() if value and all(isinstance(part, Pose) for part in value.values()):
@@ -45,7 +45,7 @@ def text_of(value: Any, digits: int | None = None) -> str:
     return str(yaml.safe_dump(data, sort_keys=False, allow_unicode=True))
 
 
-def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] | None = None) -> Any:
+def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] | None = None) -> object:
     """Return what a text says.
 
     Args:
@@ -61,7 +61,7 @@ def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] 
     if store == "trajectories" and isinstance(data, list):
         return _read(lambda source, text: read_trajectories(source, states or {}, text), name, text)
     if not isinstance(data, dict) or not data:
-        raise DocumentError("a mapping is expected, such as `joint_1: 0.5` or a message's fields", name, 1, 1)
+        raise DocumentError("expected a mapping, such as `joint_1: 0.5` or a message's fields", name, 1, 1)
     if store not in _IN_FILES:
         return data
     if store == "joint_states":
@@ -69,13 +69,13 @@ def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] 
     try:
         return _read(lambda source, text: read_poses(source, text)[store == "robot_poses"], name, text)
     except KeyError:
-        wanted = "one pose is expected, with position and orientation"
+        wanted = "expected one pose, with position and orientation"
         if store == "robot_poses":
-            wanted = "the poses of end effectors are expected, each with position and orientation"
+            wanted = "expected the poses of end effectors, each with position and orientation"
         raise GripError(f"{name}: {wanted}") from None
 
 
-def _read(read: Callable[[str, str], Mapping[str, Any]], name: str, text: str) -> Any:
+def _read(read: Callable[[str, str], Mapping[str, object]], name: str, text: str) -> object:
     """Read a text as what a file of a project holds under one name."""
     lines = "".join(f"  {line}\n" for line in text.splitlines())
     try:
@@ -86,17 +86,17 @@ def _read(read: Callable[[str, str], Mapping[str, Any]], name: str, text: str) -
         raise DocumentError(error.message.replace("value: ", ""), name, line, column) from None
 
 
-def fields_of(message: Any) -> tuple[str, ...] | None:
+def fields_of(message: object) -> tuple[str, ...] | None:
     """Return the names of a ROS message's fields, None for what is no message."""
     asked = getattr(message, "get_fields_and_field_types", None)
     return None if asked is None else tuple(asked())
 
 
-def plain_of(message: Any) -> Any:
+def plain_of(message: object) -> object:
     """Return a message as mappings, lists and plain values, or None when that is too much to be changed by hand."""
     count = 0
 
-    def plain(part: Any) -> Any:
+    def plain(part: Any) -> object:
         nonlocal count
         if (names := fields_of(part)) is not None:
             return {name: plain(getattr(part, name)) for name in names}
@@ -120,13 +120,13 @@ def plain_of(message: Any) -> Any:
         return None
 
 
-def _pose(pose: Pose, digits: int | None) -> dict[str, Any]:
+def _pose(pose: Pose, digits: int | None) -> dict[str, object]:
     return {
         "position": _numbers("xyz", pose.position, digits),
         "orientation": _numbers("xyzw", np.roll(pose.quaternion, -1), digits),
     }
 
 
-def _numbers(names: Iterable[str], values: Any, digits: int | None) -> dict[str, float]:
+def _numbers(names: Iterable[str], values: object, digits: int | None) -> dict[str, float]:
     rows = zip(names, np.asarray(values), strict=True)
     return {str(name): float(number) if digits is None else round(float(number), digits) for name, number in rows}

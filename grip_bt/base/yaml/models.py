@@ -112,7 +112,7 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
         nodes = [path[-1]] if path[-1:] and path[-1] in _KEYS_OF_NODES else []
         such = f", such as `{nodes[0]}: {{first: {{node: flow/succeed}}}}`" if nodes else ""
         words += nodes
-        message = f"a mapping is wanted, with a name for each entry{such}, not {_kind_of(error['input'])}"
+        message = f"expected a mapping with a name for each entry{such}, not {_kind_of(error['input'])}"
     elif error["type"] in ("too_long", "too_short"):
         message = f"{path[-1]!r} takes {_amount(error)}, not {error['ctx']['actual_length']}"
     elif not isinstance(error["input"], dict | list) and repr(error["input"]) not in message:

@@ -9,9 +9,8 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from typing import Any
 
-WORDS: Mapping[str, Any] = {
+WORDS: Mapping[str, object] = {
     "": None,
     "~": None,
     **dict.fromkeys(("null", "Null", "NULL"), None),
@@ -29,7 +28,7 @@ _PLAIN_START = re.compile(r"[A-Za-z0-9_/.+(]|[^\W\d_]")
 _UNPRINTABLE = re.compile("[^\t\n -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
 
 
-def read_plain(text: str) -> Any:
+def read_plain(text: str) -> object:
     """Return the value of an unquoted scalar: None, a bool, an int, a float or the text itself.
 
     Raises:
@@ -55,7 +54,7 @@ def read_plain(text: str) -> Any:
     return number
 
 
-def write_scalar(value: Any, flow: bool) -> str:
+def write_scalar(value: object, flow: bool) -> str:
     """Return a value on one line.
 
     Args:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal, cast
 
 from pydantic import Field, StringConstraints, field_validator, model_validator
 
@@ -52,7 +52,7 @@ class ComponentFile(Settings):
     """What an outcome means; `success` where nothing is said."""
     ports: FrozenDict[Identifier, PortType] = FrozenDict()
     """Types of the fields as values; a field that isn't named here keeps its message type."""
-    fixed: FrozenDict[Identifier, Any] = FrozenDict()
+    fixed: FrozenDict[Identifier, object] = FrozenDict()
     """Fields of the request that are always sent with one value, and are no ports."""
     start: Start | None = None
     timeouts: Timeouts = Timeouts()
@@ -63,12 +63,11 @@ class ComponentFile(Settings):
     @property
     def kind(self) -> Kind:
         """What it is: a service (`srv`), an `action` or a topic (`msg`)."""
-        kind: Any = self.interface.split("/")[1]
-        return kind  # type: ignore[no-any-return]
+        return cast(Kind, self.interface.split("/")[1])
 
     @model_validator(mode="before")
     @classmethod
-    def _outcomes_by_rule(cls, data: Any) -> Any:
+    def _outcomes_by_rule(cls, data: object) -> object:
         if not isinstance(data, dict):
             return data
         given = data.get("outcomes")
@@ -81,7 +80,7 @@ class ComponentFile(Settings):
 
     @field_validator("outcomes", mode="before")
     @classmethod
-    def _number_of_outcomes(cls, value: Any) -> Any:
+    def _number_of_outcomes(cls, value: object) -> object:
         if isinstance(value, int) and not isinstance(value, bool):
             return tuple(f"outcome_{i}" for i in range(value))
         if isinstance(value, str):
@@ -94,7 +93,7 @@ class ComponentFile(Settings):
 
     @field_validator("ports", mode="before")
     @classmethod
-    def _short_ports(cls, value: Any) -> Any:
+    def _short_ports(cls, value: object) -> object:
         if isinstance(value, dict):
             return {k: {"type": v} if isinstance(v, str) else v for k, v in value.items()}
         return value
@@ -152,7 +151,7 @@ class ComponentFile(Settings):
         return found
 
 
-def _numbered(outcomes: dict[Any, Any]) -> bool:
+def _numbered(outcomes: dict[object, object]) -> bool:
     """Tell whether somebody wrote `{found: 0, none: 1}`."""
     return bool(outcomes) and all(isinstance(n, int) and not isinstance(n, bool) for n in outcomes.values())
 

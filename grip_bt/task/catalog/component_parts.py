@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints, field_validator, model_validator
 
@@ -68,7 +68,7 @@ class Start(Settings):
 
     @field_validator("command", mode="before")
     @classmethod
-    def _is_a_list_of_words(cls, value: Any) -> Any:
+    def _is_a_list_of_words(cls, value: object) -> object:
         if isinstance(value, str):
             words = ", ".join(f'"{word}"' if "{" in word else word for word in value.split())
             raise ValueError(f"expected a list: write [{words}], not {value!r}")

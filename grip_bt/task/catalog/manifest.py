@@ -43,7 +43,7 @@ class Parameter(_ManifestPart):
 
     type: TypeName
     doc: str = ""
-    default: Any = None
+    default: object = None
     names: Names | None = None
     """What of the project it names, so that names that aren't there are told before a run."""
 

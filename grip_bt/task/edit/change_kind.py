@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import ClassVar, Literal
+
+from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
@@ -28,11 +30,13 @@ class ChangeKind(BaseCommand):
     do: Literal["change_kind"] = "change_kind"
     path: str
     kind: str
-    fields: FrozenDict[str, Any] = FrozenDict()
+    fields: FrozenDict[str, object] = FrozenDict()
 
+    @override
     def in_words(self) -> str:
         return f"change {said(self.path)} to {kind_in_words(self.kind)}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         node = editing.node(self.path)
         expect_kind(self.path, self.kind)
@@ -62,6 +66,7 @@ class _TakesCatalog(BaseCommand):
 
     path: str
 
+    @override
     def plan(self, editing: Editing) -> None:
         name = "extracted" if isinstance(self, Extract) else "expanded"
         what = "a conversion needs" if isinstance(self, Convert) else f"{type(self).__name__.lower()} needs"
@@ -83,6 +88,7 @@ class Convert(_TakesCatalog):
     approximate: bool = False
     """Of `sm`: reactive composites too, which then aren't the same."""
 
+    @override
     def in_words(self) -> str:
         return f"convert {said(self.path)} to {'composites' if self.to == 'bt' else 'state machines'}"
 
@@ -95,14 +101,12 @@ class Extract(_TakesCatalog):
     """
 
     do: Literal["extract"] = "extract"
+    words: ClassVar[str] = "extract {path} to {file}"
     path: str
     file: str
     """The new file, relative to the project's folder, such as `tasks/fetch.yaml`."""
     approximate: bool = False
     """Also where somebody can tell that values go in and out at once: what may be halted, or has others beside it."""
-
-    def in_words(self) -> str:
-        return f"extract {said(self.path)} to {self.file}"
 
 
 class Inline(_TakesCatalog):
@@ -113,12 +117,10 @@ class Inline(_TakesCatalog):
     """
 
     do: Literal["inline"] = "inline"
+    words: ClassVar[str] = "inline {path}"
     path: str
     approximate: bool = False
     """As in `extract`."""
-
-    def in_words(self) -> str:
-        return f"inline {said(self.path)}"
 
 
 def expect_kind(path: str, kind: str) -> None:

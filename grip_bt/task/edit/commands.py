@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, Discriminator, TypeAdapter
+from typing_extensions import override
 
 from grip_bt.task.edit.editing import BaseCommand
 
@@ -33,6 +34,7 @@ class Group(BaseCommand):
     title: str = ""
     commands: tuple[Annotated[AnyCommand, Discriminator("do")], ...]
 
+    @override
     def in_words(self) -> str:
         if self.title or not self.commands:
             return self.title or "change nothing"
@@ -68,9 +70,11 @@ class Patch(BaseCommand):
     steps: tuple[Step, ...]
     restore: Restore | None = None
 
+    @override
     def in_words(self) -> str:
         return self.title or "revert an edit"
 
+    @override
     def plan(self, editing: Editing) -> None:
         for step in self.steps:
             editing.take(step)
@@ -89,7 +93,7 @@ def _adapter() -> TypeAdapter[AnyCommand]:
     return TypeAdapter(Command)
 
 
-def command_of(data: Any) -> AnyCommand:
+def command_of(data: object) -> AnyCommand:
     """Return the command that JSON-like data describes.
 
     Raises:

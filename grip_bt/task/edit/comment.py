@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Literal
 
+from typing_extensions import override
+
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
 from grip_bt.task.edit.editing import BaseCommand, said
@@ -188,9 +190,11 @@ class Comment(BaseCommand):
     text: str
     """Its lines without `#`; empty for none."""
 
+    @override
     def in_words(self) -> str:
         return f"comment on {said(self.path)}" if self.text.strip() else f"no comment on {said(self.path)}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         place: Place = editing.place(self.path) or (HEAD,)
         lines_of_comment(self.path, self.text)

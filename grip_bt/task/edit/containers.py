@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from collections.abc import Mapping
+from typing import ClassVar, Literal
 
 from pydantic import Field
+from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
@@ -33,12 +35,14 @@ class Wrap(BaseCommand):
     kind: str
     name: Name
     """Name of the container; of the child where the root is wrapped, since the root has none."""
-    fields: FrozenDict[str, Any] = FrozenDict()
+    fields: FrozenDict[str, object] = FrozenDict()
     """Keys of the container that it needs or that differ from defaults: `{times: 3}`."""
 
+    @override
     def in_words(self) -> str:
         return f"wrap {_several(self.paths)} in {kind_in_words(self.kind)}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         expect_kind(self.paths[0], self.kind)
         if not holds_nodes_of_kind(self.kind):
@@ -66,11 +70,10 @@ class Unwrap(BaseCommand):
     """A container goes and its children take its place."""
 
     do: Literal["unwrap"] = "unwrap"
+    words: ClassVar[str] = "unwrap {path}"
     path: str
 
-    def in_words(self) -> str:
-        return f"unwrap {said(self.path)}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         node = editing.container(self.path)
         names = list(children_of(node))
@@ -122,9 +125,9 @@ class _Shell:
     def machine(self) -> bool:
         return self.kind == "state_machine"
 
-    def record(self) -> dict[str, Any]:
+    def record(self) -> dict[str, object]:
         """Return the container as it stands in a file, still without children."""
-        made: dict[str, Any] = {"kind": self.kind}
+        made: dict[str, object] = {"kind": self.kind}
         if self.machine:
             made["initial"] = self.initial
             self.outcomes = self.outcomes or {label: label for label in STANDARD}  # type: ignore[misc]
@@ -240,11 +243,11 @@ def _take_exits(editing: Editing, shell: _Shell, parent: str, names: list[str]) 
             editing.set((*place, slot(container), name), "on", on)
 
 
-def _meaning(node: AnyNode, outcome: str, around: Any, target: str) -> Meaning:
+def _meaning(node: AnyNode, outcome: str, around: AnyNode | Task, target: str) -> Meaning:
     """Return what a label most likely means: as declared below, else as declared above, else by its name."""
     label = outcome.partition(".")[0]
     below = node.meaning if isinstance(node, Leaf | Subtask) else outcomes_of(node)
-    above = around.outcomes
+    above: Mapping[str, Meaning] = getattr(around, "outcomes", {})
     found = below.get(label) or above.get(target)
     return found or ("failure" if label == "failure" else "success")
 

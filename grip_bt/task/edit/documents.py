@@ -6,11 +6,10 @@ in the same history, and what lives beside a task (layout, breakpoints, a select
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from hashlib import blake2b
 from math import isfinite
-from typing import Any
 
 from pydantic import BaseModel
 
@@ -27,7 +26,7 @@ from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_reco
 from .text import Text
 
 
-def alike(one: Any, other: Any) -> bool:
+def alike(one: object, other: object) -> bool:
     """Tell whether two parts of tasks are equal: their values, the types of these, and the order of entries.
 
     `==` of Python takes 1 for True and 1.0, and doesn't look at the order of a mapping. As in JSON, in which edits are
@@ -53,25 +52,25 @@ def alike(one: Any, other: Any) -> bool:
     return bool(one == other) if kind is not float else repr(_as_json(one)) == repr(_as_json(other))
 
 
-def _as_json(value: Any) -> Any:
+def _as_json(value: object) -> object:
     return None if type(value) is float and not isfinite(value) else value
 
 
-def said_alike(one: Any, other: Any) -> bool:
+def said_alike(one: object, other: object) -> bool:
     """Tell whether two parts that are alike also say and leave out the same keys, and hold the very same numbers."""
     if one is other:
         return True
     if isinstance(one, BaseModel):
-        same = one.model_fields_set == other.model_fields_set
+        same = isinstance(other, BaseModel) and one.model_fields_set == other.model_fields_set
         return same and all(said_alike(getattr(one, name), getattr(other, name)) for name in one.model_fields_set)
-    if isinstance(one, dict):
+    if isinstance(one, dict) and isinstance(other, dict):
         return all(said_alike(value, other[key]) for key, value in one.items())
-    if isinstance(one, list | tuple):
+    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
         return all(map(said_alike, one, other))
     return type(one) is type(other) and (type(one) is not float or repr(one) == repr(other))
 
 
-def _each_alike(some: Any, others: Any) -> bool:
+def _each_alike(some: Iterable[object], others: Iterable[object]) -> bool:
     for one, other in zip(some, others, strict=True):
         if one is not other and not alike(one, other):
             return False
@@ -103,7 +102,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
     """Return a document after a command; comments, and the formatting of everything else, stay.
 
     Raises:
-        EditError: the command can't be carried out, or the text is spelled in a way that can't be changed in place;
+        EditError: the command can't be carried out, or the text is formatted in a way that can't be changed in place;
             nothing has changed.
     """
     done = apply(document.task, command)
@@ -132,7 +131,7 @@ def _read(text: str, source: str, expected: Task) -> Document:
     except DocumentError as error:
         raise EditError("", f"can't be written here ({error.message}); run `grip fmt` and edit again") from error
     if not alike(after.task, expected):
-        raise EditError("", "this spelling can't be edited in place; run `grip fmt` and edit again")
+        raise EditError("", "this formatting can't be edited in place; run `grip fmt` first")
     # The edited task shares with the one before all that the edit left alone, so that others see fast what is new.
     return replace(after, task=expected) if said_alike(after.task, expected) else after
 
@@ -171,13 +170,13 @@ def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
     return Patch(title=title, steps=steps, restore=restore)
 
 
-def _data(document: Document) -> dict[str, Any]:
+def _data(document: Document) -> dict[str, object]:
     found = file_data(data_of(document.task))
     assert isinstance(found, dict)
     return found
 
 
-def differences(old: dict[str, Any], new: dict[str, Any], at: Place = ()) -> Iterator[Step]:
+def differences(old: dict[str, object], new: dict[str, object], at: Place = ()) -> Iterator[Step]:
     """Yield steps that make one mapping of a file, at a place, into another one."""
     if is_record(at):
         yield from _of_record(old, new, at)
@@ -191,7 +190,7 @@ def differences(old: dict[str, Any], new: dict[str, Any], at: Place = ()) -> Ite
             yield Assign(at=at, key=key, value=value)
 
 
-def _of_record(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[Step]:
+def _of_record(old: dict[str, object], new: dict[str, object], at: Place) -> Iterator[Step]:
     """Drop and put the keys of a record; the order of free keys counts, so that they go and come when it changes."""
     free = [key for key in old if key.startswith(FREE_PREFIX)], [key for key in new if key.startswith(FREE_PREFIX)]
     again = free[0] if free[0] != free[1] else []
@@ -204,7 +203,7 @@ def _of_record(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[
             yield Put(at=at, key=key, value=value)
 
 
-def _of_list(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[Step]:
+def _of_list(old: dict[str, object], new: dict[str, object], at: Place) -> Iterator[Step]:
     """Make the keys of a list by name those of another one, in its order."""
     if at and at[-1] in CHILDREN:
         yield from _renamed(old, new, at)
@@ -223,7 +222,7 @@ def _of_list(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[St
             yield Shift(at=at, key=key, to=at, index=index)
 
 
-def _renamed(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[Step]:
+def _renamed(old: dict[str, object], new: dict[str, object], at: Place) -> Iterator[Step]:
     """Rename children whose name is all that has changed."""
     fresh = [key for key in new if key not in old]
     for gone in [key for key in old if key not in new]:
@@ -236,13 +235,13 @@ def _renamed(old: dict[str, Any], new: dict[str, Any], at: Place) -> Iterator[St
             yield Rekey(at=at, key=gone, to=match)
 
 
-def same_data(one: Any, other: Any) -> bool:
+def same_data(one: object, other: object) -> bool:
     """Tell whether two values stand for the same in a file: 1, 1.0 and true are three things, and order counts."""
     if type(one) is not type(other):
         return False
-    if isinstance(one, dict):
+    if isinstance(one, dict) and isinstance(other, dict):
         return list(one) == list(other) and all(same_data(value, other[key]) for key, value in one.items())
-    if isinstance(one, list):
+    if isinstance(one, list) and isinstance(other, list):
         return len(one) == len(other) and all(same_data(a, b) for a, b in zip(one, other, strict=True))
     return bool(one == other or (one != one and other != other))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
@@ -30,7 +30,7 @@ class Editing:
         self.back.insert(0, self.draft.apply(step))
         self.steps.append(step)
 
-    def put(self, at: Place, key: str, value: Any, index: int | None = None) -> None:
+    def put(self, at: Place, key: str, value: object, index: int | None = None) -> None:
         """Add an entry; an index beyond the last is the end."""
         self.take(Put(at=at, key=key, value=value, index=index))
 
@@ -47,7 +47,7 @@ class Editing:
         """Move an entry."""
         self.take(Shift(at=at, key=key, to=to, index=index))
 
-    def set(self, at: Place, key: str, value: Any) -> None:
+    def set(self, at: Place, key: str, value: object) -> None:
         """Give an entry a value, whether or not it is there."""
         inside = self.draft.mapping(at)
         if key not in inside:
@@ -55,7 +55,7 @@ class Editing:
         elif isinstance(value, dict | list) or type(inside[key]) is not type(value) or inside[key] != value:
             self.take(Assign(at=at, key=key, value=value))
 
-    def set_in(self, at: Place, field: str, key: str, value: Any) -> None:
+    def set_in(self, at: Place, field: str, key: str, value: object) -> None:
         """Give an entry of a field that is a mapping a value, and the record at `at` the field where it has none."""
         if field in self.draft.mapping(at):
             self.set((*at, field), key, value)
@@ -179,15 +179,22 @@ def expect_others(container: AnyNode, path: str) -> None:
         raise EditError(path, f"a {kind} needs a child; remove or unwrap the {kind} instead")
 
 
+_PATHS = ("path", "parent")
+"""Fields of commands that hold a node's path."""
+
+
 class BaseCommand(BaseModel):
     """An edit of a task, as a value: the same in Python, on the wire and in a history."""
 
     # built on first use: whoever only runs tasks needs none of it
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
+    words: ClassVar[str] = ""
+    """What it does in a few words, with its fields in braces."""
+
     def in_words(self) -> str:
         """Return the command in a few words, such as `rename look to see`."""
-        raise NotImplementedError
+        return self.words.format_map({key: said(value) if key in _PATHS else value for key, value in self})
 
     def plan(self, editing: Editing) -> None:
         """Take the steps of which the command consists.

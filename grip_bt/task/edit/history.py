@@ -151,7 +151,7 @@ class History:
         """
         if number not in self._moments:
             forgotten = " any more" if 0 <= number < self._next else ""
-            raise EditError("", f"there is no moment {number}{forgotten}; the last is {max(self._moments)}")
+            raise EditError("", f"there is no revision {number}{forgotten}; the last is {max(self._moments)}")
         up = self._line(self._at)
         down = []
         at: int = number

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
+from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.task.edit.editing import BaseCommand, said
@@ -38,13 +39,15 @@ class Set(BaseCommand):
     do: Literal["set"] = "set"
     path: str
     key: tuple[str, ...] = Field(min_length=1)
-    value: Any
+    value: object
 
+    @override
     def in_words(self) -> str:
         if self.key[0] in _PORTS and len(self.key) == 2:
             return f"{self.key[1]} of {said(self.path)} {_PORTS[self.key[0]]} {self.value}"
         return f"set {_key(self.path, self.key)}{_value(self.value)}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         place, *inner = _keys(editing, self.path, self.key)
         *above, last = inner
@@ -66,11 +69,13 @@ class Unset(BaseCommand):
     path: str
     key: tuple[str, ...] = Field(min_length=1)
 
+    @override
     def in_words(self) -> str:
         if self.key[0] in _PORTS and len(self.key) == 2:
             return f"{self.key[1]} of {said(self.path)} {_PORTS[self.key[0]]} no variable"
         return f"unset {_key(self.path, self.key)}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         place, *inner = _keys(editing, self.path, self.key)
         *above, last = inner
@@ -92,19 +97,18 @@ class Connect(BaseCommand):
     """
 
     do: Literal["connect"] = "connect"
+    words: ClassVar[str] = "connect {outcome} of {path} to {target}"
     path: str
     outcome: str
     """An outcome, or `outcome.code`."""
     target: str
 
-    def in_words(self) -> str:
-        return f"connect {self.outcome} of {said(self.path)} to {self.target}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         record, field, key = _edge(editing, self.path, self.outcome)
         allowed = _targets(editing, self.path)
         if self.target not in allowed:
-            message = f"can't lead to {self.target!r}{nearest(self.target, allowed)} (it may lead to: "
+            message = f"can't lead to {self.target!r}{nearest(self.target, allowed)} (available: "
             hint = "" if field == "on" else "; edges between siblings need a state_machine: `change_kind`"
             raise EditError(self.path, f"{message}{listing(allowed)}){hint}")
         editing.set_in(record, field, key, self.target)
@@ -114,18 +118,17 @@ class Disconnect(BaseCommand):
     """An outcome of a node leads nowhere any more."""
 
     do: Literal["disconnect"] = "disconnect"
+    words: ClassVar[str] = "disconnect {outcome} of {path}"
     path: str
     outcome: str
 
-    def in_words(self) -> str:
-        return f"disconnect {self.outcome} of {said(self.path)}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         record, field, key = _edge(editing, self.path, self.outcome)
         there = editing.entries(record, field)
         if key not in there:
             ends = [k.removeprefix(f"{self.path.rpartition('/')[2]}.") for k in there]
-            raise EditError(self.path, f"{self.outcome!r} leads nowhere (what does: {listing(ends)})")
+            raise EditError(self.path, f"{self.outcome!r} isn't connected (connected: {listing(ends)})")
         editing.drop_in(record, field, key)
 
 
@@ -137,9 +140,11 @@ class SetMeaning(BaseCommand):
     outcome: str
     meaning: Meaning | None
 
+    @override
     def in_words(self) -> str:
         return f"{self.outcome} of {said(self.path)} means {self.meaning or 'what its manifest says'}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         place = editing.place(self.path)
         holder = editing.task if self.path == "" else editing.node(self.path)
@@ -164,7 +169,7 @@ def _key(path: str, key: tuple[str, ...]) -> str:
     return f"{_IN_WORDS.get(key, '/'.join(key))} of {said(path)}"
 
 
-def _value(value: Any) -> str:
+def _value(value: object) -> str:
     """Return a short value in words; empty for one that is no word."""
     if isinstance(value, bool):
         return " to yes" if value else " to no"

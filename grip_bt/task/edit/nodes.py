@@ -6,9 +6,10 @@ machine.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
+from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
@@ -25,16 +26,15 @@ class Add(BaseCommand):
     """A new node in a container."""
 
     do: Literal["add"] = "add"
+    words: ClassVar[str] = "add {name} to {parent}"
     parent: str
     name: Name
-    node: FrozenDict[str, Any]
+    node: FrozenDict[str, object]
     """The node as it stands in a file, with whatever is below it."""
     index: int | None = Field(default=None, ge=0)
     """Position among the children; None: after the last."""
 
-    def in_words(self) -> str:
-        return f"add {self.name} to {said(self.parent)}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         container = editing.container(self.parent)
         expect_room(container, self.parent)
@@ -50,11 +50,10 @@ class Remove(BaseCommand):
     """
 
     do: Literal["remove"] = "remove"
+    words: ClassVar[str] = "remove {path}"
     path: str
 
-    def in_words(self) -> str:
-        return f"remove {said(self.path)}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         parent, name, container = editing.parent(
             self.path, "can't be removed; remove its children, or set another root"
@@ -78,11 +77,13 @@ class Move(BaseCommand):
     name: Name | None = None
     """Another name, where the new parent has a child of the old one."""
 
+    @override
     def in_words(self) -> str:
         if (self.path.rpartition("/")[0] or "/") == self.parent:
             return f"reorder {self.path}"
         return f"move {self.path} into {said(self.parent)}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         parent, name, container = editing.parent(self.path, "can't be moved; wrap it in a container instead")
         target = editing.container(self.parent)
@@ -93,7 +94,7 @@ class Move(BaseCommand):
             editing.shift(at, name, at, self.index)
             return
         if self.parent == self.path or self.parent.startswith(f"{self.path}/"):
-            raise EditError(self.path, f"can't go into {self.parent}, which is below it")
+            raise EditError(self.path, f"can't be moved into its own descendant {self.parent}")
         expect_others(container, parent)
         expect_room(target, self.parent)
         to = self.name or name
@@ -110,12 +111,11 @@ class Rename(BaseCommand):
     """A node is called `name`; `initial`, `on` and `exits` around it follow."""
 
     do: Literal["rename"] = "rename"
+    words: ClassVar[str] = "rename {path} to {name}"
     path: str
     name: Name
 
-    def in_words(self) -> str:
-        return f"rename {said(self.path)} to {self.name}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         parent, name, container = editing.parent(self.path, "has no name; the task has one: set the task's `name`")
         if self.name == name:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import ClassVar, Literal
+
+from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
-from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.edit.editing import BaseCommand
 from grip_bt.task.model import outcomes_of
 
 from ..canonical import file_data
-from ..model import AnyNode, Leaf, Name, StateMachine, Subtask, Task
+from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task
 from .change_kind import STANDARD
 from .editing import Editing, kind_of
 from .steps import Place
@@ -24,13 +26,12 @@ class RenameOutcome(BaseCommand):
     """
 
     do: Literal["rename_outcome"] = "rename_outcome"
+    words: ClassVar[str] = "rename the outcome {outcome} of {path} to {to}"
     path: str
     outcome: str
     to: Name
 
-    def in_words(self) -> str:
-        return f"rename the outcome {self.outcome} of {said(self.path)} to {self.to}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         if self.to == self.outcome:
             _declared(editing, self)
@@ -42,8 +43,8 @@ class RenameOutcome(BaseCommand):
 
 def _declared(editing: Editing, command: RenameOutcome) -> None:
     """Refuse an outcome that isn't declared there, and a name that is taken."""
-    holder: Any = editing.task if command.path == "" else editing.node(command.path)
-    if "outcomes" not in type(holder).model_fields:
+    holder = editing.task if command.path == "" else editing.node(command.path)
+    if not isinstance(holder, Task | Kind) or "outcomes" not in type(holder).model_fields:
         raise EditError(command.path, f"the outcomes of a {kind_of(holder)} aren't its task's to rename")
     there = holder.outcomes
     if command.outcome not in there:
@@ -51,7 +52,7 @@ def _declared(editing: Editing, command: RenameOutcome) -> None:
         hint = nearest(command.outcome, there)
         message = f"{own}no outcome {command.outcome!r} is declared here{hint} (available: {listing(there)})"
         raise EditError(command.path, message)
-    every: Mapping[str, Any] = there if isinstance(holder, Task) else outcomes_of(holder)
+    every: Mapping[str, object] = there if isinstance(holder, Task) else outcomes_of(holder)
     if command.to != command.outcome and command.to in every:
         raise EditError(command.path, f"there is an outcome {command.to!r} already")
     if getattr(holder, "precondition", "") and "failure" in (command.outcome, command.to):
@@ -149,7 +150,9 @@ def _around(editing: Editing, command: RenameOutcome) -> None:
             editing.set((*place, "rules", str(number), "when"), name, new)
 
 
-def _follow_keys(editing: Editing, at: Place, entries: Mapping[str, Any], start: str, command: RenameOutcome) -> None:
+def _follow_keys(
+    editing: Editing, at: Place, entries: Mapping[str, object], start: str, command: RenameOutcome
+) -> None:
     """Rename the keys that begin with `start` and go on with the outcome, or with one of its codes."""
     for key in entries:
         if key.startswith(start):

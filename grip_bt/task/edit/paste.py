@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import count
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
+from typing_extensions import override
 
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.task.edit.editing import BaseCommand, said
@@ -26,9 +27,9 @@ class Clip(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: Name
-    node: FrozenDict[str, Any]
+    node: FrozenDict[str, object]
     """The node as it stands in a file, with whatever is below it."""
-    variables: FrozenDict[Name, Any] = FrozenDict()
+    variables: FrozenDict[Name, object] = FrozenDict()
     """The declarations of the variables that it uses and that are declared around it."""
 
 
@@ -49,9 +50,11 @@ class Paste(BaseCommand):
     variables: Literal["share", "fresh"] = "share"
     """`fresh`: its own variables, even where there are ones of their names and types."""
 
+    @override
     def in_words(self) -> str:
         return f"paste {self.name or self.clip.name} into {said(self.parent)}"
 
+    @override
     def plan(self, editing: Editing) -> None:
         parent, clip = editing.container(self.parent), self.clip
         expect_room(parent, self.parent)
@@ -65,10 +68,10 @@ class Paste(BaseCommand):
         for old, declaration in clip.variables.items():
             if names[old] not in there:
                 editing.set_in(place, "data", names[old], file_data(declaration))
-        if "on" in node:
-            kept = {k: v for k, v in node["on"].items() if v in children_of(parent) or v in _outcomes(parent)}
-            node = {k: v for k, v in node.items() if k != "on"}
-            node |= {"on": kept} if kept and isinstance(parent, StateMachine) else {}
+        on = node.pop("on", None)
+        if isinstance(on, dict) and isinstance(parent, StateMachine):
+            kept = {k: v for k, v in on.items() if v in children_of(parent) or v in _outcomes(parent)}
+            node |= {"on": kept} if kept else {}
         editing.put((*place, slot(parent)), name, node, self.index)
 
 
@@ -85,7 +88,7 @@ def clip_of(task: Task, path: str) -> Clip:
     return Clip(name=name, node=file_data(node), variables=file_data(variables))
 
 
-def _names(command: Paste, there: Mapping[str, Any]) -> dict[str, str]:
+def _names(command: Paste, there: Mapping[str, object]) -> dict[str, str]:
     """Return the name of each variable of a copy where it is put: of one that is there, or a fresh one."""
     names: dict[str, str] = {}
     taken = {*there, *command.clip.variables, *_declared_within(_parsed(command.clip).root)}
@@ -99,7 +102,7 @@ def _names(command: Paste, there: Mapping[str, Any]) -> dict[str, str]:
     return names
 
 
-def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, Any]:
+def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, object]:
     """Return the node of a copy in which variables have other names."""
     task = _parsed(clip)
     for old, new in names.items():
@@ -118,7 +121,7 @@ def _parsed(clip: Clip) -> Task:
     Raises:
         EditError: it isn't a node.
     """
-    data: dict[str, Any] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
+    data: dict[str, object] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
     editing = Editing(Task.model_validate({**data, "root": {"kind": "sequence", "children": {}}}))
     editing.put(("root", "children"), clip.name, file_data(clip.node))
     return editing.draft.task(clip.name)
@@ -150,9 +153,9 @@ def _declared_within(node: AnyNode) -> Iterator[str]:
         yield from _declared_within(child)
 
 
-def _seen_from(task: Task, path: str, itself: bool = False) -> dict[str, Any]:
+def _seen_from(task: Task, path: str, itself: bool = False) -> dict[str, object]:
     """Return name -> declaration of the variables around a node, or those that its children see."""
-    seen: dict[str, Any] = dict(task.data)
+    seen: dict[str, object] = dict(task.data)
     node, names = task.root, [] if path == "/" else path.split("/")
     for name in names:
         _declare(seen, node)
@@ -162,10 +165,10 @@ def _seen_from(task: Task, path: str, itself: bool = False) -> dict[str, Any]:
     return seen
 
 
-def _declare(seen: dict[str, Any], node: AnyNode) -> None:
+def _declare(seen: dict[str, object], node: AnyNode) -> None:
     seen.update({name: _ANY for name in declared_by(node)})
     seen.update(getattr(node, "data", {}))
 
 
-def _type(declaration: Any) -> str:
+def _type(declaration: object) -> str:
     return declaration if isinstance(declaration, str) else str(file_data(declaration)["type"])

@@ -8,7 +8,7 @@ applied to the models (`draft`) and to the text (`text`), so the two can't drift
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -30,7 +30,7 @@ class Put(_Step):
     step: Literal["put"] = "put"
     at: Place
     key: str
-    value: Any
+    value: object
     index: int | None = None
     """Position among the entries whose order counts; None: at the end."""
     source: str | None = None
@@ -60,7 +60,7 @@ class Assign(_Step):
     step: Literal["assign"] = "assign"
     at: Place
     key: str
-    value: Any
+    value: object
     source: str | None = None
     """The lines of the whole entry, as in `Put`; for one that goes back to what it was."""
 

@@ -7,7 +7,6 @@ one entry a line.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.scalars import write_scalar
@@ -270,7 +269,7 @@ class Text:
         self._splice(colon, colon, " {}")
         return source
 
-    def _put(self, at: Place, key: str, value: Any, index: int | None, source: str | None) -> None:
+    def _put(self, at: Place, key: str, value: object, index: int | None, source: str | None) -> None:
         is_node = path_of((*at, key)) is not None
         inside = self._mapping(at)
         if inside.flow and (source is None or "#" not in source):

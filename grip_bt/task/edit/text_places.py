@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, parse
 from grip_bt.base.yaml.writer import WIDTH, in_braces, write
@@ -11,7 +9,7 @@ from grip_bt.task.comments import attach_comments
 
 from .steps import Place, path_of, position_of
 
-ODD = "this text is spelled in a way that can't be changed in place; bring it into form with `grip fmt`, then edit"
+ODD = "this formatting can't be edited in place; run `grip fmt` first"
 """What is said where a text is refused."""
 
 
@@ -131,7 +129,9 @@ def without(inside: YamlMapping, entry: YamlEntry) -> _Splice:
     return _end(entries[index - 1]), _end(entry), ""
 
 
-def with_another(text: str, inside: YamlMapping, at: Place, key: str, value: Any, index: int | None) -> _Splice | None:
+def with_another(
+    text: str, inside: YamlMapping, at: Place, key: str, value: object, index: int | None
+) -> _Splice | None:
     """Return how a new entry is written into a mapping in braces; None where it is to have lines of its own."""
     if path_of((*at, key)) is not None:
         if not isinstance(value, dict) or "kind" in value or at[-1:] == ("child",) or not inside.entries:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
+from typing_extensions import override
 
 from grip_bt.base.errors import EditError, ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
-from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.edit.editing import BaseCommand
 from grip_bt.task.model import children_of, expressions_of, join
 
 from ..canonical import file_data
@@ -30,14 +31,13 @@ class Declare(BaseCommand):
     """A new variable of a container, or (with an empty path) of the task."""
 
     do: Literal["declare"] = "declare"
+    words: ClassVar[str] = "declare {name} in {path}"
     path: str
     name: Name
     variable: Variable | str
     index: int | None = Field(default=None, ge=0)
 
-    def in_words(self) -> str:
-        return f"declare {self.name} in {said(self.path)}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         holder = _holder(editing, self.path)
         if self.name in declared_by(holder):
@@ -54,12 +54,11 @@ class Undeclare(BaseCommand):
     """A variable goes; nothing may use it any more."""
 
     do: Literal["undeclare"] = "undeclare"
+    words: ClassVar[str] = "remove the variable {name} of {path}"
     path: str
     name: str
 
-    def in_words(self) -> str:
-        return f"remove the variable {self.name} of {said(self.path)}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         _declared(editing, self.path, self.name)
         users = [seer.path for seer in _users(editing, self.path, self.name)]
@@ -78,13 +77,12 @@ class RenameVariable(BaseCommand):
     """A variable is called `to`; the bindings and expressions that see it follow."""
 
     do: Literal["rename_variable"] = "rename_variable"
+    words: ClassVar[str] = "rename the variable {name} to {to}"
     path: str
     name: str
     to: Name
 
-    def in_words(self) -> str:
-        return f"rename the variable {self.name} to {self.to}"
-
+    @override
     def plan(self, editing: Editing) -> None:
         holder = _declared(editing, self.path, self.name)
         if self.to == self.name:
@@ -103,7 +101,7 @@ class RenameVariable(BaseCommand):
                 editing.set(place, key, self.to)
 
 
-def declared_by(holder: Any) -> list[str]:
+def declared_by(holder: object) -> list[str]:
     """Return the variables that a task or a node declares."""
     own = [getattr(holder, key) for key in _DECLARES if hasattr(holder, key)]
     ports = [*getattr(holder, "inputs", ()), *getattr(holder, "outputs", ())]
@@ -115,11 +113,11 @@ def used_by(node: AnyNode) -> tuple[set[str], set[str]]:
     return _Seer("", node, True, False).uses(), _Seer("", node, False, True).uses()
 
 
-def _holder(editing: Editing, path: str) -> Any:
+def _holder(editing: Editing, path: str) -> object:
     return editing.task if path == "" else editing.container(path)
 
 
-def _declared(editing: Editing, path: str, name: str) -> Any:
+def _declared(editing: Editing, path: str, name: str) -> object:
     holder = _holder(editing, path)
     there = declared_by(holder)
     if name not in there:

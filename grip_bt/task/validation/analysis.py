@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Never
 
 from grip_bt.base.errors import ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
@@ -60,7 +60,7 @@ class VariableDeclaration:
 Scope = Mapping[str, VariableDeclaration]
 
 
-_NOTHING: Mapping[str, Any] = {}
+_NOTHING: Mapping[str, Never] = {}
 _UNASKED = frozenset({"?"})
 
 

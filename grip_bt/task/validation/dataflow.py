@@ -182,13 +182,9 @@ def check_dataflow(analysis: TaskAnalysis, possible: PossibleOutcomes) -> None:
     analysis.written = _written(analysis, flow.ends)
     for (path, keys), name in flow.missing.items():
         reader = f"the port {keys[1]!r}" if keys[0] == "in" else f"`{keys[0]}`"
-        analysis.add(
-            path,
-            keys,
-            "read-before-write",
-            f"{reader} reads {name!r}, which isn't written on every path to here",
-            f"write {name!r} on every path before, or give it an initial value in `data`",
-        )
+        message = f"{reader} reads {name!r}, which isn't written on every path to here"
+        fix = f"write {name!r} on every path before, or give it an initial value in `data`"
+        analysis.add(path, keys, "read-before-write", message, fix)
 
 
 def _written(analysis: TaskAnalysis, ends: States) -> dict[str, tuple[str, ...]]:

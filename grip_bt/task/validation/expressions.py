@@ -183,21 +183,12 @@ def _types(analysis: TaskAnalysis, placed: PlacedNode, key: str, expression: Exp
 
     def note(part: ast.expr, reason: str) -> None:
         wrong.append(reason)
-        analysis.add(
-            placed.path,
-            key,
-            "wrong-expression-type",
-            f"`{expression.text}`, column {expression.column(part)}: {reason}",
-        )
+        message = f"`{expression.text}`, column {expression.column(part)}: {reason}"
+        analysis.add(placed.path, key, "wrong-expression-type", message)
 
     scope = placed.scope_of(key)
     types: dict[str, Type] = {name: scope[name].type or ANY for name in expression.names if name in scope}
     given = type_of(expression, types, note)
     if key in CONDITIONS and given.name not in ("bool", "Any") and not wrong:
-        analysis.add(
-            placed.path,
-            key,
-            "wrong-expression-type",
-            f"`{expression.text}` gives a {given}; `{key}` has to be true or false",
-            "compare it with something",
-        )
+        message = f"`{expression.text}` gives a {given}; `{key}` has to be true or false"
+        analysis.add(placed.path, key, "wrong-expression-type", message, "compare it with something")

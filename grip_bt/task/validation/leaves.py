@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from itertools import count
 from math import isfinite, isnan
-from typing import Any
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Leaf, Subtask, Switch, Variable
@@ -87,21 +86,12 @@ def _parameters(analysis: TaskAnalysis, path: str, node: Leaf, manifest: Manifes
         if name in node.with_:
             reason = check_value(parameter.type, node.with_[name])
             if reason:
-                analysis.add(
-                    path,
-                    ("with", name),
-                    "wrong-parameter-type",
-                    f"the parameter {name!r} of {manifest.id} {reason}",
-                    f"give a literal of type {parameter.type}",
-                )
+                message = f"the parameter {name!r} of {manifest.id} {reason}"
+                fix = f"give a literal of type {parameter.type}"
+                analysis.add(path, ("with", name), "wrong-parameter-type", message, fix)
         elif parameter.required:
-            analysis.add(
-                path,
-                ("with", name),
-                "missing-parameter",
-                f"{manifest.id} needs the parameter {name!r} ({parameter.type})",
-                f"give it: `with: {{{name}: ...}}`",
-            )
+            message = f"{manifest.id} needs the parameter {name!r} ({parameter.type})"
+            analysis.add(path, ("with", name), "missing-parameter", message, f"give it: `with: {{{name}: ...}}`")
 
 
 def check_subtasks(analysis: TaskAnalysis) -> None:
@@ -118,33 +108,20 @@ def check_subtasks(analysis: TaskAnalysis) -> None:
                         _literal(analysis, placed, placed.node, port, placed.manifest.inputs[port].type)
     for name in analysis.task.outputs:
         if not analysis.task_scope[name].bit & analysis.root.writes and not analysis.task_scope[name].has_value:
-            analysis.add(
-                "",
-                ("outputs", name),
-                "unwritten-output",
-                f"nothing writes the output {name!r}",
-                "bind it under `out` of the node that makes it, or remove it",
-            )
+            message = f"nothing writes the output {name!r}"
+            fix = "bind it under `out` of the node that makes it, or remove it"
+            analysis.add("", ("outputs", name), "unwritten-output", message, fix)
 
 
 def _literal(analysis: TaskAnalysis, placed: PlacedNode, node: Subtask, port: str, type_name: str) -> None:
     if port in node.in_:
-        analysis.add(
-            placed.path,
-            ("with", port),
-            "input-given-twice",
-            f"the input {port!r} is bound under `in` and has a literal under `with`",
-            "leave it in one of them",
-        )
+        message = f"the input {port!r} is bound under `in` and has a literal under `with`"
+        analysis.add(placed.path, ("with", port), "input-given-twice", message, "leave it in one of them")
     reason = check_value(type_name, node.with_[port])
     if reason:
-        analysis.add(
-            placed.path,
-            ("with", port),
-            "wrong-parameter-type",
-            f"the input {port!r} of {node.task} {reason}",
-            f"give a literal of type {type_name}",
-        )
+        message = f"the input {port!r} of {node.task} {reason}"
+        fix = f"give a literal of type {type_name}"
+        analysis.add(placed.path, ("with", port), "wrong-parameter-type", message, fix)
 
 
 Place = tuple[str | int, ...]
@@ -168,14 +145,14 @@ def check_numbers(analysis: TaskAnalysis) -> None:
             _say_of_nan(analysis, declared.owner, declared.variable.value, (declared.key, declared.name, "value"))
 
 
-def _say_of_nan(analysis: TaskAnalysis, path: str, value: Any, place: Place) -> None:
+def _say_of_nan(analysis: TaskAnalysis, path: str, value: object, place: Place) -> None:
     """Note only what is no number at all: a search for the least, for instance, begins with infinity."""
     for found, number in _strange(value, place):
         if isnan(number):
             _say(analysis, path, found, number)
 
 
-def _strange(value: Any, place: Place) -> Iterator[tuple[Place, float]]:
+def _strange(value: object, place: Place) -> Iterator[tuple[Place, float]]:
     """Yield every number within a literal that isn't finite, with its place."""
     if type(value) is float:
         if not isfinite(value):
@@ -191,9 +168,9 @@ def _strange(value: Any, place: Place) -> Iterator[tuple[Place, float]]:
 def _say(analysis: TaskAnalysis, path: str, place: Place, number: float) -> None:
     where = "/".join(map(str, place))
     if isnan(number):
-        reason = "`.nan` is no number: nothing equals it, and no motion, time or limit can be made of it"
+        reason = "`.nan` can't be used as a value here"
         analysis.add(path, place, "not-a-number", f"{where}: {reason}", "write a number, or leave it out")
         return
     word = ".inf" if number > 0 else "-.inf"
-    reason = f"`{word}` isn't finite: no place, time or force is; what has no end is `null`, or isn't said"
+    reason = f"`{word}` isn't allowed here; for no limit write `null` or leave the key out"
     analysis.add(path, place, "infinite-number", f"{where}: {reason}", "write a finite number")

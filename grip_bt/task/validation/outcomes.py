@@ -19,24 +19,15 @@ def check_outcomes(analysis: TaskAnalysis, possible: PossibleOutcomes | None) ->
     for placed in analysis.nodes:
         node = placed.node
         if node.precondition and placed.outcomes.get("failure") == "success":
-            analysis.add(
-                placed.path,
-                "precondition",
-                "contradictory-outcome",
-                "a precondition that is false ends the node with `failure`, which means success here",
-                "give the outcome that means success another name",
-            )
+            message = "a precondition that is false ends the node with `failure`, which means success here"
+            fix = "give the outcome that means success another name"
+            analysis.add(placed.path, "precondition", "contradictory-outcome", message, fix)
         if isinstance(node, StateMachine):
             _machine(analysis, placed, node)
         elif not isinstance(node, Childless):
             if not placed.children:
-                analysis.add(
-                    placed.path,
-                    "children",
-                    "empty-container",
-                    f"a {node.kind} without children does nothing",
-                    "add a child, or remove it",
-                )
+                message = f"a {node.kind} without children does nothing"
+                analysis.add(placed.path, "children", "empty-container", message, "add a child, or remove it")
             if isinstance(node, Switch):
                 _cases(analysis, placed, node)
             _reserved(analysis, placed, node.outcomes)
@@ -45,13 +36,9 @@ def check_outcomes(analysis: TaskAnalysis, possible: PossibleOutcomes | None) ->
             targets = (*node.exits.values(), *(rule.then for rule in rules))
             _unused(analysis, placed.path, node.outcomes, targets, "`exits`")
         if placed.node.on and placed.parent is not None and not placed.in_machine:
-            analysis.add(
-                placed.path,
-                "on",
-                "misplaced-on",
-                f"`on` stands only in children of a state_machine and in the root; {placed.parent.path} isn't one",
-                f"write `exits: {{{placed.name}.<outcome>: ...}}` in {placed.parent.path}, or make it a state_machine",
-            )
+            message = f"`on` stands only in children of a state_machine and in the root; {placed.parent.path} isn't one"
+            fix = f"write `exits: {{{placed.name}.<outcome>: ...}}` in {placed.parent.path}, or make it a state_machine"
+            analysis.add(placed.path, "on", "misplaced-on", message, fix)
     _root(analysis, analysis.task)
 
 
@@ -65,26 +52,16 @@ def _cases(analysis: TaskAnalysis, placed: PlacedNode, node: Switch) -> None:
     for child, literal in node.literals():
         earlier = next((name for name, other in seen if same_literal(other, literal)), None)
         if earlier is not None:
-            analysis.add(
-                placed.path,
-                ("cases", child),
-                "ambiguous-case",
-                f"{literal!r} is a case of {earlier!r} and again of {child!r}",
-                "leave it in one of them",
-            )
+            message = f"{literal!r} is a case of {earlier!r} and again of {child!r}"
+            analysis.add(placed.path, ("cases", child), "ambiguous-case", message, "leave it in one of them")
         seen.append((child, literal))
 
 
 def _reserved(analysis: TaskAnalysis, placed: PlacedNode, outcomes: Mapping[str, str]) -> None:
     for name in ("success", "failure"):
         if outcomes.get(name, name) != name:
-            analysis.add(
-                placed.path,
-                ("outcomes", name),
-                "contradictory-outcome",
-                f"the outcome {name!r} can't mean {outcomes[name]}",
-                "give it another name",
-            )
+            message = f"the outcome {name!r} can't mean {outcomes[name]}"
+            analysis.add(placed.path, ("outcomes", name), "contradictory-outcome", message, "give it another name")
 
 
 def _exits(
@@ -99,13 +76,8 @@ def _exits(
             analysis.unknown(placed.path, where, "unknown-child", message, child_name, placed.children)
         elif check_label(analysis, placed.path, where, child, label):
             if possible is not None and label.partition(".")[0] not in possible.labels(child):
-                analysis.add(
-                    placed.path,
-                    where,
-                    "impossible-outcome",
-                    f"{child_name!r} never ends with {label!r}",
-                    "remove this exit",
-                )
+                message = f"{child_name!r} never ends with {label!r}"
+                analysis.add(placed.path, where, "impossible-outcome", message, "remove this exit")
         if target not in placed.outcomes:
             unknown_target(analysis, placed.path, where, target, placed.outcomes, "outcomes of this container")
 
@@ -122,13 +94,8 @@ def check_label(analysis: TaskAnalysis, path: str, where: tuple[str | int, ...],
     elif dot and child.codes is not None and code not in child.codes:
         known = sorted(child.codes)
         hint = nearest(code, known)
-        analysis.add(
-            path,
-            where,
-            "unknown-code",
-            f"{child.name!r} never fails with {code!r}{hint} (its codes: {listing(known)})",
-            suggestion(hint, "remove it"),
-        )
+        message = f"{child.name!r} never fails with {code!r}{hint} (its codes: {listing(known)})"
+        analysis.add(path, where, "unknown-code", message, suggestion(hint, "remove it"))
     return True
 
 
@@ -153,13 +120,8 @@ def _machine_target(analysis: TaskAnalysis, placed: PlacedNode, child: PlacedNod
     sibling, outcome = target in placed.children, target in placed.outcomes
     where = ("on", label)
     if sibling and outcome:
-        analysis.add(
-            child.path,
-            where,
-            "ambiguous-target",
-            f"{target!r} is both a sibling and an outcome of {placed.path}",
-            "rename one of them",
-        )
+        message = f"{target!r} is both a sibling and an outcome of {placed.path}"
+        analysis.add(child.path, where, "ambiguous-target", message, "rename one of them")
     elif not sibling and not outcome:
         allowed = (*placed.children, *placed.outcomes)
         unknown_target(analysis, child.path, where, target, allowed, "siblings and outcomes")
@@ -170,38 +132,24 @@ def unknown_target(
 ) -> None:
     """Note a target that isn't among what is allowed."""
     hint = nearest(target, allowed)
-    analysis.add(
-        path,
-        where,
-        "unknown-target",
-        f"{where[-1]!r} leads to {target!r}, which isn't there{hint} ({kind}: {listing(allowed)})",
-        suggestion(hint, ""),
-    )
+    message = f"{where[-1]!r} leads to {target!r}, which isn't there{hint} ({kind}: {listing(allowed)})"
+    analysis.add(path, where, "unknown-target", message, suggestion(hint, ""))
 
 
 def _uncovered(analysis: TaskAnalysis, child: PlacedNode, outcome: str) -> None:
     codes = [key for key in child.node.on if key.startswith(f"{outcome}.")]
     only = f"; {listing(codes)} covers only failures with that code" if codes else ""
-    analysis.add(
-        child.path,
-        ("on", outcome),
-        "missing-target",
-        f"it may end with {outcome!r}, which leads nowhere{only}",
-        f"add `{outcome}: <sibling or outcome>` to its `on`",
-    )
+    message = f"its outcome {outcome!r} isn't connected{only}"
+    fix = f"add `{outcome}: <sibling or outcome>` to its `on`"
+    analysis.add(child.path, ("on", outcome), "missing-target", message, fix)
 
 
 def _unused(analysis: TaskAnalysis, path: str, outcomes: Iterable[str], targets: Iterable[str], where: str) -> None:
     used = set(targets)
     for outcome in outcomes:
         if outcome not in used and not (outcome in ("success", "failure") and where == "`exits`"):
-            analysis.add(
-                path,
-                ("outcomes", outcome),
-                "unused-outcome",
-                f"nothing leads to the outcome {outcome!r}",
-                f"lead to it in {where}, or remove it",
-            )
+            message = f"outcome {outcome!r} is never used"
+            analysis.add(path, ("outcomes", outcome), "unused-outcome", message, f"lead to it in {where}, or remove it")
 
 
 def _root(analysis: TaskAnalysis, task: Task) -> None:
@@ -212,13 +160,9 @@ def _root(analysis: TaskAnalysis, task: Task) -> None:
             unknown_target(analysis, "/", ("on", label), target, task.outcomes, "outcomes of the task")
     for outcome, meaning in root.outcomes.items():
         if outcome not in task.root.on and default_outcome(task, outcome, meaning) is None:
-            analysis.add(
-                "/",
-                ("on", outcome),
-                "missing-target",
-                f"the root may end with {outcome!r}, which leads to no outcome of the task",
-                f"add `{outcome}: <one of {listing(task.outcomes)}>` to the root's `on`",
-            )
+            message = f"the root may end with {outcome!r}, which leads to no outcome of the task"
+            fix = f"add `{outcome}: <one of {listing(task.outcomes)}>` to the root's `on`"
+            analysis.add("/", ("on", outcome), "missing-target", message, fix)
     _unused(analysis, "", task.outcomes, _root_targets(task, root), "`on` of the root")
 
 
@@ -238,7 +182,7 @@ def check_reach(analysis: TaskAnalysis, possible: PossibleOutcomes) -> None:
         how = (
             "no `on` leads to it"
             if isinstance(placed.parent.node, StateMachine)
-            else "the children before it never let it have its turn"
+            else "an earlier child always ends its container first"
         )
         analysis.add(placed.path, None, "unreachable-node", f"it is never reached: {how}", "lead to it, or remove it")
     for placed in analysis.containers:
@@ -254,21 +198,11 @@ def _ends(analysis: TaskAnalysis, placed: PlacedNode, node: StateMachine, possib
             back.setdefault(target, []).append(source)
     ending = {name for outcome in node.outcomes for name in reachable(outcome, back)}
     if node.initial not in ending:
-        analysis.add(
-            placed.path,
-            "outcomes",
-            "endless-machine",
-            "it can't end: no path from `initial` leads to one of its outcomes",
-            "let `on` of a child lead to an outcome",
-        )
+        message = "it can't end: no path from `initial` leads to one of its outcomes"
+        analysis.add(placed.path, "outcomes", "endless-machine", message, "let `on` of a child lead to an outcome")
         return
     reached = reachable(node.initial, edges)
     for name, child in placed.children.items():
         if name in reached and name not in ending and edges[name]:
-            analysis.add(
-                child.path,
-                "on",
-                "dead-end",
-                f"once it is reached, {placed.path} can't end any more",
-                "let a path from here lead to an outcome",
-            )
+            message = f"{placed.path} can't end once it is reached"
+            analysis.add(child.path, "on", "dead-end", message, "let a path from here lead to an outcome")

@@ -163,13 +163,9 @@ def check_messages(analysis: TaskAnalysis) -> None:
             there = names.get(store, ())
             hint = nearest(name, there)
             known_ones = f" (available: {listing(there)})" if there else ""
-            analysis.add(
-                placed.path,
-                ("with", "name"),
-                "unknown-message",
-                f"nothing is called {name!r} in the store {store!r}{hint}{known_ones}",
-                suggestion(hint, f"add it to the project's messages, or put it first: `node: {PUT}`"),
-            )
+            message = f"store {store!r} has no message {name!r}{hint}{known_ones}"
+            fix = suggestion(hint, f"add it to the project's messages, or put it first: `node: {PUT}`")
+            analysis.add(placed.path, ("with", "name"), "unknown-message", message, fix)
 
 
 def known_messages(analysis: TaskAnalysis) -> dict[str, set[str]] | None:
@@ -212,7 +208,7 @@ def not_listed(where: str, listed: tuple[str, ...]) -> Problem:
     """Return that a task may not import `package.module:Name`, since it isn't what its project lists."""
     hint = nearest(where, listed) or nearest(where.partition(":")[0], listed)
     there = f" (it lists: {listing(listed)})" if listed else ""
-    said = f"{where!r} is no code that the project lets its tasks import{hint}{there}"
+    said = f"{where!r} isn't in the project's `code:` list{hint}{there}"
     otherwise = f"if you trust it, list it in grip.yaml: `code: [{where!r}]`"
     return Problem("unlisted-code", said, suggestion(hint, otherwise))
 

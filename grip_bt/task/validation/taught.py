@@ -81,7 +81,7 @@ class TaughtNames:
         files = [file for file, pose in found.items() if not (pose and kind == "state")]
         if files:
             verb = "teaches" if len(files) == 1 else "teach"
-            said = f"nothing was taught to {part} as {name!r} yet; {listing(files)} {verb} it"
+            said = f"{name!r} hasn't been taught to {part} yet; {listing(files)} {verb} it"
             return Problem(NOT_YET, said, f"run {files[0]} first")
         if found:
             said = f"{name!r} is taught as a pose, by {listing(found)}, and is no named state"

@@ -34,13 +34,9 @@ def check_variables(analysis: TaskAnalysis) -> None:
     for declared in analysis.declared:
         if not declared.bit & read and not (declared.owner == "" and declared.name in analysis.task.outputs):
             what = "written but never read" if declared.bit & written else "never used"
-            analysis.add(
-                declared.owner,
-                (declared.key, declared.name),
-                "never-read",
-                f"the {'input' if declared.key == 'inputs' else 'variable'} {declared.name!r} is {what}",
-                "remove it, or bind it under `in` of the node that needs it",
-            )
+            message = f"the {'input' if declared.key == 'inputs' else 'variable'} {declared.name!r} is {what}"
+            fix = "remove it, or bind it under `in` of the node that needs it"
+            analysis.add(declared.owner, (declared.key, declared.name), "never-read", message, fix)
 
 
 def _items(analysis: TaskAnalysis, placed: PlacedNode, key: str, items: str) -> None:
@@ -50,13 +46,9 @@ def _items(analysis: TaskAnalysis, placed: PlacedNode, key: str, items: str) -> 
         new = f"declare it: `data: {{{items}: list[...]}}` in an enclosing container"
         analysis.unknown(placed.path, key, "undeclared-variable", message, items, placed.scope, new)
     elif declared.type is not None and (declared.type.name not in ("list", "Any") or declared.type.optional):
-        analysis.add(
-            placed.path,
-            key,
-            "wrong-variable-type",
-            f"`{key}` takes a list, but {items!r} holds {declared.type}",
-            f"name a variable of type `list[{declared.type}]`",
-        )
+        message = f"`{key}` takes a list, but {items!r} holds {declared.type}"
+        fix = f"name a variable of type `list[{declared.type}]`"
+        analysis.add(placed.path, key, "wrong-variable-type", message, fix)
 
 
 def _declaration(analysis: TaskAnalysis, declared: VariableDeclaration) -> None:
@@ -69,13 +61,8 @@ def _declaration(analysis: TaskAnalysis, declared: VariableDeclaration) -> None:
     if isinstance(declared.variable, Variable) and declared.has_value:
         reason = check_value(type_, declared.variable.value)
         if reason:
-            analysis.add(
-                declared.owner,
-                (*where, "value"),
-                "wrong-initial-value",
-                f"the initial value of {declared.name!r} {reason}",
-                _instead(analysis, type_),
-            )
+            message = f"the initial value of {declared.name!r} {reason}"
+            analysis.add(declared.owner, (*where, "value"), "wrong-initial-value", message, _instead(analysis, type_))
 
 
 def _instead(analysis: TaskAnalysis, type_: Type) -> str:
@@ -97,13 +84,9 @@ def _shadowed(analysis: TaskAnalysis) -> None:
         for name in (*placed.node.data, *keys):
             if name in outer:
                 owner = outer[name].owner or "the task"
-                analysis.add(
-                    placed.path,
-                    keys.get(name, ("data", name)),
-                    "shadowed-variable",
-                    f"the variable {name!r} hides the one that {owner} declares",
-                    "give it another name, or remove this declaration to share the outer one",
-                )
+                message = f"the variable {name!r} hides the one that {owner} declares"
+                fix = "give it another name, or remove this declaration to share the outer one"
+                analysis.add(placed.path, keys.get(name, ("data", name)), "shadowed-variable", message, fix)
 
 
 def _binding(
@@ -124,13 +107,9 @@ def _binding(
         fits, verb = is_assignable(wanted, held), "writes"
     if not fits:
         owner = f"`{declared.key}` of {declared.owner or 'the task'}"
-        analysis.add(
-            placed.path,
-            where,
-            "wrong-variable-type",
-            f"the port {where[1]!r} {verb} {wanted}, but {name!r} holds {held}",
-            f"bind a variable of type {wanted}, or change {name!r} in {owner}",
-        )
+        message = f"the port {where[1]!r} {verb} {wanted}, but {name!r} holds {held}"
+        fix = f"bind a variable of type {wanted}, or change {name!r} in {owner}"
+        analysis.add(placed.path, where, "wrong-variable-type", message, fix)
 
 
 def check_parallel(analysis: TaskAnalysis) -> None:
@@ -179,20 +158,12 @@ def _shared(analysis: TaskAnalysis, placed: PlacedNode) -> None:
     for declared in analysis.declared:
         if declared.bit & twice:
             writers = [c.name for c in children if c.writes & declared.bit]
-            analysis.add(
-                placed.path,
-                "children",
-                "parallel-writes",
-                f"the children {', '.join(writers)} write {declared.name!r} at the same time",
-                "give each a variable of its own, or say `order: declared`",
-            )
+            message = f"the children {', '.join(writers)} write {declared.name!r} at the same time"
+            fix = "give each a variable of its own, or say `order: declared`"
+            analysis.add(placed.path, "children", "parallel-writes", message, fix)
         elif declared.bit & mixed:
             writer = next(c.name for c in children if c.writes & declared.bit)
             reader = next(c.name for c in children if c.reads & declared.bit and c.name != writer)
-            analysis.add(
-                placed.path,
-                "children",
-                "parallel-read-write",
-                f"{reader!r} reads {declared.name!r} while {writer!r} writes it",
-                f"read another variable, put {writer!r} before the parallel, or say `order: declared`",
-            )
+            message = f"{reader!r} reads {declared.name!r} while {writer!r} writes it"
+            fix = f"read another variable, put {writer!r} before the parallel, or say `order: declared`"
+            analysis.add(placed.path, "children", "parallel-read-write", message, fix)

@@ -28,7 +28,7 @@ def test_a_queue_gives_each_value_once_the_oldest_first():
     assert [store.take().value for _ in range(3)] == [0, 1, 2]
     store.push(9)
     assert [store.take().value, store.take().value] == [3, 9]
-    with pytest.raises(EmptyQueueError, match="store 'numbers': nothing waits in its queue"):
+    with pytest.raises(EmptyQueueError, match="store 'numbers': its queue is empty"):
         store.take()
 
 

@@ -119,7 +119,7 @@ def test_a_name_that_is_nowhere_is_told_before_the_run(tmp_path):
     *_, report = check_task(tmp_path / "task.yaml")
     (issue,) = report.issues
     assert issue.code == "unknown-message"
-    assert "nothing is called 'abov_bin' in the store 'joint_states'; did you mean 'above_bin'?" in issue.message
+    assert "store 'joint_states' has no message 'abov_bin'; did you mean 'above_bin'?" in issue.message
     (tmp_path / "task.yaml").write_text(text.replace("abov_", "above_"))
     assert check_task(tmp_path / "task.yaml")[2].issues == ()
     (tmp_path / "task.yaml").write_text(text)

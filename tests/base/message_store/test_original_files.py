@@ -69,12 +69,12 @@ there:
 @pytest.mark.parametrize(
     ("reader", "text", "reason"),
     [
-        (read_joint_states, "a: {j: high}", r":1:5: j: a number is expected, not 'high'"),
-        (read_joint_states, "a: {j: .nan}", "a number is expected"),
-        (read_joint_states, "a: {j: true}", "a number is expected, not True"),
-        (read_joint_states, "a: 3", "a: a mapping is expected"),
-        (read_joint_states, "a: {}", "joint positions are expected"),
-        (read_joint_states, "[1]", "a mapping from names to values is expected"),
+        (read_joint_states, "a: {j: high}", r":1:5: j: expected a number, not 'high'"),
+        (read_joint_states, "a: {j: .nan}", "expected a number"),
+        (read_joint_states, "a: {j: true}", "expected a number, not True"),
+        (read_joint_states, "a: 3", "a: expected a mapping"),
+        (read_joint_states, "a: {}", "expected joint positions"),
+        (read_joint_states, "[1]", "expected a mapping from names to values"),
         (read_joint_states, "a: {j: 1}\na: {j: 2}", ":2:1"),
         (read_joint_states, "a:\n\tj: 1", ":2"),
         (read_poses, "a: {position: {x: 0, y: 0, z: 0}}", "the key 'reference_frame' is missing"),

@@ -145,7 +145,7 @@ def test_meanings_are_set_on_leaves_containers_and_the_task():
         (SEQUENCE, Set(path="/", key=("memory",), value="no"), "valid boolean"),
         (SEQUENCE, Connect(path="look", outcome="failure", target="take"), "need a state_machine"),
         (MACHINE, Connect(path="look", outcome="failure", target="tak"), "did you mean 'take'"),
-        (MACHINE, Disconnect(path="look", outcome="lost"), "leads nowhere"),
+        (MACHINE, Disconnect(path="look", outcome="lost"), "isn't connected"),
         (SEQUENCE, Wrap(paths=("look", "put"), kind="sequence", name="x"), "side by side"),
         (SEQUENCE, Wrap(paths=("look", "take"), kind="retry", name="x"), "has one child"),
         (SEQUENCE, Wrap(paths=("look",), kind="retri", name="x"), "did you mean 'retry'"),

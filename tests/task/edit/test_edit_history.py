@@ -92,7 +92,7 @@ def test_nothing_to_undo_or_redo_and_refused_commands_leave_the_history_alone():
         history.undo()
     with pytest.raises(EditError, match="nothing to redo"):
         history.redo()
-    with pytest.raises(EditError, match="no moment 7"):
+    with pytest.raises(EditError, match="no revision 7"):
         history.go(7)
     with pytest.raises(EditError, match="did you mean 'doc'"):
         history.do(Set(path="a", key=("docs",), value="x"))

@@ -147,5 +147,5 @@ def test_a_forgotten_moment_is_said_to_be_gone():
     history = History(read_text(TEXT), limit=2)
     for name in ("x", "y", "z"):
         history.do(Set(path="", key=("doc",), value=name))
-    with pytest.raises(EditError, match="no moment 0 any more; the last is 3"):
+    with pytest.raises(EditError, match="no revision 0 any more; the last is 3"):
         history.go(0)

@@ -74,7 +74,7 @@ def test_its_outcomes_are_those_of_the_file() -> None:
     machine = f"{{kind: state_machine, initial: f, {states}}}"
     assert issues(machine % ", empty: f") == []
     (issue,) = issues(machine % "")
-    assert "f: it may end with 'empty', which leads nowhere" in issue
+    assert "f: its outcome 'empty' isn't connected" in issue
     assert "unknown-outcome" in "".join(issues(machine % ", empty: f, success: ok"))
 
 
