@@ -123,7 +123,7 @@ def test_values_that_dont_fit_are_an_error_that_shows_the_expression(text, words
 
 def test_a_condition_must_be_true_or_false():
     assert condition_of(parse_expression("n > 2"), READERS)() is True
-    with pytest.raises(EvaluationError, match="true or false, not 3"):
+    with pytest.raises(EvaluationError, match="true or false; got 3"):
         condition_of(parse_expression("n"), READERS)()
 
 

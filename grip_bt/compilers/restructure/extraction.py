@@ -16,7 +16,7 @@ from grip_bt.task.canonical import dumps, file_data, lines_of
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.edit import Extract, Patch, Set, Unset, apply_to_document, title_of
-from grip_bt.task.edit.editing import Editing, slot
+from grip_bt.task.edit.editing import Edit, slot
 from grip_bt.task.edit.steps import Assign
 from grip_bt.task.model import Task
 from grip_bt.task.validation import analyse
@@ -67,11 +67,11 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     for key, bound in (("in", inputs), ("out", outputs)):
         record |= {key: {name: name for name in bound}} if bound else {}
     record |= {key: file_data(value) for key in _AROUND if (value := getattr(placed.node, key))}
-    editing = Editing(document.task)
-    parent, name, container = editing.parent(command.path, "is the task already; wrap it, and take out the child")
+    moving = Edit(document.task)
+    parent, name, container = moving.parent(command.path, "is the task already; wrap it, and take out the child")
     edit = Patch(
         title=title_of(command),
-        steps=(Assign(at=(*editing.place(parent), slot(container)), key=name, value=record),),
+        steps=(Assign(at=(*moving.place(parent), slot(container)), key=name, value=record),),
     )
     return Extracted(command.file, _text(document, edit, part, inputs, outputs), edit)
 

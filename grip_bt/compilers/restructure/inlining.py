@@ -16,7 +16,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.task.canonical import file_data
 from grip_bt.task.catalog import Catalog, manifest_of_task
 from grip_bt.task.edit import Inline, Patch, RenameVariable, apply, title_of
-from grip_bt.task.edit.editing import Editing, slot
+from grip_bt.task.edit.editing import Edit, slot
 from grip_bt.task.edit.steps import Assign
 from grip_bt.task.model import (
     Childless,
@@ -108,12 +108,12 @@ def inlined(command: Inline, task: Task, catalog: Catalog) -> Patch:
         bound = work.bound()
         written = {bound[name] for name in placed.node.out}
         expect_nobody_can_tell(placed, set(placed.node.in_.values()), written)
-    editing = Editing(task)
+    moving = Edit(task)
     record = work.record()
     if placed.parent is None:
         return Patch(title=title_of(command), steps=(Assign(at=(), key="root", value=record),))
-    parent, name, container = editing.parent(command.path, "")
-    at = (*editing.place(parent), slot(container))
+    parent, name, container = moving.parent(command.path, "")
+    at = (*moving.place(parent), slot(container))
     return Patch(title=title_of(command), steps=(Assign(at=at, key=name, value=record),))
 
 

@@ -8,14 +8,14 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, kind_in_words, said
+from grip_bt.task.edit.editing import BaseCommand, kind_in_words, path_in_words
 from grip_bt.task.model import children_of
 
 from ..kind_analysis import following
 from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine
 from ..parts import FREE_PREFIX
 from ..shape import CHILDREN, keys_of, model_of_kind
-from .editing import Editing, holds_nodes, kind_of, slot
+from .editing import Edit, holds_nodes, kind_of, slot
 
 STANDARD = ("success", "failure")
 
@@ -34,11 +34,11 @@ class ChangeKind(BaseCommand):
 
     @override
     def in_words(self) -> str:
-        return f"change {said(self.path)} to {kind_in_words(self.kind)}"
+        return f"change {path_in_words(self.path)} to {kind_in_words(self.kind)}"
 
     @override
-    def plan(self, editing: Editing) -> None:
-        node = editing.node(self.path)
+    def plan(self, edit: Edit) -> None:
+        node = edit.node(self.path)
         expect_kind(self.path, self.kind)
         if not holds_nodes(node) or not holds_nodes_of_kind(self.kind):
             raise EditError(self.path, "only a container becomes another container; add a node, or wrap this one")
@@ -47,18 +47,18 @@ class ChangeKind(BaseCommand):
         if new_slot == "child" and len(names) != 1:
             held = listing(names, "no child")
             raise EditError(self.path, f"a {self.kind} has one child, this {kind_of(node)} has {held}")
-        place = editing.place(self.path)
+        place = edit.place(self.path)
         if self.kind != kind_of(node):
-            _change_edges(editing, node, self)
-            editing.set(place, "kind", self.kind)
+            _change_edges(edit, node, self)
+            edit.set(place, "kind", self.kind)
             allowed = {*keys_of(model_of_kind(self.kind)), *CHILDREN}
-            for key in [k for k in editing.draft.mapping(place) if k not in allowed and not k.startswith(FREE_PREFIX)]:
-                editing.drop(place, key)
+            for key in [k for k in edit.draft.mapping(place) if k not in allowed and not k.startswith(FREE_PREFIX)]:
+                edit.drop(place, key)
             if self.kind == "state_machine" and "initial" not in self.fields and names:
-                editing.put(place, "initial", names[0])
-            editing.rekey(place, slot(node), new_slot)
+                edit.put(place, "initial", names[0])
+            edit.rekey(place, slot(node), new_slot)
         for key, value in self.fields.items():
-            editing.set(place, key, value)
+            edit.set(place, key, value)
 
 
 class _TakesCatalog(BaseCommand):
@@ -67,7 +67,7 @@ class _TakesCatalog(BaseCommand):
     path: str
 
     @override
-    def plan(self, editing: Editing) -> None:
+    def plan(self, edit: Edit) -> None:
         name = "extracted" if isinstance(self, Extract) else "expanded"
         what = "a conversion needs" if isinstance(self, Convert) else f"{type(self).__name__.lower()} needs"
         message = f"{what} a catalogue: apply what `grip_bt.compilers.restructure.{name}` returns for it"
@@ -90,7 +90,7 @@ class Convert(_TakesCatalog):
 
     @override
     def in_words(self) -> str:
-        return f"convert {said(self.path)} to {'composites' if self.to == 'bt' else 'state machines'}"
+        return f"convert {path_in_words(self.path)} to {'composites' if self.to == 'bt' else 'state machines'}"
 
 
 class Extract(_TakesCatalog):
@@ -165,25 +165,25 @@ def chain(container: AnyNode | None, names: list[str]) -> dict[str, dict[str, st
     return {name: {end: following(kind, names, name, end) for end in STANDARD} for name in names}
 
 
-def _change_edges(editing: Editing, node: AnyNode, command: ChangeKind) -> None:
+def _change_edges(edit: Edit, node: AnyNode, command: ChangeKind) -> None:
     """Turn edges into exits, or the order of the children and exits into edges."""
-    place = editing.place(command.path)
+    place = edit.place(command.path)
     below = (*place, slot(node))
     edges = edges_of(node)
     if command.kind == "state_machine":
         for name, on in edges.items():
-            editing.set((*below, name), "on", on)
+            edit.set((*below, name), "on", on)
         reached = {target for on in edges.values() for target in on.values() if target in STANDARD}
         for label in STANDARD:
-            if label in reached and label not in editing.entries(place, "outcomes"):
-                editing.set_in(place, "outcomes", label, label)
+            if label in reached and label not in edit.entries(place, "outcomes"):
+                edit.set_in(place, "outcomes", label, label)
     elif isinstance(node, StateMachine):
         for name, on in edges.items():
-            if "on" in editing.draft.mapping((*below, name)):
-                editing.drop((*below, name), "on")
+            if "on" in edit.draft.mapping((*below, name)):
+                edit.drop((*below, name), "on")
             for outcome, target in on.items():
                 if target in node.outcomes and target not in STANDARD and target not in edges:
-                    editing.set_in(place, "exits", f"{name}.{outcome}", target)
+                    edit.set_in(place, "exits", f"{name}.{outcome}", target)
         for label in STANDARD:
-            if label in editing.entries(place, "outcomes"):
-                editing.drop_in(place, "outcomes", label)
+            if label in edit.entries(place, "outcomes"):
+                edit.drop_in(place, "outcomes", label)

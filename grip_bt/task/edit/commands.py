@@ -15,7 +15,7 @@ from ..model import Task
 from .change_kind import ChangeKind, Convert, Extract, Inline
 from .comment import Comment
 from .containers import Unwrap, Wrap
-from .editing import Editing
+from .editing import Edit
 from .keys import Connect, Disconnect, Set, SetMeaning, Unset
 from .nodes import Add, Move, Remove, Rename
 from .outcomes import RenameOutcome
@@ -75,9 +75,9 @@ class Patch(BaseCommand):
         return self.title or "revert an edit"
 
     @override
-    def plan(self, editing: Editing) -> None:
+    def plan(self, edit: Edit) -> None:
         for step in self.steps:
-            editing.take(step)
+            edit.take(step)
 
 
 AnyCommand = (
@@ -144,10 +144,10 @@ def _apply(task: Task, command: AnyCommand, title: str) -> Applied:
             done = _apply(task, part, title)
             task, steps, back = done.task, steps + done.steps, done.inverse.steps + back
         return Applied(task, Patch(title=title, steps=back), steps)
-    editing = Editing(task)
-    command.plan(editing)
-    made = editing.draft.task(_about(command)) if editing.steps else task
-    return Applied(made, Patch(title=title, steps=tuple(editing.back)), tuple(editing.steps))
+    edit = Edit(task)
+    command.plan(edit)
+    made = edit.draft.task(_about(command)) if edit.steps else task
+    return Applied(made, Patch(title=title, steps=tuple(edit.back)), tuple(edit.steps))
 
 
 def _about(command: AnyCommand) -> str:

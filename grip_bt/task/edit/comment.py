@@ -11,12 +11,12 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
-from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.edit.editing import BaseCommand, path_in_words
 
 from ..document import Document
-from .editing import Editing
-from .steps import HEAD, Place, Remark
-from .text_places import content_end, is_tidy, line_end, line_start, region_end
+from .editing import Edit
+from .steps import FILE_COMMENT, Place, Remark
+from .text_places import content_end, line_end, line_start, one_entry_a_line, region_end
 
 LONGEST = 10_000
 """Characters of a comment."""
@@ -25,7 +25,7 @@ _STRANGE = re.compile("[^ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U
 
 
 @dataclass(frozen=True)
-class Found:
+class NodeComment:
     """Where the comment of an entry stands.
 
     Attributes:
@@ -67,7 +67,7 @@ def lines_of_comment(path: str, text: str) -> list[str]:
     return [f"# {line}".rstrip() for line in lines]
 
 
-def found_at(text: str, inside: YamlMapping, key: str) -> Found:
+def found_at(text: str, inside: YamlMapping, key: str) -> NodeComment:
     """Return where the comment of an entry of a tidy mapping stands."""
     keys = list(inside.entries)
     index, entry = keys.index(key), inside.entries[key]
@@ -82,7 +82,7 @@ def found_at(text: str, inside: YamlMapping, key: str) -> Found:
         begin = line_start(text, begin - 1)
     beside = _beside(text, entry)
     aside = (_uncommented(text[slice(*beside)]),) if beside else ()
-    return Found(begin, end, tuple(above), beside, aside)
+    return NodeComment(begin, end, tuple(above), beside, aside)
 
 
 def _beside(text: str, entry: YamlEntry) -> tuple[int, int] | None:
@@ -105,7 +105,7 @@ _MARK = "\ufeff"
 
 
 @dataclass(frozen=True)
-class Head:
+class FileComment:
     """Where the comment at the top of a file stands.
 
     Attributes:
@@ -123,15 +123,15 @@ class Head:
     @property
     def text(self) -> str:
         """What it says, one line after the other."""
-        return "\n".join(self.said)
+        return "\n".join(self.lines)
 
     @property
-    def said(self) -> tuple[str, ...]:
+    def lines(self) -> tuple[str, ...]:
         """What its lines say, without their signs."""
         return tuple(_uncommented(line.strip()) for line in self.spelled)
 
 
-def head_at(text: str, tree: YamlMapping) -> Head:
+def head_at(text: str, tree: YamlMapping) -> FileComment:
     """Return where the comment at the top of a file stands, given its syntax."""
     end = _end(text, tree)
     at = len(_MARK) if text.startswith(_MARK) else 0
@@ -146,23 +146,23 @@ def head_at(text: str, tree: YamlMapping) -> Head:
     run = next((run for run in runs if any(line.strip() for _, line in run)), [])
     marked = [number for number, (_, line) in enumerate(run) if line.strip()]
     if not marked:
-        return Head(end, end, (), end)
+        return FileComment(end, end, (), end)
     lines = run[marked[0] : marked[-1] + 1]
     last, line = lines[-1]
     after = sum(map(len, (blank for _, blank in run[marked[-1] + 1 :])), last + len(line))
-    return Head(lines[0][0], last + len(line), tuple(line for _, line in lines), after)
+    return FileComment(lines[0][0], last + len(line), tuple(line for _, line in lines), after)
 
 
 def _end(text: str, tree: YamlMapping) -> int:
     """Return the offset before which everything is the file's and no entry's."""
     entries = list(tree.entries)
-    if entries[:1] == ["root"] and is_tidy(text, tree):
+    if entries[:1] == ["root"] and one_entry_a_line(text, tree):
         return found_at(text, tree, "root").begin
     first = tree.span[0] if tree.flow else tree.entries[entries[0]].start
     return max(line_start(text, first), len(_MARK) if text.startswith(_MARK) else 0)
 
 
-def rewritten(head: Head, comment: str, newline: str) -> tuple[int, int, str]:
+def rewritten(head: FileComment, comment: str, newline: str) -> tuple[int, int, str]:
     """Return what to put where so that a head says something else: (begin, end, text).
 
     Lines that stay keep their spelling; where all go, the blank lines below go too.
@@ -175,7 +175,7 @@ def rewritten(head: Head, comment: str, newline: str) -> tuple[int, int, str]:
         return head.begin, head.after, ""
     wanted = [_uncommented(line) for line in lines]
     written: list[str] = []
-    for what, begin, end, first, last in SequenceMatcher(None, head.said, wanted, autojunk=False).get_opcodes():
+    for what, begin, end, first, last in SequenceMatcher(None, head.lines, wanted, autojunk=False).get_opcodes():
         same = what == "equal"
         written += head.spelled[begin:end] if same else [line + newline for line in lines[first:last]]
     return head.begin, head.end, "".join(written)
@@ -192,13 +192,17 @@ class Comment(BaseCommand):
 
     @override
     def in_words(self) -> str:
-        return f"comment on {said(self.path)}" if self.text.strip() else f"no comment on {said(self.path)}"
+        return (
+            f"comment on {path_in_words(self.path)}"
+            if self.text.strip()
+            else f"no comment on {path_in_words(self.path)}"
+        )
 
     @override
-    def plan(self, editing: Editing) -> None:
-        place: Place = editing.place(self.path) or (HEAD,)
+    def plan(self, edit: Edit) -> None:
+        place: Place = edit.place(self.path) or (FILE_COMMENT,)
         lines_of_comment(self.path, self.text)
-        editing.take(Remark(at=place[:-1], key=place[-1], text=self.text))
+        edit.take(Remark(at=place[:-1], key=place[-1], text=self.text))
 
 
 def comment_of(document: Document, path: str) -> str:
@@ -209,11 +213,11 @@ def comment_of(document: Document, path: str) -> str:
     """
     if path == "":
         return head_at(document.text, document.tree).text
-    *above, key = Editing(document.task).place(path)
+    *above, key = Edit(document.task).place(path)
     inside = document.tree
     for step in above:
         inner = inside.entries[step].value
         if not isinstance(inner, YamlMapping):
             return ""
         inside = inner
-    return found_at(document.text, inside, key).text if is_tidy(document.text, inside) else ""
+    return found_at(document.text, inside, key).text if one_entry_a_line(document.text, inside) else ""

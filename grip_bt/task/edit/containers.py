@@ -10,12 +10,12 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, kind_in_words, said
+from grip_bt.task.edit.editing import BaseCommand, kind_in_words, path_in_words
 from grip_bt.task.model import children_of, outcomes_of
 
 from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task
 from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
-from .editing import Editing, expect_free, slot
+from .editing import Edit, expect_free, slot
 from .steps import Place
 
 _SHOWN = 3
@@ -43,27 +43,27 @@ class Wrap(BaseCommand):
         return f"wrap {_several(self.paths)} in {kind_in_words(self.kind)}"
 
     @override
-    def plan(self, editing: Editing) -> None:
+    def plan(self, edit: Edit) -> None:
         expect_kind(self.paths[0], self.kind)
         if not holds_nodes_of_kind(self.kind):
             raise EditError(self.paths[0], f"a {self.kind} holds no nodes; choose a container")
         shell = _Shell(self)
         if self.paths == ("/",):
-            _wrap_root(editing, shell)
+            _wrap_root(edit, shell)
             return
-        parent, names, container = _neighbours(editing, self)
+        parent, names, container = _neighbours(edit, self)
         if slot_of_kind(self.kind) == "child" and len(names) > 1:
             raise EditError(parent, f"a {self.kind} has one child; wrap {listing(names)} in a sequence first")
         expect_free(container, parent, self.name)
         shell.initial = names[0]
         if isinstance(container, StateMachine):
-            _take_edges(editing, shell, parent, names)
+            _take_edges(edit, shell, parent, names)
         else:
-            _take_exits(editing, shell, parent, names)
-        at = (*editing.place(parent), slot(container))
-        editing.put(at, self.name, shell.record(), list(children_of(container)).index(names[0]))
+            _take_exits(edit, shell, parent, names)
+        at = (*edit.place(parent), slot(container))
+        edit.put(at, self.name, shell.record(), list(children_of(container)).index(names[0]))
         for position, name in enumerate(names):
-            editing.shift(at, name, (*at, self.name, slot_of_kind(self.kind)), position)
+            edit.shift(at, name, (*at, self.name, slot_of_kind(self.kind)), position)
 
 
 class Unwrap(BaseCommand):
@@ -74,39 +74,39 @@ class Unwrap(BaseCommand):
     path: str
 
     @override
-    def plan(self, editing: Editing) -> None:
-        node = editing.container(self.path)
+    def plan(self, edit: Edit) -> None:
+        node = edit.container(self.path)
         names = list(children_of(node))
         if self.path == "/":
-            _unwrap_root(editing, node, names)
+            _unwrap_root(edit, node, names)
             return
-        parent, name, container = editing.parent(self.path, "")
+        parent, name, container = edit.parent(self.path, "")
         if len(names) != 1 and (slot(container) == "child" or isinstance(container, StateMachine) and not names):
             raise EditError(self.path, f"{parent} needs exactly one node here, not {listing(names, 'none')}")
         taken = [n for n in names if n in children_of(container) and n != name]
         if taken:
             raise EditError(self.path, f"{parent} has its own {listing(taken)}; rename one of each first")
-        place, at = editing.place(self.path), (*editing.place(parent), slot(container))
-        _rehome(editing, node, place, container, editing.place(parent))
+        place, at = edit.place(self.path), (*edit.place(parent), slot(container))
+        _rehome(edit, node, place, container, edit.place(parent))
         if isinstance(container, StateMachine):
-            _give_edges(editing, node, place, container, name)
+            _give_edges(edit, node, place, container, name)
         else:
-            _give_exits(editing, node, place, editing.place(parent), name)
+            _give_exits(edit, node, place, edit.place(parent), name)
         inner = (*place, slot(node))
         index = list(children_of(container)).index(name)
         if name in names:
             aside = name
             while aside in names or aside in children_of(container):
                 aside += "_"
-            editing.rekey(at, name, aside)
+            edit.rekey(at, name, aside)
             name, inner = aside, (*at, aside, slot(node))
         for position, child in enumerate(names):
-            editing.shift(inner, child, at, index + position)
-        editing.drop(at, name)
+            edit.shift(inner, child, at, index + position)
+        edit.drop(at, name)
 
 
 def _several(paths: tuple[str, ...]) -> str:
-    shown = ", ".join(said(path) for path in paths[:_SHOWN])
+    shown = ", ".join(path_in_words(path) for path in paths[:_SHOWN])
     return shown if len(paths) <= _SHOWN else f"{shown} and {len(paths) - _SHOWN} more"
 
 
@@ -136,8 +136,8 @@ class _Shell:
         return {**made, **self.fields, slot_of_kind(self.kind): {}}
 
 
-def _neighbours(editing: Editing, command: Wrap) -> tuple[str, list[str], AnyNode]:
-    found = [editing.parent(path, "is wrapped alone") for path in command.paths]
+def _neighbours(edit: Edit, command: Wrap) -> tuple[str, list[str], AnyNode]:
+    found = [edit.parent(path, "is wrapped alone") for path in command.paths]
     parent, _, container = found[0]
     names = [name for _, name, _ in found]
     order = list(children_of(container))
@@ -147,24 +147,24 @@ def _neighbours(editing: Editing, command: Wrap) -> tuple[str, list[str], AnyNod
     return parent, names, container
 
 
-def _wrap_root(editing: Editing, shell: _Shell) -> None:
-    root, name = editing.task.root, shell.name
+def _wrap_root(edit: Edit, shell: _Shell) -> None:
+    root, name = edit.task.root, shell.name
     shell.initial = name
     if root.on or shell.machine:
-        _pass_edges(editing, shell, ("root",), name, root, editing.task)
+        _pass_edges(edit, shell, ("root",), name, root, edit.task)
     aside = "x-aside"
-    while aside in editing.draft.mapping(()):
+    while aside in edit.draft.mapping(()):
         aside += "-"
     inner = ("root", slot_of_kind(shell.kind))
-    editing.rekey((), "root", aside)
-    editing.put((), "root", shell.record())
-    editing.shift((), aside, inner)
-    editing.rekey(inner, aside, name)
+    edit.rekey((), "root", aside)
+    edit.put((), "root", shell.record())
+    edit.shift((), aside, inner)
+    edit.rekey(inner, aside, name)
 
 
-def _take_edges(editing: Editing, shell: _Shell, parent: str, names: list[str]) -> None:
+def _take_edges(edit: Edit, shell: _Shell, parent: str, names: list[str]) -> None:
     """Let a container within a state machine lead where its children led, and be entered where they were."""
-    machine, place = editing.node(parent), editing.place(parent)
+    machine, place = edit.node(parent), edit.place(parent)
     assert isinstance(machine, StateMachine)
     at = (*place, slot(machine))
     if not shell.machine and len(names) > 1:
@@ -178,11 +178,11 @@ def _take_edges(editing: Editing, shell: _Shell, parent: str, names: list[str]) 
     for name, child in outside.items():
         for outcome, target in child.on.items():
             if target in names:
-                editing.set((*at, name, "on"), outcome, shell.name)
+                edit.set((*at, name, "on"), outcome, shell.name)
     if machine.initial in names:
-        editing.set(place, "initial", shell.name)
+        edit.set(place, "initial", shell.name)
     if not shell.machine:
-        _pass_edges(editing, shell, (*at, names[0]), names[0], machine.children[names[0]], machine)
+        _pass_edges(edit, shell, (*at, names[0]), names[0], machine.children[names[0]], machine)
         return
     for name in names:
         for outcome, target in machine.children[name].on.items():
@@ -192,7 +192,7 @@ def _take_edges(editing: Editing, shell: _Shell, parent: str, names: list[str]) 
 
 
 def _pass_edges(
-    editing: Editing, shell: _Shell, record: Place, name: str, node: AnyNode, around: StateMachine | Task
+    edit: Edit, shell: _Shell, record: Place, name: str, node: AnyNode, around: StateMachine | Task
 ) -> None:
     """Take the `on` of the only child; what isn't success or failure becomes an outcome of the container."""
     on = dict(node.on)
@@ -214,16 +214,16 @@ def _pass_edges(
         for label, meaning in known.items():
             within.setdefault(label, label)
             shell.outcomes.setdefault(label, meaning)  # type: ignore[arg-type]
-        editing.set(record, "on", within)
+        edit.set(record, "on", within)
     elif on:
-        editing.drop(record, "on")
+        edit.drop(record, "on")
 
 
-def _take_exits(editing: Editing, shell: _Shell, parent: str, names: list[str]) -> None:
+def _take_exits(edit: Edit, shell: _Shell, parent: str, names: list[str]) -> None:
     """Let labels of the children that end the container around them do so from within the new one."""
-    container, place = editing.node(parent), editing.place(parent)
+    container, place = edit.node(parent), edit.place(parent)
     within = chain(None if len(names) == 1 else container, names)
-    for key, exit_ in editing.entries(place, "exits").items():
+    for key, exit_ in edit.entries(place, "exits").items():
         name, _, outcome = key.partition(".")
         if name not in names:
             continue
@@ -235,12 +235,12 @@ def _take_exits(editing: Editing, shell: _Shell, parent: str, names: list[str]) 
             within[name][outcome] = label
         else:
             shell.exits[key] = label
-        editing.rekey((*place, "exits"), key, f"{shell.name}.{label}")
+        edit.rekey((*place, "exits"), key, f"{shell.name}.{label}")
     if shell.machine:
         reached = {t for on in within.values() for t in on.values()}
         shell.outcomes |= {label: label for label in STANDARD if label in reached}  # type: ignore[misc]
         for name, on in within.items():
-            editing.set((*place, slot(container), name), "on", on)
+            edit.set((*place, slot(container), name), "on", on)
 
 
 def _meaning(node: AnyNode, outcome: str, around: AnyNode | Task, target: str) -> Meaning:
@@ -252,28 +252,28 @@ def _meaning(node: AnyNode, outcome: str, around: AnyNode | Task, target: str) -
     return found or ("failure" if label == "failure" else "success")
 
 
-def _unwrap_root(editing: Editing, node: AnyNode, names: list[str]) -> None:
+def _unwrap_root(edit: Edit, node: AnyNode, names: list[str]) -> None:
     if len(names) != 1:
         raise EditError("/", f"a task has one root; this one would leave {listing(names, 'none')}")
-    _rehome(editing, node, ("root",), editing.task, ())
+    _rehome(edit, node, ("root",), edit.task, ())
     inner = ("root", slot(node))
     record = (*inner, names[0])
     on = {
         outcome: node.on.get(label, label)
         for outcome, label in edges_of(node)[names[0]].items()
-        if label not in names and node.on.get(label, label) in editing.task.outcomes
+        if label not in names and node.on.get(label, label) in edit.task.outcomes
     }
-    _set_on(editing, record, on if node.on or isinstance(node, StateMachine) else {})
+    _set_on(edit, record, on if node.on or isinstance(node, StateMachine) else {})
     aside = "x-aside"
-    while aside in editing.draft.mapping(()) or aside in names:
+    while aside in edit.draft.mapping(()) or aside in names:
         aside += "-"
-    editing.rekey(inner, names[0], aside)
-    editing.shift(inner, aside, ())
-    editing.drop((), "root")
-    editing.rekey((), aside, "root")
+    edit.rekey(inner, names[0], aside)
+    edit.shift(inner, aside, ())
+    edit.drop((), "root")
+    edit.rekey((), aside, "root")
 
 
-def _rehome(editing: Editing, node: AnyNode, place: Place, around: AnyNode | Task, to: Place) -> None:
+def _rehome(edit: Edit, node: AnyNode, place: Place, around: AnyNode | Task, to: Place) -> None:
     """Let the variables of the container be those of the one around it."""
     own = list(getattr(node, "data", ()))
     if not own:
@@ -282,14 +282,14 @@ def _rehome(editing: Editing, node: AnyNode, place: Place, around: AnyNode | Tas
     if both:
         where = "the task" if to == () else "the container around it"
         raise EditError("/".join(place[2::2]), f"{where} has its own {listing(both)}; rename a variable first")
-    if "data" not in editing.draft.mapping(to):
-        editing.shift(place, "data", to)
+    if "data" not in edit.draft.mapping(to):
+        edit.shift(place, "data", to)
         return
     for name in own:
-        editing.shift((*place, "data"), name, (*to, "data"))
+        edit.shift((*place, "data"), name, (*to, "data"))
 
 
-def _give_edges(editing: Editing, node: AnyNode, place: Place, machine: StateMachine, name: str) -> None:
+def _give_edges(edit: Edit, node: AnyNode, place: Place, machine: StateMachine, name: str) -> None:
     """Connect the children to where the container led, and what led to the container to its first child."""
     names = list(children_of(node))
     first = node.initial if isinstance(node, StateMachine) and node.initial in names else names[0]
@@ -297,9 +297,9 @@ def _give_edges(editing: Editing, node: AnyNode, place: Place, machine: StateMac
     for sibling, child in machine.children.items():
         for outcome, target in child.on.items():
             if target == name != sibling:
-                editing.set((*at, sibling, "on"), outcome, first)
+                edit.set((*at, sibling, "on"), outcome, first)
     if machine.initial == name:
-        editing.set(at[:-1], "initial", first)
+        edit.set(at[:-1], "initial", first)
     for inner, edges in edges_of(node).items():
         on: dict[str, str] = {}
         for outcome, label in edges.items():
@@ -310,23 +310,23 @@ def _give_edges(editing: Editing, node: AnyNode, place: Place, machine: StateMac
                 base, dot, code = exit_.partition(".")
                 if base == label and (not dot or "." not in outcome):
                     on[f"{outcome}{dot}{code}"] = first if target == name else target
-        _set_on(editing, (*place, slot(node), inner), on)
+        _set_on(edit, (*place, slot(node), inner), on)
 
 
-def _give_exits(editing: Editing, node: AnyNode, place: Place, around: Place, name: str) -> None:
+def _give_exits(edit: Edit, node: AnyNode, place: Place, around: Place, name: str) -> None:
     """Let the labels of the children that left the container around it through this one leave it themselves."""
-    old = {key: exit_ for key, exit_ in editing.entries(around, "exits").items() if key.partition(".")[0] == name}
+    old = {key: exit_ for key, exit_ in edit.entries(around, "exits").items() if key.partition(".")[0] == name}
     for key in old:
-        editing.drop_in(around, "exits", key)
+        edit.drop_in(around, "exits", key)
     for child, edges in edges_of(node).items():
         for outcome, label in edges.items():
             if f"{name}.{label}" in old and label not in children_of(node):
-                editing.set_in(around, "exits", f"{child}.{outcome}", old[f"{name}.{label}"])
-        _set_on(editing, (*place, slot(node), child), {})
+                edit.set_in(around, "exits", f"{child}.{outcome}", old[f"{name}.{label}"])
+        _set_on(edit, (*place, slot(node), child), {})
 
 
-def _set_on(editing: Editing, record: Place, on: dict[str, str]) -> None:
+def _set_on(edit: Edit, record: Place, on: dict[str, str]) -> None:
     if on:
-        editing.set(record, "on", on)
-    elif "on" in editing.draft.mapping(record):
-        editing.drop(record, "on")
+        edit.set(record, "on", on)
+    elif "on" in edit.draft.mapping(record):
+        edit.drop(record, "on")

@@ -56,17 +56,17 @@ def _as_json(value: object) -> object:
     return None if type(value) is float and not isfinite(value) else value
 
 
-def said_alike(one: object, other: object) -> bool:
+def written_alike(one: object, other: object) -> bool:
     """Tell whether two parts that are alike also say and leave out the same keys, and hold the very same numbers."""
     if one is other:
         return True
     if isinstance(one, BaseModel):
         same = isinstance(other, BaseModel) and one.model_fields_set == other.model_fields_set
-        return same and all(said_alike(getattr(one, name), getattr(other, name)) for name in one.model_fields_set)
+        return same and all(written_alike(getattr(one, name), getattr(other, name)) for name in one.model_fields_set)
     if isinstance(one, dict) and isinstance(other, dict):
-        return all(said_alike(value, other[key]) for key, value in one.items())
+        return all(written_alike(value, other[key]) for key, value in one.items())
     if isinstance(one, list | tuple) and isinstance(other, list | tuple):
-        return all(map(said_alike, one, other))
+        return all(map(written_alike, one, other))
     return type(one) is type(other) and (type(one) is not float or repr(one) == repr(other))
 
 
@@ -133,7 +133,7 @@ def _read(text: str, source: str, expected: Task) -> Document:
     if not alike(after.task, expected):
         raise EditError("", "this formatting can't be edited in place; run `grip fmt` first")
     # The edited task shares with the one before all that the edit left alone, so that others see fast what is new.
-    return replace(after, task=expected) if said_alike(after.task, expected) else after
+    return replace(after, task=expected) if written_alike(after.task, expected) else after
 
 
 def _restored(text: str, restore: Restore) -> str:

@@ -13,7 +13,7 @@ from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, w
 from grip_bt.task.shape import CHILDREN
 
 
-class Editing:
+class Edit:
     """A task, the draft that it becomes, the steps taken and those that lead back.
 
     `task` is as it was before the command; `draft` is as it is now.
@@ -194,9 +194,9 @@ class BaseCommand(BaseModel):
 
     def in_words(self) -> str:
         """Return the command in a few words, such as `rename look to see`."""
-        return self.words.format_map({key: said(value) if key in _PATHS else value for key, value in self})
+        return self.words.format_map({key: path_in_words(value) if key in _PATHS else value for key, value in self})
 
-    def plan(self, editing: Editing) -> None:
+    def plan(self, edit: Edit) -> None:
         """Take the steps of which the command consists.
 
         Raises:
@@ -205,7 +205,7 @@ class BaseCommand(BaseModel):
         raise NotImplementedError
 
 
-def said(path: str) -> str:
+def path_in_words(path: str) -> str:
     """Return a node's path as titles say it."""
     return {"": "the task", "/": "the root"}.get(path, path)
 

@@ -8,13 +8,13 @@ from pydantic import Field
 from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
-from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.edit.editing import BaseCommand, path_in_words
 from grip_bt.task.model import children_of, outcomes_of
 
 from ..model import Meaning, StateMachine
 from ..parts import FREE_PREFIX
 from ..shape import CHILDREN, keys_of
-from .editing import Editing, kind_of
+from .editing import Edit, kind_of
 from .steps import Place
 
 _STRUCTURE = {
@@ -44,22 +44,22 @@ class Set(BaseCommand):
     @override
     def in_words(self) -> str:
         if self.key[0] in _PORTS and len(self.key) == 2:
-            return f"{self.key[1]} of {said(self.path)} {_PORTS[self.key[0]]} {self.value}"
+            return f"{self.key[1]} of {path_in_words(self.path)} {_PORTS[self.key[0]]} {self.value}"
         return f"set {_key(self.path, self.key)}{_value(self.value)}"
 
     @override
-    def plan(self, editing: Editing) -> None:
-        place, *inner = _keys(editing, self.path, self.key)
+    def plan(self, edit: Edit) -> None:
+        place, *inner = _keys(edit, self.path, self.key)
         *above, last = inner
         for depth, key in enumerate(above):
             at = (*place, *above[:depth])
-            if key not in editing.draft.mapping(at):
+            if key not in edit.draft.mapping(at):
                 value = self.value
                 for below in reversed(inner[depth + 1 :]):
                     value = {below: value}
-                editing.put(at, key, value)
+                edit.put(at, key, value)
                 return
-        editing.set((*place, *above), last, self.value)
+        edit.set((*place, *above), last, self.value)
 
 
 class Unset(BaseCommand):
@@ -72,21 +72,21 @@ class Unset(BaseCommand):
     @override
     def in_words(self) -> str:
         if self.key[0] in _PORTS and len(self.key) == 2:
-            return f"{self.key[1]} of {said(self.path)} {_PORTS[self.key[0]]} no variable"
+            return f"{self.key[1]} of {path_in_words(self.path)} {_PORTS[self.key[0]]} no variable"
         return f"unset {_key(self.path, self.key)}"
 
     @override
-    def plan(self, editing: Editing) -> None:
-        place, *inner = _keys(editing, self.path, self.key)
+    def plan(self, edit: Edit) -> None:
+        place, *inner = _keys(edit, self.path, self.key)
         *above, last = inner
         if len(above) != 1:
-            editing.drop((*place, *above), last)
+            edit.drop((*place, *above), last)
             return
-        there = editing.entries(place, above[0])
+        there = edit.entries(place, above[0])
         if last not in there:
             message = f"`{above[0]}` has no {last!r}{nearest(last, there)} (available: {listing(there)})"
             raise EditError(self.path, message)
-        editing.drop_in(place, above[0], last)
+        edit.drop_in(place, above[0], last)
 
 
 class Connect(BaseCommand):
@@ -104,14 +104,14 @@ class Connect(BaseCommand):
     target: str
 
     @override
-    def plan(self, editing: Editing) -> None:
-        record, field, key = _edge(editing, self.path, self.outcome)
-        allowed = _targets(editing, self.path)
+    def plan(self, edit: Edit) -> None:
+        record, field, key = _edge(edit, self.path, self.outcome)
+        allowed = _targets(edit, self.path)
         if self.target not in allowed:
             message = f"can't lead to {self.target!r}{nearest(self.target, allowed)} (available: "
             hint = "" if field == "on" else "; edges between siblings need a state_machine: `change_kind`"
             raise EditError(self.path, f"{message}{listing(allowed)}){hint}")
-        editing.set_in(record, field, key, self.target)
+        edit.set_in(record, field, key, self.target)
 
 
 class Disconnect(BaseCommand):
@@ -123,13 +123,13 @@ class Disconnect(BaseCommand):
     outcome: str
 
     @override
-    def plan(self, editing: Editing) -> None:
-        record, field, key = _edge(editing, self.path, self.outcome)
-        there = editing.entries(record, field)
+    def plan(self, edit: Edit) -> None:
+        record, field, key = _edge(edit, self.path, self.outcome)
+        there = edit.entries(record, field)
         if key not in there:
             ends = [k.removeprefix(f"{self.path.rpartition('/')[2]}.") for k in there]
             raise EditError(self.path, f"{self.outcome!r} isn't connected (connected: {listing(ends)})")
-        editing.drop_in(record, field, key)
+        edit.drop_in(record, field, key)
 
 
 class SetMeaning(BaseCommand):
@@ -142,31 +142,31 @@ class SetMeaning(BaseCommand):
 
     @override
     def in_words(self) -> str:
-        return f"{self.outcome} of {said(self.path)} means {self.meaning or 'what its manifest says'}"
+        return f"{self.outcome} of {path_in_words(self.path)} means {self.meaning or 'what its manifest says'}"
 
     @override
-    def plan(self, editing: Editing) -> None:
-        place = editing.place(self.path)
-        holder = editing.task if self.path == "" else editing.node(self.path)
+    def plan(self, edit: Edit) -> None:
+        place = edit.place(self.path)
+        holder = edit.task if self.path == "" else edit.node(self.path)
         if "meaning" in type(holder).model_fields:
             if self.meaning is not None:
-                editing.set_in(place, "meaning", self.outcome, self.meaning)
-            elif self.outcome in editing.entries(place, "meaning"):
-                editing.drop_in(place, "meaning", self.outcome)
+                edit.set_in(place, "meaning", self.outcome, self.meaning)
+            elif self.outcome in edit.entries(place, "meaning"):
+                edit.drop_in(place, "meaning", self.outcome)
             return
         if "outcomes" not in type(holder).model_fields:
             raise EditError(self.path, f"the outcomes of a {kind_of(holder)} keep their meanings")
         if self.meaning is None:
             raise EditError(self.path, f"the outcome {self.outcome!r} needs a meaning: success or failure")
-        if self.path == "" and "outcomes" not in editing.draft.mapping(()):
-            editing.put((), "outcomes", {**editing.task.outcomes, self.outcome: self.meaning})
+        if self.path == "" and "outcomes" not in edit.draft.mapping(()):
+            edit.put((), "outcomes", {**edit.task.outcomes, self.outcome: self.meaning})
         else:
-            editing.set_in(place, "outcomes", self.outcome, self.meaning)
+            edit.set_in(place, "outcomes", self.outcome, self.meaning)
 
 
 def _key(path: str, key: tuple[str, ...]) -> str:
     key = key[1:] if key[0] == "with" and len(key) > 1 else key
-    return f"{_IN_WORDS.get(key, '/'.join(key))} of {said(path)}"
+    return f"{_IN_WORDS.get(key, '/'.join(key))} of {path_in_words(path)}"
 
 
 def _value(value: object) -> str:
@@ -178,28 +178,28 @@ def _value(value: object) -> str:
     return ""
 
 
-def _keys(editing: Editing, path: str, key: tuple[str, ...]) -> tuple[Place, *tuple[str, ...]]:
-    shape = type(editing.task if path == "" else editing.node(path))
+def _keys(edit: Edit, path: str, key: tuple[str, ...]) -> tuple[Place, *tuple[str, ...]]:
+    shape = type(edit.task if path == "" else edit.node(path))
     allowed = keys_of(shape)
     first = key[0]
     if first in _STRUCTURE:
         raise EditError(path, f"{first!r} isn't set like other keys: {_STRUCTURE[first]}")
     if first not in allowed and not first.startswith(FREE_PREFIX):
         raise EditError(path, f"there is no key {first!r}{nearest(first, allowed)} (available: {listing(allowed)})")
-    return (editing.place(path), *key)
+    return (edit.place(path), *key)
 
 
-def _edge(editing: Editing, path: str, outcome: str) -> tuple[Place, str, str]:
+def _edge(edit: Edit, path: str, outcome: str) -> tuple[Place, str, str]:
     """Return the record, the field and the key that hold where an outcome leads."""
-    if path == "/" or isinstance(editing.parent(path, "")[2], StateMachine):
-        return editing.place(path), "on", outcome
-    above, name, _ = editing.parent(path, "")
-    return editing.place(above), "exits", f"{name}.{outcome}"
+    if path == "/" or isinstance(edit.parent(path, "")[2], StateMachine):
+        return edit.place(path), "on", outcome
+    above, name, _ = edit.parent(path, "")
+    return edit.place(above), "exits", f"{name}.{outcome}"
 
 
-def _targets(editing: Editing, path: str) -> list[str]:
+def _targets(edit: Edit, path: str) -> list[str]:
     if path == "/":
-        return list(editing.task.outcomes)
-    container = editing.parent(path, "")[2]
+        return list(edit.task.outcomes)
+    container = edit.parent(path, "")[2]
     siblings = children_of(container) if isinstance(container, StateMachine) else ()
     return [*siblings, *outcomes_of(container)]  # type: ignore[arg-type]

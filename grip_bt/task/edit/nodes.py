@@ -13,12 +13,12 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.edit.editing import BaseCommand, path_in_words
 from grip_bt.task.model import children_of
 
 from ..canonical import file_data
 from ..model import AnyNode, Name, StateMachine
-from .editing import Editing, expect_free, expect_others, expect_room, slot
+from .editing import Edit, expect_free, expect_others, expect_room, slot
 from .steps import Assign, Place
 
 
@@ -35,12 +35,12 @@ class Add(BaseCommand):
     """Position among the children; None: after the last."""
 
     @override
-    def plan(self, editing: Editing) -> None:
-        container = editing.container(self.parent)
+    def plan(self, edit: Edit) -> None:
+        container = edit.container(self.parent)
         expect_room(container, self.parent)
         expect_free(container, self.parent, self.name)
-        at = (*editing.place(self.parent), slot(container))
-        editing.put(at, self.name, dict(self.node), self.index)
+        at = (*edit.place(self.parent), slot(container))
+        edit.put(at, self.name, dict(self.node), self.index)
 
 
 class Remove(BaseCommand):
@@ -54,13 +54,11 @@ class Remove(BaseCommand):
     path: str
 
     @override
-    def plan(self, editing: Editing) -> None:
-        parent, name, container = editing.parent(
-            self.path, "can't be removed; remove its children, or set another root"
-        )
+    def plan(self, edit: Edit) -> None:
+        parent, name, container = edit.parent(self.path, "can't be removed; remove its children, or set another root")
         expect_others(container, parent)
-        redirect(editing, parent, name, None)
-        editing.drop((*editing.place(parent), slot(container)), name)
+        redirect(edit, parent, name, None)
+        edit.drop((*edit.place(parent), slot(container)), name)
 
 
 class Move(BaseCommand):
@@ -81,17 +79,17 @@ class Move(BaseCommand):
     def in_words(self) -> str:
         if (self.path.rpartition("/")[0] or "/") == self.parent:
             return f"reorder {self.path}"
-        return f"move {self.path} into {said(self.parent)}"
+        return f"move {self.path} into {path_in_words(self.parent)}"
 
     @override
-    def plan(self, editing: Editing) -> None:
-        parent, name, container = editing.parent(self.path, "can't be moved; wrap it in a container instead")
-        target = editing.container(self.parent)
+    def plan(self, edit: Edit) -> None:
+        parent, name, container = edit.parent(self.path, "can't be moved; wrap it in a container instead")
+        target = edit.container(self.parent)
         if self.parent == parent:
             if self.name not in (None, name):
                 raise EditError(self.path, "a move within a container keeps the name; rename it with `rename`")
-            at = (*editing.place(parent), slot(container))
-            editing.shift(at, name, at, self.index)
+            at = (*edit.place(parent), slot(container))
+            edit.shift(at, name, at, self.index)
             return
         if self.parent == self.path or self.parent.startswith(f"{self.path}/"):
             raise EditError(self.path, f"can't be moved into its own descendant {self.parent}")
@@ -99,12 +97,12 @@ class Move(BaseCommand):
         expect_room(target, self.parent)
         to = self.name or name
         expect_free(target, self.parent, to)
-        redirect(editing, parent, name, None)
-        at = (*editing.place(parent), slot(container))
-        if "on" in editing.draft.mapping((*at, name)):
-            editing.drop((*at, name), "on")
-        into = (*editing.place(self.parent), slot(target))
-        _carry(editing, at, name, into, to, self.index)
+        redirect(edit, parent, name, None)
+        at = (*edit.place(parent), slot(container))
+        if "on" in edit.draft.mapping((*at, name)):
+            edit.drop((*at, name), "on")
+        into = (*edit.place(self.parent), slot(target))
+        _carry(edit, at, name, into, to, self.index)
 
 
 class Rename(BaseCommand):
@@ -116,25 +114,25 @@ class Rename(BaseCommand):
     name: Name
 
     @override
-    def plan(self, editing: Editing) -> None:
-        parent, name, container = editing.parent(self.path, "has no name; the task has one: set the task's `name`")
+    def plan(self, edit: Edit) -> None:
+        parent, name, container = edit.parent(self.path, "has no name; the task has one: set the task's `name`")
         if self.name == name:
             return
         expect_free(container, parent, self.name)
-        redirect(editing, parent, name, self.name)
-        editing.rekey((*editing.place(parent), slot(container)), name, self.name)
+        redirect(edit, parent, name, self.name)
+        edit.rekey((*edit.place(parent), slot(container)), name, self.name)
 
 
-def _carry(editing: Editing, at: tuple[str, ...], name: str, into: tuple[str, ...], to: str, index: int | None) -> None:
+def _carry(edit: Edit, at: tuple[str, ...], name: str, into: tuple[str, ...], to: str, index: int | None) -> None:
     """Shift an entry under a name that is free on both sides at each step."""
     if to == name:
-        editing.shift(at, name, into, index)
-    elif to not in editing.draft.mapping(at):
-        editing.rekey(at, name, to)
-        editing.shift(at, to, into, index)
-    elif name not in editing.draft.mapping(into):
-        editing.shift(at, name, into, index)
-        editing.rekey(into, name, to)
+        edit.shift(at, name, into, index)
+    elif to not in edit.draft.mapping(at):
+        edit.rekey(at, name, to)
+        edit.shift(at, to, into, index)
+    elif name not in edit.draft.mapping(into):
+        edit.shift(at, name, into, index)
+        edit.rekey(into, name, to)
     else:
         raise EditError(name, f"choose another name than {to!r}: both containers have one of these names")
 
@@ -143,43 +141,41 @@ _KEYED_BY_CHILD = ("cases", "exits")
 """Keys of containers that hold a mapping by names of children, or by `child.outcome`."""
 
 
-def redirect(editing: Editing, parent: str, name: str, to: str | None) -> None:
+def redirect(edit: Edit, parent: str, name: str, to: str | None) -> None:
     """Let all that is said about the child `name` be said about `to`; take it out for None, as the child leaves."""
-    container, place = editing.node(parent), editing.place(parent)
+    container, place = edit.node(parent), edit.place(parent)
     if isinstance(container, StateMachine) and container.initial == name:
-        editing.set(place, "initial", to or next(child for child in children_of(container) if child != name))
+        edit.set(place, "initial", to or next(child for child in children_of(container) if child != name))
     for field in _KEYED_BY_CHILD:
-        for key in editing.entries(place, field):
+        for key in edit.entries(place, field):
             child, dot, outcome = key.partition(".")
             if child == name:
-                editing.drop((*place, field), key) if to is None else editing.rekey(
-                    (*place, field), key, to + dot + outcome
-                )
-    if editing.draft.mapping(place).get("default") == name:
-        editing.drop(place, "default") if to is None else editing.set(place, "default", to)
-    _redirect_lists(editing, place, name, to)
+                edit.drop((*place, field), key) if to is None else edit.rekey((*place, field), key, to + dot + outcome)
+    if edit.draft.mapping(place).get("default") == name:
+        edit.drop(place, "default") if to is None else edit.set(place, "default", to)
+    _redirect_lists(edit, place, name, to)
     for record, outcome in _edges_to(container, (*place, slot(container)), name):
-        editing.drop_in(record, "on", outcome) if to is None else editing.set((*record, "on"), outcome, to)
+        edit.drop_in(record, "on", outcome) if to is None else edit.set((*record, "on"), outcome, to)
 
 
-def _redirect_lists(editing: Editing, place: Place, name: str, to: str | None) -> None:
+def _redirect_lists(edit: Edit, place: Place, name: str, to: str | None) -> None:
     """Redirect the rules of a parallel, and the children that it waits for where these are named."""
-    record = editing.draft.mapping(place)
+    record = edit.draft.mapping(place)
     rules, awaited = file_data(record.get("rules", [])), file_data(record.get("wait_for", []))
     about = [number for number, rule in enumerate(rules) if name in rule.get("when", {})]
     if to is not None:
         for number in about:
-            editing.rekey((*place, "rules", str(number), "when"), name, to)
+            edit.rekey((*place, "rules", str(number), "when"), name, to)
         for number, child in enumerate(awaited):
             if child == name:
-                editing.take(Assign(at=(*place, "wait_for"), key=str(number), value=to))
+                edit.take(Assign(at=(*place, "wait_for"), key=str(number), value=to))
         return
     for field, old, kept in (
         ("rules", rules, [rule for number, rule in enumerate(rules) if number not in about]),
         ("wait_for", awaited, [child for child in awaited if child != name] if name in awaited else awaited),
     ):
         if kept != old:
-            editing.set(place, field, kept) if kept else editing.drop(place, field)
+            edit.set(place, field, kept) if kept else edit.drop(place, field)
 
 
 def _edges_to(container: AnyNode, children: Place, name: str) -> list[tuple[Place, str]]:

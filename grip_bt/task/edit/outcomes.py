@@ -14,7 +14,7 @@ from grip_bt.task.model import outcomes_of
 from ..canonical import file_data
 from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task
 from .change_kind import STANDARD
-from .editing import Editing, kind_of
+from .editing import Edit, kind_of
 from .steps import Place
 
 
@@ -32,18 +32,18 @@ class RenameOutcome(BaseCommand):
     to: Name
 
     @override
-    def plan(self, editing: Editing) -> None:
+    def plan(self, edit: Edit) -> None:
         if self.to == self.outcome:
-            _declared(editing, self)
+            _declared(edit, self)
         elif self.path == "":
-            _of_task(editing, self)
+            _of_task(edit, self)
         else:
-            _of_container(editing, self)
+            _of_container(edit, self)
 
 
-def _declared(editing: Editing, command: RenameOutcome) -> None:
+def _declared(edit: Edit, command: RenameOutcome) -> None:
     """Refuse an outcome that isn't declared there, and a name that is taken."""
-    holder = editing.task if command.path == "" else editing.node(command.path)
+    holder = edit.task if command.path == "" else edit.node(command.path)
     if not isinstance(holder, Task | Kind) or "outcomes" not in type(holder).model_fields:
         raise EditError(command.path, f"the outcomes of a {kind_of(holder)} aren't its task's to rename")
     there = holder.outcomes
@@ -61,20 +61,20 @@ def _declared(editing: Editing, command: RenameOutcome) -> None:
         raise EditError(command.path, f"an edge to {command.to!r} would mean the child of that name; choose another")
 
 
-def _of_task(editing: Editing, command: RenameOutcome) -> None:
-    _declared(editing, command)
-    task = editing.task
-    if "outcomes" in editing.draft.mapping(()):
-        editing.rekey(("outcomes",), command.outcome, command.to)
+def _of_task(edit: Edit, command: RenameOutcome) -> None:
+    _declared(edit, command)
+    task = edit.task
+    if "outcomes" in edit.draft.mapping(()):
+        edit.rekey(("outcomes",), command.outcome, command.to)
     else:
         renamed = {command.to if k == command.outcome else k: v for k, v in task.outcomes.items()}
-        editing.put((), "outcomes", renamed)
+        edit.put((), "outcomes", renamed)
     led = [label for label, target in task.root.on.items() if target == command.outcome]
     for label in led:
-        editing.set(("root", "on"), label, command.to)
+        edit.set(("root", "on"), label, command.to)
     for label, meaning in _ends_of_root(task.root, command.outcome, bool(led)).items():
         if label not in task.root.on and _by_itself(task.outcomes, label, meaning) == command.outcome:
-            editing.set_in(("root",), "on", label, command.to)
+            edit.set_in(("root",), "on", label, command.to)
 
 
 def _ends_of_root(root: AnyNode, outcome: str, led: bool) -> Mapping[str, str]:
@@ -98,65 +98,63 @@ def _by_itself(outcomes: Mapping[str, str], label: str, meaning: str) -> str | N
     return next((target for target in (label, meaning) if target in outcomes), None)
 
 
-def _of_container(editing: Editing, command: RenameOutcome) -> None:
-    _declared(editing, command)
-    node, place = editing.node(command.path), editing.place(command.path)
-    editing.rekey((*place, "outcomes"), command.outcome, command.to)
-    _inside(editing, node, place, command)
-    if command.path == "/" or isinstance(editing.parent(command.path, "")[2], StateMachine):
-        _follow_keys(editing, (*place, "on"), editing.entries(place, "on"), "", command)
+def _of_container(edit: Edit, command: RenameOutcome) -> None:
+    _declared(edit, command)
+    node, place = edit.node(command.path), edit.place(command.path)
+    edit.rekey((*place, "outcomes"), command.outcome, command.to)
+    _inside(edit, node, place, command)
+    if command.path == "/" or isinstance(edit.parent(command.path, "")[2], StateMachine):
+        _follow_keys(edit, (*place, "on"), edit.entries(place, "on"), "", command)
     if command.path == "/":
-        _at_root(editing, command)
+        _at_root(edit, command)
     else:
-        _around(editing, command)
+        _around(edit, command)
 
 
-def _inside(editing: Editing, node: AnyNode, place: Place, command: RenameOutcome) -> None:
+def _inside(edit: Edit, node: AnyNode, place: Place, command: RenameOutcome) -> None:
     """Let what leads to the outcome lead to it under its new name."""
-    for key, label in editing.entries(place, "exits").items():
+    for key, label in edit.entries(place, "exits").items():
         if label == command.outcome:
-            editing.set((*place, "exits"), key, command.to)
-    for number, rule in enumerate(file_data(editing.draft.mapping(place).get("rules", []))):
+            edit.set((*place, "exits"), key, command.to)
+    for number, rule in enumerate(file_data(edit.draft.mapping(place).get("rules", []))):
         if rule.get("then") == command.outcome:
-            editing.set((*place, "rules", str(number)), "then", command.to)
+            edit.set((*place, "rules", str(number)), "then", command.to)
     if isinstance(node, StateMachine) and command.outcome not in node.children:
         for name, child in node.children.items():
             for label, target in child.on.items():
                 if target == command.outcome:
-                    editing.set((*place, "children", name, "on"), label, command.to)
+                    edit.set((*place, "children", name, "on"), label, command.to)
 
 
-def _at_root(editing: Editing, command: RenameOutcome) -> None:
+def _at_root(edit: Edit, command: RenameOutcome) -> None:
     """Let the root's end lead where it led when nothing said so."""
-    task = editing.task
+    task = edit.task
     meaning = outcomes_of(task.root)[command.outcome]  # type: ignore[arg-type]
     target = _by_itself(task.outcomes, command.outcome, meaning)
     if command.outcome in task.root.on or target in (None, _by_itself(task.outcomes, command.to, meaning)):
         return
-    editing.set_in(("root",), "on", command.to, target)
+    edit.set_in(("root",), "on", command.to, target)
 
 
-def _around(editing: Editing, command: RenameOutcome) -> None:
+def _around(edit: Edit, command: RenameOutcome) -> None:
     """Let the container around it speak of its end under the new name."""
-    above, name, _ = editing.parent(command.path, "")
-    place = editing.place(above)
-    _follow_keys(editing, (*place, "exits"), editing.entries(place, "exits"), f"{name}.", command)
-    for number, rule in enumerate(file_data(editing.draft.mapping(place).get("rules", []))):
+    above, name, _ = edit.parent(command.path, "")
+    place = edit.place(above)
+    _follow_keys(edit, (*place, "exits"), edit.entries(place, "exits"), f"{name}.", command)
+    for number, rule in enumerate(file_data(edit.draft.mapping(place).get("rules", []))):
         said = rule.get("when", {}).get(name)
         if said is None:
             continue
         new = [_renamed(each, command) for each in said] if isinstance(said, list) else _renamed(said, command)
         if new != said:
-            editing.set((*place, "rules", str(number), "when"), name, new)
+            edit.set((*place, "rules", str(number), "when"), name, new)
 
 
-def _follow_keys(
-    editing: Editing, at: Place, entries: Mapping[str, object], start: str, command: RenameOutcome
-) -> None:
+def _follow_keys(edit: Edit, at: Place, entries: Mapping[str, object], start: str, command: RenameOutcome) -> None:
     """Rename the keys that begin with `start` and go on with the outcome, or with one of its codes."""
     for key in entries:
         if key.startswith(start):
-            editing.rekey(at, key, start + _renamed(key.removeprefix(start), command))
+            edit.rekey(at, key, start + _renamed(key.removeprefix(start), command))
 
 
 def _renamed(label: str, command: RenameOutcome) -> str:

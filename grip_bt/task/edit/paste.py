@@ -10,12 +10,12 @@ from pydantic import BaseModel, ConfigDict, Field
 from typing_extensions import override
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, said
+from grip_bt.task.edit.editing import BaseCommand, path_in_words
 from grip_bt.task.model import children_of, outcomes_of
 
 from ..canonical import file_data
 from ..model import AnyNode, Name, StateMachine, Task
-from .editing import Editing, expect_free, expect_room, slot
+from .editing import Edit, expect_free, expect_room, slot
 from .variables import RenameVariable, declared_by, used_by
 
 _ANY = "Any"
@@ -52,27 +52,27 @@ class Paste(BaseCommand):
 
     @override
     def in_words(self) -> str:
-        return f"paste {self.name or self.clip.name} into {said(self.parent)}"
+        return f"paste {self.name or self.clip.name} into {path_in_words(self.parent)}"
 
     @override
-    def plan(self, editing: Editing) -> None:
-        parent, clip = editing.container(self.parent), self.clip
+    def plan(self, edit: Edit) -> None:
+        parent, clip = edit.container(self.parent), self.clip
         expect_room(parent, self.parent)
         if self.name is not None:
             expect_free(parent, self.parent, self.name)
         name = self.name or _fresh(clip.name, {*children_of(parent), *_outcomes(parent)})
-        there = _seen_from(editing.task, self.parent, itself=True)
+        there = _seen_from(edit.task, self.parent, itself=True)
         names = _names(self, there)
         node = _with_names(clip, names)
-        place = editing.place(self.parent)
+        place = edit.place(self.parent)
         for old, declaration in clip.variables.items():
             if names[old] not in there:
-                editing.set_in(place, "data", names[old], file_data(declaration))
+                edit.set_in(place, "data", names[old], file_data(declaration))
         on = node.pop("on", None)
         if isinstance(on, dict) and isinstance(parent, StateMachine):
             kept = {k: v for k, v in on.items() if v in children_of(parent) or v in _outcomes(parent)}
             node |= {"on": kept} if kept else {}
-        editing.put((*place, slot(parent)), name, node, self.index)
+        edit.put((*place, slot(parent)), name, node, self.index)
 
 
 def clip_of(task: Task, path: str) -> Clip:
@@ -81,7 +81,7 @@ def clip_of(task: Task, path: str) -> Clip:
     Raises:
         EditError: there is no such node.
     """
-    node = Editing(task).node(path)
+    node = Edit(task).node(path)
     used = _free(node)
     variables = {name: declared for name, declared in _seen_from(task, path).items() if name in used}
     name = path.rpartition("/")[2] or "root"
@@ -107,9 +107,9 @@ def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, object]:
     task = _parsed(clip)
     for old, new in names.items():
         if new != old:
-            editing = Editing(task)
-            RenameVariable(path="", name=old, to=new).plan(editing)
-            task = editing.draft.task(clip.name)
+            edit = Edit(task)
+            RenameVariable(path="", name=old, to=new).plan(edit)
+            task = edit.draft.task(clip.name)
     node = file_data(children_of(task.root)[clip.name])
     assert isinstance(node, dict)
     return node
@@ -122,9 +122,9 @@ def _parsed(clip: Clip) -> Task:
         EditError: it isn't a node.
     """
     data: dict[str, object] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
-    editing = Editing(Task.model_validate({**data, "root": {"kind": "sequence", "children": {}}}))
-    editing.put(("root", "children"), clip.name, file_data(clip.node))
-    return editing.draft.task(clip.name)
+    edit = Edit(Task.model_validate({**data, "root": {"kind": "sequence", "children": {}}}))
+    edit.put(("root", "children"), clip.name, file_data(clip.node))
+    return edit.draft.task(clip.name)
 
 
 def _fresh(name: str, taken: set[str]) -> str:

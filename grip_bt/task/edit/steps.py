@@ -76,7 +76,7 @@ class Shift(_Step):
     """Position in `to`, counted without the entry itself; None: at the end."""
 
 
-HEAD = ""
+FILE_COMMENT = ""
 """What a `Remark` at the top has as its key when it is about the comment of the file, and not of an entry."""
 
 
@@ -95,7 +95,7 @@ Step = Annotated[Put | Drop | Rekey | Assign | Shift | Remark, Field(discriminat
 
 def is_head(step: Step) -> bool:
     """Tell whether a step is about the comment at the top of the file."""
-    return isinstance(step, Remark) and step.at == () and step.key == HEAD
+    return isinstance(step, Remark) and step.at == () and step.key == FILE_COMMENT
 
 
 def is_record(at: Place) -> bool:

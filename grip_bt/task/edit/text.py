@@ -28,18 +28,18 @@ from .commands import Splice
 from .comment import found_at, head_at, lines_of_comment, rewritten
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
 from .text_places import (
-    ODD,
+    NOT_EDITABLE,
     content_end,
     dedented,
+    expand,
     fits,
+    has_comments_inside,
     indented,
-    is_odd,
-    is_tidy,
     line_end,
     line_start,
+    one_entry_a_line,
     region_end,
     region_start,
-    spread,
     with_another,
     without,
 )
@@ -58,7 +58,7 @@ class Text:
 
     def __init__(self, text: str, tree: YamlMapping | None = None):
         if "\r" in text.replace("\r\n", ""):
-            raise EditError("", ODD)
+            raise EditError("", NOT_EDITABLE)
         self.text = text
         self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
@@ -109,7 +109,7 @@ class Text:
         for key in at:
             entry = _inner(value, key)
             if entry is None:
-                raise EditError("/".join(at), ODD)
+                raise EditError("/".join(at), NOT_EDITABLE)
             mine = replace(entry, value=_copied(entry.value))
             if isinstance(value, YamlMapping):
                 value.entries[key] = mine
@@ -122,20 +122,20 @@ class Text:
         for depth, key in enumerate(at):
             entry = _inner(value, key)
             if entry is None:
-                raise EditError("/".join(at[: depth + 1]), ODD)
+                raise EditError("/".join(at[: depth + 1]), NOT_EDITABLE)
             value = entry.value
         return value
 
     def _mapping(self, at: Place) -> YamlMapping:
         value = self._value(at)
         if not isinstance(value, YamlMapping):
-            raise EditError("/".join(at), ODD)
+            raise EditError("/".join(at), NOT_EDITABLE)
         return value
 
     def _entry(self, at: Place, key: str) -> YamlEntry:
         entry = _inner(self._value(at), key)
         if entry is None:
-            raise EditError("/".join((*at, key)), ODD)
+            raise EditError("/".join((*at, key)), NOT_EDITABLE)
         return entry
 
     # --- replacing in place ----------------------------------------------------------------------------------------
@@ -186,7 +186,7 @@ class Text:
 
     def _taken(self, at: Place, entry: YamlEntry) -> str:
         """Return the lines of an entry, without what is above it."""
-        if not is_tidy(self.text, self._value(at)):
+        if not one_entry_a_line(self.text, self._value(at)):
             return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
         begin = line_start(self.text, entry.start)
         return self._lines(dedented(self.text[begin : region_end(self.text, entry)], entry.column))
@@ -229,11 +229,11 @@ class Text:
                 self._splice(*rewritten(head, step.text, self._newline))
             return head.text
         lines = lines_of_comment("/".join(step.at), step.text)
-        if not lines and not is_tidy(self.text, self._mapping(step.at)):
+        if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
             return ""
         self._make_tidy(step.at)
-        if not is_tidy(self.text, self._mapping(step.at)):
-            raise EditError("/".join(step.at), ODD)
+        if not one_entry_a_line(self.text, self._mapping(step.at)):
+            raise EditError("/".join(step.at), NOT_EDITABLE)
         found = found_at(self.text, self._mapping(step.at), step.key)
         if found.text == step.text:
             return found.text
@@ -255,8 +255,8 @@ class Text:
         if inside.flow:
             self._splice(*without(inside, entry))
             return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
-        if not is_tidy(self.text, inside):
-            raise EditError("/".join(at), ODD)
+        if not one_entry_a_line(self.text, inside):
+            raise EditError("/".join(at), NOT_EDITABLE)
         begin = region_start(self.text, inside, keys.index(key), at == ())
         end = region_end(self.text, entry)
         source = self._lines(dedented(self.text[begin:end], entry.column))
@@ -297,14 +297,14 @@ class Text:
         holder = self._entry(at[:-1], at[-1])
         begin, end = holder.value.span
         if self.text[begin:end].strip("{} "):
-            raise EditError("/".join(at), ODD)
+            raise EditError("/".join(at), NOT_EDITABLE)
         rest = self.text[end : line_end(self.text, end)].strip()
         if rest and not rest.startswith("#"):
-            raise EditError("/".join(at), ODD)
+            raise EditError("/".join(at), NOT_EDITABLE)
         self._insert(line_end(self.text, end), indented(lines, holder.column + 2))
         colon = self.text.index(":", holder.key_end) + 1
         if self.text[colon:begin].strip():
-            raise EditError("/".join(at), ODD)
+            raise EditError("/".join(at), NOT_EDITABLE)
         self._splice(colon, end, "")
 
     def _insert(self, offset: int, lines: list[str]) -> None:
@@ -326,7 +326,7 @@ class Text:
     def _make_room(self, at: Place) -> None:
         """See to it that an entry of this mapping can be taken out."""
         inside = self._mapping(at)
-        if not (inside.flow and not is_odd(self.text, inside)):
+        if not (inside.flow and not has_comments_inside(self.text, inside)):
             self._make_tidy(at)
 
     def _make_tidy(self, at: Place, but_last: bool = False) -> None:
@@ -334,7 +334,7 @@ class Text:
         depths = range(len(at) if but_last else len(at) + 1)
         for depth in depths:
             if self._mapping(at[:depth]).flow:
-                begin, end, written = spread(self.text, at, depth)
+                begin, end, written = expand(self.text, at, depth)
                 self._splice(begin, end, self._joined(written, end) if depth else self._newline.join([*written, ""]))
                 return
 

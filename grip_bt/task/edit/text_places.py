@@ -9,7 +9,7 @@ from grip_bt.task.comments import attach_comments
 
 from .steps import Place, path_of, position_of
 
-ODD = "this formatting can't be edited in place; run `grip fmt` first"
+NOT_EDITABLE = "this formatting can't be edited in place; run `grip fmt` first"
 """What is said where a text is refused."""
 
 
@@ -24,7 +24,7 @@ def line_end(text: str, at: int) -> int:
     return len(text) if end < 0 else end + 1
 
 
-def is_tidy(text: str, mapping: YamlValue) -> bool:
+def one_entry_a_line(text: str, mapping: YamlValue) -> bool:
     """Tell whether a mapping has entries, each of which begins a line of its own."""
     if not isinstance(mapping, YamlMapping) or mapping.flow or not mapping.entries:
         return False
@@ -111,7 +111,7 @@ def fits(text: str, inside: YamlMapping, more: int) -> bool:
     return len(line.rstrip()) + more <= WIDTH and "\n" not in text[begin:end]
 
 
-def is_odd(text: str, inside: YamlMapping) -> bool:
+def has_comments_inside(text: str, inside: YamlMapping) -> bool:
     """Tell whether a mapping in braces has comments, or entries without a value."""
     begin, end = inside.span
     empty = any(isinstance(e.value, YamlScalar) and e.value.span[0] == e.value.span[1] for e in entries_of(inside))
@@ -137,7 +137,7 @@ def with_another(
         if not isinstance(value, dict) or "kind" in value or at[-1:] == ("child",) or not inside.entries:
             return None
     inline = in_braces(from_data({key: value}))
-    if inline is None or is_odd(text, inside):
+    if inline is None or has_comments_inside(text, inside):
         return None
     pair = inline[1:-1]
     if not fits(text, inside, len(pair) + 2):
@@ -157,7 +157,7 @@ def _end(entry: YamlEntry) -> int:
     return max(entry.value.span[1], entry.key_end)
 
 
-def spread(text: str, at: Place, depth: int) -> tuple[int, int, list[str]]:
+def expand(text: str, at: Place, depth: int) -> tuple[int, int, list[str]]:
     """Return how the mappings on the way to a place are written with one entry a line, from a depth on.
 
     Args:
@@ -186,8 +186,8 @@ def spread(text: str, at: Place, depth: int) -> tuple[int, int, list[str]]:
         written = write(tree, lambda value: id(value) in blocks, header)
         return 0, len(text), written.removesuffix("\n").split("\n")
     holder = holders[depth - 1]
-    if not is_tidy(text, chain[depth - 1]):
-        raise EditError("/".join(at), ODD)
+    if not one_entry_a_line(text, chain[depth - 1]):
+        raise EditError("/".join(at), NOT_EDITABLE)
     holder.comments.before = []
     written = write(YamlMapping({holder.key: holder}), lambda value: id(value) in blocks)
     lines = indented(written.removesuffix("\n").split("\n"), holder.column)

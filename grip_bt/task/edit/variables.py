@@ -18,7 +18,7 @@ from grip_bt.task.model import children_of, expressions_of, join
 from ..canonical import file_data
 from ..model import AnyNode, Name, Variable
 from ..shape import DECLARING
-from .editing import Editing
+from .editing import Edit
 
 _READS = ("items",)
 """Keys of containers that hold the name of a variable."""
@@ -38,16 +38,16 @@ class Declare(BaseCommand):
     index: int | None = Field(default=None, ge=0)
 
     @override
-    def plan(self, editing: Editing) -> None:
-        holder = _holder(editing, self.path)
+    def plan(self, edit: Edit) -> None:
+        holder = _holder(edit, self.path)
         if self.name in declared_by(holder):
             raise EditError(self.path, f"the variable {self.name!r} is there already")
-        place = editing.place(self.path)
+        place = edit.place(self.path)
         value = file_data(self.variable)
-        if "data" in editing.draft.mapping(place):
-            editing.put((*place, "data"), self.name, value, self.index)
+        if "data" in edit.draft.mapping(place):
+            edit.put((*place, "data"), self.name, value, self.index)
         else:
-            editing.put(place, "data", {self.name: value})
+            edit.put(place, "data", {self.name: value})
 
 
 class Undeclare(BaseCommand):
@@ -59,18 +59,18 @@ class Undeclare(BaseCommand):
     name: str
 
     @override
-    def plan(self, editing: Editing) -> None:
-        _declared(editing, self.path, self.name)
-        users = [seer.path for seer in _users(editing, self.path, self.name)]
+    def plan(self, edit: Edit) -> None:
+        _declared(edit, self.path, self.name)
+        users = [seer.path for seer in _users(edit, self.path, self.name)]
         if users:
             shown = listing(dict.fromkeys(users))
             raise EditError(self.path, f"the variable {self.name!r} is used by {shown}; unbind it there first")
-        holder, place = _holder(editing, self.path), editing.place(self.path)
+        holder, place = _holder(edit, self.path), edit.place(self.path)
         keys = [key for key in DECLARING if self.name in getattr(holder, key, ())]
         if not keys:
             raise EditError(self.path, f"the variable {self.name!r} belongs to the container's kind and stays")
         for key in keys:
-            editing.drop_in(place, key, self.name)
+            edit.drop_in(place, key, self.name)
 
 
 class RenameVariable(BaseCommand):
@@ -83,22 +83,22 @@ class RenameVariable(BaseCommand):
     to: Name
 
     @override
-    def plan(self, editing: Editing) -> None:
-        holder = _declared(editing, self.path, self.name)
+    def plan(self, edit: Edit) -> None:
+        holder = _declared(edit, self.path, self.name)
         if self.to == self.name:
             return
         if self.to in declared_by(holder):
             raise EditError(self.path, f"there is a variable {self.to!r} already")
-        _refuse_capture(editing, self)
-        for seer in list(_users(editing, self.path, self.name)):
-            _follow(editing, seer, self)
-        place = editing.place(self.path)
+        _refuse_capture(edit, self)
+        for seer in list(_users(edit, self.path, self.name)):
+            _follow(edit, seer, self)
+        place = edit.place(self.path)
         for key in DECLARING:
             if self.name in getattr(holder, key, ()):
-                editing.rekey((*place, key), self.name, self.to)
+                edit.rekey((*place, key), self.name, self.to)
         for key in _DECLARES:
             if getattr(holder, key, None) == self.name:
-                editing.set(place, key, self.to)
+                edit.set(place, key, self.to)
 
 
 def declared_by(holder: object) -> list[str]:
@@ -113,12 +113,12 @@ def used_by(node: AnyNode) -> tuple[set[str], set[str]]:
     return _Seer("", node, True, False).uses(), _Seer("", node, False, True).uses()
 
 
-def _holder(editing: Editing, path: str) -> object:
-    return editing.task if path == "" else editing.container(path)
+def _holder(edit: Edit, path: str) -> object:
+    return edit.task if path == "" else edit.container(path)
 
 
-def _declared(editing: Editing, path: str, name: str) -> object:
-    holder = _holder(editing, path)
+def _declared(edit: Edit, path: str, name: str) -> object:
+    holder = _holder(edit, path)
     there = declared_by(holder)
     if name not in there:
         raise EditError(
@@ -154,16 +154,16 @@ class _Seer:
                 yield key, text
 
 
-def _users(editing: Editing, path: str, name: str) -> Iterator[_Seer]:
+def _users(edit: Edit, path: str, name: str) -> Iterator[_Seer]:
     """Yield the nodes that use the variable `name` which is declared at `path`."""
-    return (seer for seer in _scope(editing, path, name) if name in seer.uses())
+    return (seer for seer in _scope(edit, path, name) if name in seer.uses())
 
 
-def _scope(editing: Editing, path: str, name: str) -> Iterator[_Seer]:
+def _scope(edit: Edit, path: str, name: str) -> Iterator[_Seer]:
     """Yield the nodes from which the variable `name` declared at `path` may be seen."""
-    stack = [("/", editing.task.root)]
+    stack = [("/", edit.task.root)]
     if path != "":
-        holder = editing.node(path)
+        holder = edit.node(path)
         yield _Seer(path, holder, False, True)
         stack = [(join(path, child), node) for child, node in children_of(holder).items()]
     while stack:
@@ -181,38 +181,38 @@ def _names(text: str) -> tuple[str, ...]:
         return ()
 
 
-def _refuse_capture(editing: Editing, command: RenameVariable) -> None:
+def _refuse_capture(edit: Edit, command: RenameVariable) -> None:
     """Refuse a name that means something else where the variable is used, or that is used in its scope."""
-    for seer in _scope(editing, command.path, command.name):
+    for seer in _scope(edit, command.path, command.name):
         if command.to in seer.uses():
             raise EditError(
                 command.path, f"{seer.path} uses another variable {command.to!r}, which this one would hide"
             )
-    for seer in _users(editing, command.path, command.name):
+    for seer in _users(edit, command.path, command.name):
         at = seer.path
         while at != command.path:
-            if command.to in declared_by(editing.node(at)):
+            if command.to in declared_by(edit.node(at)):
                 raise EditError(command.path, f"{at} has its own variable {command.to!r}, which would hide this one")
             at = "" if at == "/" else at.rpartition("/")[0] or "/"
 
 
-def _follow(editing: Editing, seer: _Seer, command: RenameVariable) -> None:
-    place = editing.place(seer.path)
+def _follow(edit: Edit, seer: _Seer, command: RenameVariable) -> None:
+    place = edit.place(seer.path)
     for side in ("in", "out"):
-        for port, variable in editing.entries(place, side).items():
+        for port, variable in edit.entries(place, side).items():
             if variable == command.name:
-                editing.set((*place, side), port, command.to)
+                edit.set((*place, side), port, command.to)
     for key in _READS:
         if seer.inside and getattr(seer.node, key, None) == command.name:
-            editing.set(place, key, command.to)
+            edit.set(place, key, command.to)
     for key, text in seer.expressions():
         new = _renamed(text, command, seer.path)
         if new == text:
             continue
-        if not isinstance(editing.draft.mapping(place).get(key), str):
+        if not isinstance(edit.draft.mapping(place).get(key), str):
             message = f"the expression {text!r} under {key!r} can't be followed; change it by hand, then rename"
             raise EditError(seer.path, message)
-        editing.set(place, key, new)
+        edit.set(place, key, new)
 
 
 def _renamed(text: str, command: RenameVariable, path: str) -> str:

@@ -127,7 +127,7 @@ def test_the_port_of_a_library_ends_with_errors_that_a_task_can_expect():
         messages.names("pose").result()
     with pytest.raises(EmptyQueueError):
         messages.get("poses", "").result()
-    with pytest.raises(NoEntryError, match="kept nowhere"):
+    with pytest.raises(NoEntryError, match="outside of a project"):
         messages.save().result()
     with pytest.raises(WrongTypeError):
         messages.put("poses", "x", 3)

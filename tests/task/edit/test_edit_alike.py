@@ -13,7 +13,7 @@ from random_commands import commands
 from grip_bt.base.errors import EditError
 from grip_bt.task import load, loads, read_text
 from grip_bt.task.edit import Rename, apply, apply_to_document
-from grip_bt.task.edit.documents import alike, said_alike
+from grip_bt.task.edit.documents import alike, written_alike
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").rglob("tasks/*.yaml"))
 TEXT = "grip: 1\nname: t\nroot: {kind: sequence, children: {a: {node: flow/wait, with: WITH}}}\n"
@@ -45,7 +45,7 @@ def test_order_of_children_counts() -> None:
 def test_values_that_are_not_numbers_are_alike() -> None:
     assert alike({"a": [math.nan, None]}, {"a": (math.nan, None)})
     assert alike([math.inf], [None])
-    assert not said_alike([math.inf], [None])
+    assert not written_alike([math.inf], [None])
 
 
 @settings(deadline=None, max_examples=50, suppress_health_check=list(HealthCheck))
@@ -59,13 +59,13 @@ def test_it_says_what_comparing_the_written_form_says(data: st.DataObject) -> No
     assert alike(before, after) == (before.model_dump_json() == after.model_dump_json())
 
 
-def test_a_default_that_is_said_is_alike_and_not_said_alike() -> None:
+def test_a_default_that_is_said_is_alike_and_not_written_alike() -> None:
     silent, said = (
         loads(f"grip: 1\nname: t\nroot: {{kind: sequence{more}, children: {{}}}}\n") for more in ("", ", memory: true")
     )
     assert alike(silent, said)
-    assert not said_alike(silent, said)
-    assert said_alike(said, loads("grip: 1\nname: t\nroot: {kind: sequence, memory: true, children: {}}\n"))
+    assert not written_alike(silent, said)
+    assert written_alike(said, loads("grip: 1\nname: t\nroot: {kind: sequence, memory: true, children: {}}\n"))
 
 
 def test_an_edited_document_shares_what_the_edit_left_alone() -> None:

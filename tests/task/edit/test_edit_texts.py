@@ -10,7 +10,7 @@ from random_texts import with_comments
 from grip_bt.base.errors import EditError
 from grip_bt.task import Leaf, dumps, fmt, loads, read_text, walk
 from grip_bt.task.edit import apply, apply_to_document, command_of
-from grip_bt.task.edit.text_places import is_tidy, line_start, region_end
+from grip_bt.task.edit.text_places import line_start, one_entry_a_line, region_end
 
 unhurried = settings(
     deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]
@@ -100,7 +100,7 @@ def lines_of_node(document, path):
     if path != "/":
         above = document._entry(path.rpartition("/")[0] or "/").value
         inside = next(above.entries[key].value for key in ("children", "child") if key in above.entries)
-    if not is_tidy(document.text, inside):
+    if not one_entry_a_line(document.text, inside):
         return None
     return document.text[line_start(document.text, entry.start) : region_end(document.text, entry)]
 
