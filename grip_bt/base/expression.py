@@ -17,10 +17,10 @@ from functools import lru_cache
 from grip_bt.base.errors import ExpressionError, nearest
 
 LONGEST, DEEPEST = 500, 30
-FUNCTIONS = ("len", "min", "max", "abs")
+_FUNCTIONS = ("len", "min", "max", "abs")
 CONSTANTS = {"true": True, "false": False, "null": None}
 """Words of YAML that mean here what they mean there; no variable of such a name can be used."""
-ALLOWED = (
+_ALLOWED = (
     "literals, variables, `== != < <= > >=`, `in`, `is None`, `and or not`, `+ - * / // %`, "
     "`len() min() max() abs()`, lists, attributes such as `grasp.quality`"
 )
@@ -78,7 +78,7 @@ def parse_expression(text: str) -> Expression:
         _check(text, node)
         if isinstance(node, ast.Name) and node.id not in CONSTANTS:
             names[node.id] = None
-    return Expression(text, tuple(name for name in names if name not in FUNCTIONS or _used_as_value(tree, name)), tree)
+    return Expression(text, tuple(name for name in names if name not in _FUNCTIONS or _used_as_value(tree, name)), tree)
 
 
 def _syntax(text: str) -> ast.expr:
@@ -105,7 +105,7 @@ def _hint(text: str) -> str:
         return "write `and`, `or`, `not`"
     if "=" in text and not any(sign in text for sign in ("==", "<=", ">=", "!=")):
         return "equality is `==`"
-    return f"allowed are {ALLOWED}"
+    return f"allowed are {_ALLOWED}"
 
 
 def _walk(tree: ast.expr) -> Iterator[tuple[ast.AST, int]]:
@@ -131,7 +131,7 @@ def _check(text: str, node: ast.AST) -> None:
             _check_call(text, node)
         case ast.Compare(ops=ops, comparators=right) if any(isinstance(op, ast.Is | ast.IsNot) for op in ops):
             for op, operand in zip(ops, right, strict=True):
-                if isinstance(op, ast.Is | ast.IsNot) and not is_none(operand):
+                if isinstance(op, ast.Is | ast.IsNot) and not _is_none(operand):
                     raise ExpressionError(
                         text, "`is` is for None only; compare with `==` or `!=`", _column(text, operand)
                     )
@@ -141,17 +141,17 @@ def _check(text: str, node: ast.AST) -> None:
             raise _refused(text, node, _NAMES.get(type(node), type(node).__name__))
 
 
-def is_none(node: ast.expr) -> bool:
+def _is_none(node: ast.expr) -> bool:
     """Tell whether this is `None` or `null`."""
     return (isinstance(node, ast.Constant) and node.value is None) or (isinstance(node, ast.Name) and node.id == "null")
 
 
 def _check_call(text: str, node: ast.Call) -> None:
-    if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS:
+    if not isinstance(node.func, ast.Name) or node.func.id not in _FUNCTIONS:
         what = ast.unparse(node.func)
-        hint = nearest(what, FUNCTIONS)
+        hint = nearest(what, _FUNCTIONS)
         raise ExpressionError(
-            text, f"{what}() can't be called{hint} (functions: {', '.join(FUNCTIONS)})", _column(text, node)
+            text, f"{what}() can't be called{hint} (functions: {', '.join(_FUNCTIONS)})", _column(text, node)
         )
     name = node.func.id
     if node.keywords or not node.args or (name in ("len", "abs") and len(node.args) != 1):
@@ -165,7 +165,7 @@ def _used_as_value(tree: ast.expr, name: str) -> bool:
 
 
 def _refused(text: str, node: ast.AST, what: str) -> ExpressionError:
-    return ExpressionError(text, f"{what} isn't part of the language (allowed are {ALLOWED})", _column(text, node))
+    return ExpressionError(text, f"{what} isn't part of the language (allowed are {_ALLOWED})", _column(text, node))
 
 
 def _column(text: str, node: ast.AST) -> int:

@@ -104,12 +104,6 @@ class NoContactError(ExpectedError):
     code = "no_contact"
 
 
-class LostContactError(ExpectedError):
-    """A hand has lost what it held."""
-
-    code = "lost_contact"
-
-
 class NothingHeldError(ExpectedError):
     """A hand was asked to put down what it doesn't hold."""
 

@@ -29,10 +29,10 @@ def dumps(task: model.Task) -> str:
     """
     tree = from_data(file_data(task))
     assert isinstance(tree, YamlMapping)
-    return write_canonical(tree)
+    return _write_canonical(tree)
 
 
-def write_canonical(tree: YamlMapping, header: list[str] | None = None) -> str:
+def _write_canonical(tree: YamlMapping, header: list[str] | None = None) -> str:
     """Return the canonical text of the syntax tree of a readable task."""
     blocks = {id(tree)}
     _arrange(tree, model.Task)
@@ -179,4 +179,4 @@ def fmt(text: str, source: str = "") -> str:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     document = read_text(text, source)
     header = attach_comments(document.tree, document.text)
-    return write_canonical(document.tree, header)
+    return _write_canonical(document.tree, header)

@@ -108,7 +108,7 @@ def read_text(text: str, source: str = "") -> Document:
             gc.enable()
 
 
-def version_of(tree: YamlValue) -> int | None:
+def _version_of(tree: YamlValue) -> int | None:
     """Return the version that a file says it has; None where it says none."""
     entry = tree.entries.get("grip") if isinstance(tree, YamlMapping) else None
     value = entry.value.value if entry is not None and isinstance(entry.value, YamlScalar) else None
@@ -120,7 +120,7 @@ def _check_version(tree: YamlValue, source: str) -> None:
 
     Whoever changes the format raises `FORMAT_VERSION` and reads the version before it here.
     """
-    version = version_of(tree)
+    version = _version_of(tree)
     if version is None or version == FORMAT_VERSION or not isinstance(tree, YamlMapping):
         return
     message = f"format {version} isn't supported; this version of GRIP reads `grip: {FORMAT_VERSION}`"

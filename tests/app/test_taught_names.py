@@ -112,7 +112,7 @@ def test_a_name_that_nobody_teaches_is_told(said, tmp_path):
     catalog = project_catalog(tmp_path)
     document = read_text(task(GO))
     (issue,) = validate(document.task, catalog, document).issues
-    assert [found.title for found in Fixer(document.task, catalog).fixes(issue)] == ["Write abvoe"]
+    assert [found.title for found in Fixer(document.task, catalog).fixes(issue)] == ["Use abvoe"]
 
 
 def test_what_is_taught_to_one_arm_is_not_known_to_the_other(said, tmp_path):

@@ -17,7 +17,7 @@ from grip_bt.base.yaml.tree import parse, to_data
 
 from .files import read_joint_states, read_poses, read_trajectories
 
-EDITABLE = 2000
+_EDITABLE = 2000
 """Most numbers and texts of a message that is written as text."""
 _IN_FILES = ("joint_states", "poses", "robot_poses")
 
@@ -104,13 +104,13 @@ def plain_of(message: object) -> object:
             part = list(part)
         if hasattr(part, "tolist"):
             count += len(part) if np.ndim(part) else 1
-            if count > EDITABLE:
+            if count > _EDITABLE:
                 raise OverflowError
             return part.tolist()
         if isinstance(part, list | tuple):
             return [plain(each) for each in part]
         count += 1
-        if count > EDITABLE:
+        if count > _EDITABLE:
             raise OverflowError
         return part
 

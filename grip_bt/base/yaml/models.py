@@ -103,7 +103,7 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     elif error["type"] == "string_pattern_mismatch" and words[-1:] == ["behaviour"]:
         message = f"{error['input']!r} isn't an import path: write `package.module:Class`"
     elif error["type"] == "string_pattern_mismatch":
-        message = mismatch(error["ctx"]["pattern"], error["input"])
+        message = _mismatch(error["ctx"]["pattern"], error["input"])
     elif error["type"] == "tuple_type" and isinstance(error["input"], str | int | float):
         message = f"expected a list: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
     elif error["type"] == "union_tag_not_found":
@@ -127,7 +127,7 @@ def _kind_of(value: object) -> str:
     return "nothing" if value is None else repr(value)
 
 
-def mismatch(pattern: str, text: object) -> str:
+def _mismatch(pattern: str, text: object) -> str:
     """Return what is wrong with a text that has to match a pattern of ours, in words, with what could be written."""
     if pattern.startswith("^(/"):
         allowed = "words of letters, digits and _, each after a /"

@@ -22,7 +22,7 @@ _INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 _LONGEST_NUMBER = 64
-LARGEST_INTEGER = 2**63 - 1
+_LARGEST_INTEGER = 2**63 - 1
 
 _PLAIN_START = re.compile(r"[A-Za-z0-9_/.+(]|[^\W\d_]")
 _UNPRINTABLE = re.compile("[^\t\n -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
@@ -45,7 +45,7 @@ def read_plain(text: str) -> object:
         raise ValueError(f"a number of {len(text)} characters; quote it if it is text")
     if integer:
         value = int(text, 0) if text[:2] in ("0x", "0o") else int(text)
-        if abs(value) > LARGEST_INTEGER:
+        if abs(value) > _LARGEST_INTEGER:
             raise ValueError(f"the whole number {text} doesn't fit 64 bits")
         return value
     number = float(text)

@@ -33,8 +33,8 @@ from .scalars import read_plain
 
 MAX_DEPTH = 120
 """Levels of mappings and lists in a file; a container of a task takes two."""
-LONGEST_KEY = 200
-MAX_CHARACTERS = 1_250_000
+_LONGEST_KEY = 200
+_MAX_CHARACTERS = 1_250_000
 """Of a file; some 10,000 nodes with a comment each."""
 MAX_VALUES = 100_000
 """Scalars, mappings and lists in a file, keys included; 10,000 nodes with a parameter each take 80,000."""
@@ -163,8 +163,8 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
     Raises:
         DocumentError: it isn't one, or it uses what our files don't need.
     """
-    if len(text) > MAX_CHARACTERS:
-        raise DocumentError(f"larger than {MAX_CHARACTERS} characters", source)
+    if len(text) > _MAX_CHARACTERS:
+        raise DocumentError(f"larger than {_MAX_CHARACTERS} characters", source)
     unreadable = _UNREADABLE.search(text, text.startswith(_BYTE_ORDER_MARK))
     if unreadable:
         line, column = _place(text, unreadable.start())
@@ -283,8 +283,8 @@ class _Builder:
         if not isinstance(value, YamlScalar) or not isinstance(value.value, str):
             shown = repr(value.value) if isinstance(value, YamlScalar) else "a collection"
             raise DocumentError(f"{shown} as a key; keys are text: put it in quotes", *place)
-        if len(value.value) > LONGEST_KEY:
-            raise DocumentError(f"a key longer than {LONGEST_KEY} characters", *place)
+        if len(value.value) > _LONGEST_KEY:
+            raise DocumentError(f"a key longer than {_LONGEST_KEY} characters", *place)
         if value.value in parent.entries:
             first = parent.entries[value.value]
             raise DocumentError(f"duplicate key {value.value!r}; it is already defined in line {first.line}", *place)
@@ -306,7 +306,7 @@ def read_file(path: Path | str) -> str:
         raise DocumentError("a file's name is needed; this one is empty", "''")
     try:
         with Path(path).open("rb") as file:
-            data = file.read(MAX_CHARACTERS + 1)
+            data = file.read(_MAX_CHARACTERS + 1)
     except (FileNotFoundError, IsADirectoryError) as error:
         named = Path(path)
         meant = f"; it leads to {named.readlink()}" if named.is_symlink() else _meant(named)
@@ -315,8 +315,8 @@ def read_file(path: Path | str) -> str:
         raise DocumentError(f"can't be read: {error.strerror or error}", name) from None
     except ValueError as error:
         raise DocumentError(f"can't be read: {error}", name) from None
-    if len(data) > MAX_CHARACTERS:
-        raise DocumentError(f"larger than {MAX_CHARACTERS} bytes; a task file is text", name)
+    if len(data) > _MAX_CHARACTERS:
+        raise DocumentError(f"larger than {_MAX_CHARACTERS} bytes; a task file is text", name)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -16,10 +16,10 @@ WIDTH = 100
 _FOLDABLE = re.compile(r"[^\s#&*!|>'\"%@`?:,\[\]{}-]\S*( \S+)+")
 _LITERAL_LINE = re.compile("[ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]*")
 
-AlwaysBlock = Callable[[YamlValue], bool]
+_AlwaysBlock = Callable[[YamlValue], bool]
 
 
-def write(tree: YamlMapping, always_block: AlwaysBlock, header: list[str] | None = None) -> str:
+def write(tree: YamlMapping, always_block: _AlwaysBlock, header: list[str] | None = None) -> str:
     """Return the text of a mapping.
 
     Args:
@@ -31,7 +31,7 @@ def write(tree: YamlMapping, always_block: AlwaysBlock, header: list[str] | None
     return "\n".join(lines) + "\n"
 
 
-def _block(value: YamlMapping | YamlList, indent: int, always_block: AlwaysBlock) -> Iterator[str]:
+def _block(value: YamlMapping | YamlList, indent: int, always_block: _AlwaysBlock) -> Iterator[str]:
     space = " " * indent
     for number, entry in enumerate(entries_of(value)):
         before = entry.comments.before
@@ -42,7 +42,7 @@ def _block(value: YamlMapping | YamlList, indent: int, always_block: AlwaysBlock
     yield from (space + c if c else "" for c in value.closing)
 
 
-def _entry(parent: YamlMapping | YamlList, entry: YamlEntry, indent: int, always_block: AlwaysBlock) -> list[str]:
+def _entry(parent: YamlMapping | YamlList, entry: YamlEntry, indent: int, always_block: _AlwaysBlock) -> list[str]:
     space = " " * indent
     lead = f"{write_scalar(entry.key, flow=True)}:" if isinstance(parent, YamlMapping) else "-"
     beside = f"  {entry.comments.beside}" if entry.comments.beside else ""

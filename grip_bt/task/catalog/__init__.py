@@ -6,14 +6,13 @@ from .catalog import Catalog, load_implementation
 from .manifest import InputPort, Manifest, NodeId, OutputPort, Parameter, find_manifests, read_manifests
 from .python_nodes import find_python_nodes, read_python_nodes
 from .source_code import AllowedImports, CodePath
-from .task_files import NoTaskFiles, TaskFiles, TaskFolder, TaskTexts, manifest_of_task
+from .task_files import TaskFiles, TaskFolder, TaskTexts, manifest_of_task
 
 __all__ = [
     "Catalog",
     "CodePath",
     "InputPort",
     "Manifest",
-    "NoTaskFiles",
     "NodeId",
     "OutputPort",
     "AllowedImports",

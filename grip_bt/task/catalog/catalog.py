@@ -18,7 +18,7 @@ from grip_bt.base.types import Type
 from .manifest import Manifest, read_manifests
 from .project_parts import ProjectParts
 from .source_code import AllowedImports
-from .task_files import NoTaskFiles, TaskFiles
+from .task_files import NO_TASK_FILES, TaskFiles
 
 
 def load_implementation(manifest: Manifest) -> type:
@@ -108,7 +108,7 @@ class Catalog:
     """
 
     def __init__(self, manifests: Iterable[Manifest] = (), tasks: TaskFiles | None = None):
-        self.tasks: TaskFiles = NoTaskFiles() if tasks is None else tasks
+        self.tasks: TaskFiles = tasks or NO_TASK_FILES
         self.named: Callable[[], Mapping[str, Collection[str]] | None] = lambda: None
         self.parts: Callable[[], ProjectParts | None] = lambda: None
         self.code = AllowedImports()

@@ -26,7 +26,7 @@ FEEDBACK = "feedback"
 """The output that holds the last feedback of an action."""
 
 Label = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
-InterfaceName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*/(srv|action|msg)/[A-Z][A-Za-z0-9]*$")]
+_InterfaceName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*/(srv|action|msg)/[A-Z][A-Za-z0-9]*$")]
 
 __all__ = ["FILE_NAME", "ComponentFile", "PortType", "Start", "Timeouts", "load_component"]
 
@@ -36,7 +36,7 @@ class ComponentFile(Settings):
 
     name: Identifier
     doc: str = ""
-    interface: InterfaceName
+    interface: _InterfaceName
     """Type of the service, action or message, such as `antipodal_interfaces/srv/ProposeGrasps`."""
     server: RosName
     """Name under which it is served, such as `/propose_grasps`; of a message, the topic."""

@@ -19,7 +19,7 @@ UNITS: dict[str, float] = {
 }
 """Units that a component may use, in those of GRIP (m, rad, s, kg, N, N m, fractions)."""
 Unit = Literal["m", "cm", "mm", "in", "rad", "deg", "s", "ms", "us", "ns", "kg", "g", "N", "Nm", "percent"]
-FieldPath = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*$")]
+_FieldPath = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)*$")]
 
 
 class PortType(Settings):
@@ -28,7 +28,7 @@ class PortType(Settings):
     type: str = Field(min_length=1)
     """Name of a value (`PointCloud`, `list[Grasp]`), a builtin, or a ROS type, which leaves the message as it is."""
     doc: str = ""
-    field: FieldPath | None = None
+    field: _FieldPath | None = None
     """Where it is in the message, such as `target.pose`; the field of the port's own name by default."""
     unit: Unit | None = None
     """Unit that the component uses; a port's own is always m, rad, s, kg, N or a fraction."""

@@ -96,7 +96,7 @@ class SensorConfig(Settings):
         return self
 
 
-VIEW = {
+_VIEW = {
     "max_hidden": Parameter(
         type="float", default=0.1, doc="share of the view that the robot may hide, 0..1; 1 for whatever it hides"
     ),
@@ -126,7 +126,7 @@ def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
             " the view, as its joints and its description tell."
         ),
         implementation="grip_bt.nodes.perception:Capture",
-        parameters=FrozenDict(VIEW),
+        parameters=FrozenDict(_VIEW),
         outputs=FrozenDict(
             {
                 "frame": OutputPort(type="RgbdFrame", doc="colour and depth of one moment"),

@@ -41,13 +41,13 @@ def source_of(module: str, folder: Path | None = None) -> Path | None:
 
 def names_in(file: Path) -> frozenset[str] | None:
     """Return the names that a file defines at its top level; None where only running it could tell."""
-    module = syntax_of(file)
+    module = _syntax_of(file)
     names = frozenset() if module is None else frozenset(_names(module))
     return None if module is None or names & {"*", "__getattr__"} else names
 
 
 @dataclass(frozen=True, slots=True)
-class Definition:
+class _Definition:
     """A class or function at the top level of a file.
 
     Attributes:
@@ -61,17 +61,17 @@ class Definition:
     bases: tuple[str, ...]
 
 
-def definition_of(file: Path, name: str) -> Definition | None:
+def _definition_of(file: Path, name: str) -> _Definition | None:
     """Return what a file defines under a name; None where it defines no such class or function."""
-    module = syntax_of(file)
+    module = _syntax_of(file)
     known = {} if module is None else dict(imported(module))
     for item in [] if module is None else module.body:
         if isinstance(item, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) and item.name == name:
-            return Definition(file, item, tuple(_full(base, known) for base in getattr(item, "bases", ())))
+            return _Definition(file, item, tuple(_full(base, known) for base in getattr(item, "bases", ())))
     return None
 
 
-def line_of(file: Path, name: str, folder: Path | None = None) -> Iterator[Definition | str]:
+def line_of(file: Path, name: str, folder: Path | None = None) -> Iterator[_Definition | str]:
     """Yield a definition and what it is made of, nearest first; full names of what has no source to look into.
 
     Args:
@@ -82,7 +82,7 @@ def line_of(file: Path, name: str, folder: Path | None = None) -> Iterator[Defin
     todo, seen = [(file, name)], set[tuple[Path, str]]()
     while todo:
         here = todo.pop(0)
-        found = None if here in seen else definition_of(*here)
+        found = None if here in seen else _definition_of(*here)
         seen.add(here)
         if found is None:
             continue
@@ -114,7 +114,7 @@ def imported(module: ast.Module) -> Iterator[tuple[str, str]]:
                 yield name.asname or name.name, f"{item.module}.{name.name}"
 
 
-def syntax_of(file: Path) -> ast.Module | None:
+def _syntax_of(file: Path) -> ast.Module | None:
     """Return a file's syntax; None where it can't be read as Python."""
     try:
         there = file.stat()
@@ -155,7 +155,7 @@ def _names(module: ast.Module) -> Iterator[str]:
 _NAME = r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*"
 CodePath = Annotated[str, StringConstraints(pattern=f"^{_NAME}(:{_NAME})?$")]
 """`package.module`, or `package.module:Name`."""
-TRUSTED = "py_trees"
+_TRUSTED = "py_trees"
 """The package whose behaviours every task may use."""
 
 
@@ -175,7 +175,7 @@ class AllowedImports:
     def allows(self, behaviour: str) -> bool:
         """Tell whether a task may import `package.module:Name`."""
         module = behaviour.partition(":")[0]
-        return self.names(behaviour) or any(_covers(entry, module) for entry in (TRUSTED, *self.listed))
+        return self.names(behaviour) or any(_covers(entry, module) for entry in (_TRUSTED, *self.listed))
 
     def names(self, behaviour: str) -> bool:
         """Tell whether it is listed word for word, as a function has to be."""
@@ -183,7 +183,7 @@ class AllowedImports:
 
     def is_third_party(self, behaviour: str) -> bool:
         """Tell whether it is the project's own code, or somebody's, and not py_trees'."""
-        return not _covers(TRUSTED, behaviour.partition(":")[0])
+        return not _covers(_TRUSTED, behaviour.partition(":")[0])
 
     def names_in(self, module: str) -> Collection[str] | None:
         """Return what a module defines at its top level, read in its source; None where that can't tell.
@@ -202,7 +202,7 @@ class AllowedImports:
         """
         module, _, name = behaviour.partition(":")
         file = source_of(module, self.folder)
-        found = None if file is None or "." in name else definition_of(file, name)
+        found = None if file is None or "." in name else _definition_of(file, name)
         if found is not None:
             return "class" if isinstance(found.syntax, ast.ClassDef) else "function"
         return "other" if "." in name and not self.is_third_party(behaviour) else None

@@ -31,33 +31,29 @@ class TaskFiles(Protocol):
         """
 
 
-class NoTaskFiles:
-    """No file at all, for tasks that come from nowhere."""
-
-    def read(self, file: str) -> Task:
-        """Refuse."""
-        raise SubtaskError(file, "no project is known in which it could be; load the task from its project's folder")
-
-    def mentioning(self, text: str) -> Sequence[str]:
-        """Return none."""
-        return ()
-
-
 class TaskTexts:
-    """Tasks that are at hand, by the name that `task:` calls them."""
+    """Tasks that are at hand, by the name that `task:` calls them.
 
-    def __init__(self, tasks: Mapping[str, Task]):
-        self._tasks = dict(tasks)
+    Args:
+        tasks: by name; none for tasks that come from nowhere.
+        missing: what is said about a name that isn't there.
+    """
+
+    def __init__(self, tasks: Mapping[str, Task], missing: str = "there is no such file"):
+        self._tasks, self._missing = dict(tasks), missing
 
     def read(self, file: str) -> Task:
         """Return a task."""
         if file not in self._tasks:
-            raise SubtaskError(file, f"there is no such file{nearest(file, self._tasks)}")
+            raise SubtaskError(file, f"{self._missing}{nearest(file, self._tasks)}")
         return self._tasks[file]
 
     def mentioning(self, text: str) -> Sequence[str]:
         """Return all of them: what the texts were isn't known any more."""
         return tuple(self._tasks)
+
+
+NO_TASK_FILES = TaskTexts({}, "no project is known in which it could be; load the task from its project's folder")
 
 
 class TaskFolder:

@@ -124,11 +124,7 @@ class Inline(_TakesCatalog):
 
 
 def expect_kind(path: str, kind: str) -> None:
-    """Refuse a kind that there isn't.
-
-    Raises:
-        EditError: there isn't.
-    """
+    """Refuse a kind that there isn't."""
     if kind not in KINDS:
         raise EditError(path, f"unknown kind {kind!r}{nearest(kind, KINDS)} (available: {listing(KINDS)})")
 

@@ -25,7 +25,7 @@ _STRANGE = re.compile("[^ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U
 
 
 @dataclass(frozen=True)
-class NodeComment:
+class _NodeComment:
     """Where the comment of an entry stands.
 
     Attributes:
@@ -67,7 +67,7 @@ def lines_of_comment(path: str, text: str) -> list[str]:
     return [f"# {line}".rstrip() for line in lines]
 
 
-def found_at(text: str, inside: YamlMapping, key: str) -> NodeComment:
+def found_at(text: str, inside: YamlMapping, key: str) -> _NodeComment:
     """Return where the comment of an entry of a tidy mapping stands."""
     keys = list(inside.entries)
     index, entry = keys.index(key), inside.entries[key]
@@ -82,7 +82,7 @@ def found_at(text: str, inside: YamlMapping, key: str) -> NodeComment:
         begin = line_start(text, begin - 1)
     beside = _beside(text, entry)
     aside = (_uncommented(text[slice(*beside)]),) if beside else ()
-    return NodeComment(begin, end, tuple(above), beside, aside)
+    return _NodeComment(begin, end, tuple(above), beside, aside)
 
 
 def _beside(text: str, entry: YamlEntry) -> tuple[int, int] | None:
@@ -105,7 +105,7 @@ _MARK = "\ufeff"
 
 
 @dataclass(frozen=True)
-class FileComment:
+class _FileComment:
     """Where the comment at the top of a file stands.
 
     Attributes:
@@ -131,7 +131,7 @@ class FileComment:
         return tuple(_uncommented(line.strip()) for line in self.spelled)
 
 
-def head_at(text: str, tree: YamlMapping) -> FileComment:
+def head_at(text: str, tree: YamlMapping) -> _FileComment:
     """Return where the comment at the top of a file stands, given its syntax."""
     end = _end(text, tree)
     at = len(_MARK) if text.startswith(_MARK) else 0
@@ -146,11 +146,11 @@ def head_at(text: str, tree: YamlMapping) -> FileComment:
     run = next((run for run in runs if any(line.strip() for _, line in run)), [])
     marked = [number for number, (_, line) in enumerate(run) if line.strip()]
     if not marked:
-        return FileComment(end, end, (), end)
+        return _FileComment(end, end, (), end)
     lines = run[marked[0] : marked[-1] + 1]
     last, line = lines[-1]
     after = sum(map(len, (blank for _, blank in run[marked[-1] + 1 :])), last + len(line))
-    return FileComment(lines[0][0], last + len(line), tuple(line for _, line in lines), after)
+    return _FileComment(lines[0][0], last + len(line), tuple(line for _, line in lines), after)
 
 
 def _end(text: str, tree: YamlMapping) -> int:
@@ -162,7 +162,7 @@ def _end(text: str, tree: YamlMapping) -> int:
     return max(line_start(text, first), len(_MARK) if text.startswith(_MARK) else 0)
 
 
-def rewritten(head: FileComment, comment: str, newline: str) -> tuple[int, int, str]:
+def rewritten(head: _FileComment, comment: str, newline: str) -> tuple[int, int, str]:
     """Return what to put where so that a head says something else: (begin, end, text).
 
     Lines that stay keep their spelling; where all go, the blank lines below go too.

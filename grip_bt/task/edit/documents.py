@@ -106,7 +106,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
             nothing has changed.
     """
     done = apply(document.task, command)
-    if isinstance(command, Patch) and command.restore and command.restore.digest == digest_of(document.text):
+    if isinstance(command, Patch) and command.restore and command.restore.digest == _digest_of(document.text):
         text, splices, sources = _restored(document.text, command.restore), command.restore.splices, {}
     else:
         draft = Text(document.text, document.tree)
@@ -119,7 +119,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
     inverse = Patch(
         title=done.inverse.title,
         steps=tuple(_with_source(step, sources.get(n)) for n, step in enumerate(done.inverse.steps)),
-        restore=Restore(digest=digest_of(text), splices=back),
+        restore=Restore(digest=_digest_of(text), splices=back),
     )
     return Edited(after, inverse, done.steps, splices)
 
@@ -150,7 +150,7 @@ def _with_source(step: Step, source: str | None) -> Step:
     return step
 
 
-def digest_of(text: str) -> str:
+def _digest_of(text: str) -> str:
     """Return what tells whether a text is still the one that an inverse was made for."""
     return blake2b(text.encode(errors="surrogatepass"), digest_size=16).hexdigest()
 
@@ -166,7 +166,7 @@ def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
     """
     after = read_text(text, document.source)
     steps = tuple(differences(_data(document), _data(after)))
-    restore = Restore(digest=digest_of(document.text), splices=(_splice(document.text, text),))
+    restore = Restore(digest=_digest_of(document.text), splices=(_splice(document.text, text),))
     return Patch(title=title, steps=steps, restore=restore)
 
 
@@ -186,7 +186,7 @@ def differences(old: dict[str, object], new: dict[str, object], at: Place = ()) 
         before = old.get(key, value)
         if isinstance(before, dict) and isinstance(value, dict):
             yield from differences(before, value, (*at, key))
-        elif not same_data(before, value):
+        elif not _same_data(before, value):
             yield Assign(at=at, key=key, value=value)
 
 
@@ -226,7 +226,7 @@ def _renamed(old: dict[str, object], new: dict[str, object], at: Place) -> Itera
     """Rename children whose name is all that has changed."""
     fresh = [key for key in new if key not in old]
     for gone in [key for key in old if key not in new]:
-        match = next((key for key in fresh if same_data(new[key], old[gone])), None)
+        match = next((key for key in fresh if _same_data(new[key], old[gone])), None)
         if match is not None:
             fresh.remove(match)
             entries = [(match if key == gone else key, value) for key, value in old.items()]
@@ -235,14 +235,14 @@ def _renamed(old: dict[str, object], new: dict[str, object], at: Place) -> Itera
             yield Rekey(at=at, key=gone, to=match)
 
 
-def same_data(one: object, other: object) -> bool:
+def _same_data(one: object, other: object) -> bool:
     """Tell whether two values stand for the same in a file: 1, 1.0 and true are three things, and order counts."""
     if type(one) is not type(other):
         return False
     if isinstance(one, dict) and isinstance(other, dict):
-        return list(one) == list(other) and all(same_data(value, other[key]) for key, value in one.items())
+        return list(one) == list(other) and all(_same_data(value, other[key]) for key, value in one.items())
     if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(same_data(a, b) for a, b in zip(one, other, strict=True))
+        return len(one) == len(other) and all(_same_data(a, b) for a, b in zip(one, other, strict=True))
     return bool(one == other or (one != one and other != other))
 
 

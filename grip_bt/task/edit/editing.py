@@ -146,22 +146,14 @@ def holds_nodes(node: AnyNode) -> bool:
 
 
 def expect_free(container: AnyNode, path: str, name: str) -> None:
-    """Refuse a child's name that is taken.
-
-    Raises:
-        EditError: it is.
-    """
+    """Refuse a child's name that is taken."""
     below = children_of(container)
     if name in below:
         raise EditError(join(path, name), f"the name is taken (available: {listing(below)}); choose another")
 
 
 def expect_room(container: AnyNode, path: str) -> None:
-    """Refuse a further child of a decorator.
-
-    Raises:
-        EditError: it has its child.
-    """
+    """Refuse a further child of a decorator."""
     if hasattr(container, "child"):
         raise EditError(
             path, f"a {kind_of(container)} has one child; wrap that child in a sequence, and add to the sequence"
@@ -169,11 +161,7 @@ def expect_room(container: AnyNode, path: str) -> None:
 
 
 def expect_others(container: AnyNode, path: str) -> None:
-    """Refuse that the last child leaves where one is needed.
-
-    Raises:
-        EditError: it would.
-    """
+    """Refuse that the last child leaves where one is needed."""
     if len(children_of(container)) == 1 and (hasattr(container, "child") or isinstance(container, StateMachine)):
         kind = kind_of(container)
         raise EditError(path, f"a {kind} needs a child; remove or unwrap the {kind} instead")

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.base.files import replace_text
@@ -130,12 +130,8 @@ class History:
         """
         children = self._moments[self._at].children
         if not children or (number is not None and number not in children):
-            raise EditError(
-                "",
-                "there is nothing to redo"
-                if number is None
-                else f"revision {number} doesn't follow from the current one",
-            )
+            wrong = f"revision {number} doesn't follow from the current one"
+            raise EditError("", "there is nothing to redo" if number is None else wrong)
         moment = self._moments[children[-1] if number is None else number]
         assert moment.forth is not None
         edited = apply_to_document(self._document, moment.forth)
@@ -255,9 +251,8 @@ def load_history(path: Path, document: Document, limit: int = LIMIT) -> History:
     except FileNotFoundError:
         return History(document, limit)
     except (OSError, UnicodeDecodeError) as error:
-        raise DocumentError(
-            f"the edit history can't be read: {error}; delete the file to start a new one", str(path)
-        ) from None
+        message = f"the edit history can't be read: {error}; delete the file to start a new one"
+        raise DocumentError(message, str(path)) from None
     history = restored(text, document.source, limit, str(path))
     if history.document.text != document.text:
         history.do(rewrite(history.document, document.text, OUTSIDE))
@@ -278,23 +273,18 @@ def restored(text: str, source: str, limit: int = LIMIT, where: str = "") -> His
             raise DocumentError(f"{newer}; run `pip install -U grip-bt`", where)
         kept = _checked(_Stored.model_validate_json(text))
         document = read_text(kept.text, source)
-    except (ValueError, ValidationError, RecursionError) as error:
-        words = str(error).splitlines()[0]
-        raise DocumentError(
-            f"the edit history is corrupt ({words}); delete the file to start a new one", where
-        ) from None
     except DocumentError as error:
         if where == error.source:
             raise
-        words = error.message.splitlines()[0]
-        raise DocumentError(
-            f"the edit history is corrupt ({words}); delete the file to start a new one", where
-        ) from None
+        raise _corrupt(error.message, where) from None
+    except (ValueError, RecursionError) as error:
+        raise _corrupt(str(error), where) from None
     return History.restored(document, kept.moments, kept.at, limit)
 
 
 def _corrupt(words: str, where: str) -> DocumentError:
-    return DocumentError(f"the edit history is corrupt ({words}); delete the file to start a new one", where)
+    message = f"the edit history is corrupt ({words.splitlines()[0]}); delete the file to start a new one"
+    return DocumentError(message, where)
 
 
 def _checked(found: _Stored) -> _Stored:

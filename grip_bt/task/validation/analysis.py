@@ -99,7 +99,7 @@ class PlacedNode:
     def codes(self) -> frozenset[str] | None:
         """Failure codes that it may end with, those of everything below it among them; None when they aren't known."""
         if self._codes is _UNASKED:
-            own = codes_of(self)
+            own = _codes_of(self)
             self._codes = own if own is None or not self.node.precondition else own | {"precondition"}
         return self._codes
 
@@ -274,7 +274,7 @@ class TaskAnalysis:
             placed.parent.writes |= placed.writes
 
 
-def codes_of(placed: PlacedNode) -> frozenset[str] | None:
+def _codes_of(placed: PlacedNode) -> frozenset[str] | None:
     """Return the codes that a node may fail with, without its precondition's; None when they aren't known."""
     node = placed.node
     if isinstance(node, Leaf):

@@ -152,7 +152,7 @@ def _declared(annotation: object) -> Type:
         return ANY
 
 
-CONDITIONS = ("precondition", "if", "while")
+_CONDITIONS = ("precondition", "if", "while")
 """Keys whose expression is true or false."""
 
 
@@ -189,6 +189,6 @@ def _types(analysis: TaskAnalysis, placed: PlacedNode, key: str, expression: Exp
     scope = placed.scope_of(key)
     types: dict[str, Type] = {name: scope[name].type or ANY for name in expression.names if name in scope}
     given = type_of(expression, types, note)
-    if key in CONDITIONS and given.name not in ("bool", "Any") and not wrong:
+    if key in _CONDITIONS and given.name not in ("bool", "Any") and not wrong:
         message = f"`{expression.text}` gives a {given}; `{key}` has to be true or false"
         analysis.add(placed.path, key, "wrong-expression-type", message, "compare it with something")

@@ -14,13 +14,13 @@ from grip_bt.task.catalog import Manifest, check_value
 from .analysis import PlacedNode, TaskAnalysis, type_or_none
 from .codes import has_literal_form, producers, suggestion
 
-HINTED = 300
+_HINTED = 300
 """Unknown node types for which a similar one is looked for: who has more has no slip of the pen."""
 
 
 def check_names(analysis: TaskAnalysis) -> None:
     """Find unknown node types, and parameters, ports and meanings that a node's manifest doesn't have or needs."""
-    words = cache(lambda id: _unknown_node(analysis, id, next(asked) < HINTED))
+    words = cache(lambda id: _unknown_node(analysis, id, next(asked) < _HINTED))
     asked = count()
     for placed in analysis.leaves:
         node, manifest = placed.node, placed.manifest

@@ -15,12 +15,12 @@ from .analysis import TaskAnalysis
 
 _TEACHERS = {"arm/teach": "arm", "hand/teach": "hand"}
 """Nodes by which a task gives names, and to what."""
-NOT_YET = "not-taught-yet"
+_NOT_YET = "not-taught-yet"
 BY_TAUGHT, BY_STATE = "go there by `arm/move_to_taught`", "go there by `arm/move_to`"
 
 
 @dataclass(frozen=True, slots=True)
-class TaughtName:
+class _TaughtName:
     """One name that a task gives.
 
     Attributes:
@@ -67,7 +67,7 @@ class TaughtNames:
             return Problem("unknown-state", f"{name!r} is taught as a pose, and is no named state", BY_TAUGHT)
         if own:
             said = f"{name!r} is taught only while this task runs, and named states are looked up before it begins"
-            return Problem(NOT_YET, said, f"{BY_TAUGHT}, or teach it by another task first")
+            return Problem(_NOT_YET, said, f"{BY_TAUGHT}, or teach it by another task first")
         return self._elsewhere(kind, side, part, name)
 
     def _elsewhere(self, kind: str, side: str, part: str, name: str) -> Problem | Literal[False]:
@@ -82,20 +82,20 @@ class TaughtNames:
         if files:
             verb = "teaches" if len(files) == 1 else "teach"
             said = f"{name!r} hasn't been taught to {part} yet; {listing(files)} {verb} it"
-            return Problem(NOT_YET, said, f"run {files[0]} first")
+            return Problem(_NOT_YET, said, f"run {files[0]} first")
         if found:
             said = f"{name!r} is taught as a pose, by {listing(found)}, and is no named state"
             return Problem("unknown-state", said, BY_TAUGHT)
         return False
 
-    def _fits(self, taught_name: TaughtName, side: str, part: str, name: str) -> bool:
+    def _fits(self, taught_name: _TaughtName, side: str, part: str, name: str) -> bool:
         parts = (self._parts.hands if side == "hand" else self._parts.arms) or {}
         return (taught_name.side, taught_name.name) == (side, name) and only_if_empty(taught_name.part, parts) == part
 
     @cached_property
-    def _own(self) -> list[TaughtName]:
+    def _own(self) -> list[_TaughtName]:
         """Those of the task, and of the files that it runs, directly or not."""
-        found, seen, tasks = list[TaughtName](), set[str](), [self._analysis.task]
+        found, seen, tasks = list[_TaughtName](), set[str](), [self._analysis.task]
         while tasks:
             task = tasks.pop()
             found += _taught_in(task)
@@ -106,7 +106,7 @@ class TaughtNames:
         return found
 
     @cached_property
-    def _others(self) -> dict[str, list[TaughtName]]:
+    def _others(self) -> dict[str, list[_TaughtName]]:
         """Those of each other file of the project that has some."""
         files = self._files.mentioning("/teach")
         return {file: [each for task in self._read(file) for each in _taught_in(task)] for file in files}
@@ -123,8 +123,8 @@ def only_if_empty(name: object, parts: Collection[str]) -> str:
     return next(iter(parts)) if name == "" and len(parts) == 1 else str(name)
 
 
-def _taught_in(task: Task) -> Iterator[TaughtName]:
+def _taught_in(task: Task) -> Iterator[_TaughtName]:
     for leaf in (node for _, node in walk(task.root) if isinstance(node, Leaf)):
         side, name = _TEACHERS.get(leaf.node), leaf.with_.get("name")
         if side is not None and isinstance(name, str):
-            yield TaughtName(side, str(leaf.with_.get(side, "")), name, leaf.with_.get("pose") is True)
+            yield _TaughtName(side, str(leaf.with_.get(side, "")), name, leaf.with_.get("pose") is True)
