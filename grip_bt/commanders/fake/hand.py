@@ -3,29 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from grip_bt.base.arrays import Array, Mask
-from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 
-from ..joined import same_joints
-from ..trajectory.stopping import stop_ramp
-from .joints import AtOnce, Schedule, Script, steps_of
+from .joints import AtOnce, FakeExecutor, Schedule, Script, steps_of
 
 BRAKING = 40.0
 """How hard its fingers brake, as those of an Allegro hand [rad/s^2]."""
-
-
-@dataclass
-class _Motion:
-    begin: float
-    way: Trajectory
-    operation: Operation[JointState]
-    braking: bool = False
 
 
 class FakeHand:
@@ -53,8 +41,8 @@ class FakeHand:
         self._schedule = schedule or AtOnce()
         closing = np.ones(len(start.names)) if closed is None else closed.ordered(start.names) - start.position
         self._flexes, self._extends = closing > 0, closing < 0
-        self._names, self._position = start.names, np.array(start.position)
-        self._motion: _Motion | None = None
+        self._names = start.names
+        self._joints = FakeExecutor(start, self._schedule, accelerations=dict.fromkeys(start.names, BRAKING))
         self._forces = dict(forces or {"fingertip": 5.0})
         self._script = steps_of(script)
         self.torque_limits: list[float | None] = []
@@ -67,23 +55,24 @@ class FakeHand:
 
     def state(self) -> JointState:
         """Return where the fingers are now; pressing joints have an effort."""
-        position = self._blocked(self._free_position())
+        position = self._blocked(self.kept())
         effort = 0.5 * self._pressing().astype(float)
         return JointState(self._names, position, np.zeros(len(position)), effort, self._schedule.stamp())
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move towards a posture; see `ports.HandPort`."""
-        self._end(CanceledError("replaced by another motion"))
+        start, goal = self._blocked(self.kept()), posture.ordered(self._names)
+        self._joints.end_at(start)
         self.torque_limits.append(torque_limit)
         failure = next(self._script)
         if failure is not None:
             return Operation.failed(failure)
-        operation: Operation[JointState] = Operation(on_cancel=lambda: self._brake(motion))
-        start, goal = self._position, posture.ordered(self._names)
+        if duration <= 0:
+            self._joints.put_back(goal)
         times, rows = (np.array([0.0, duration]), [start, goal]) if duration > 0 else (np.zeros(1), [goal])
-        self._motion = motion = _Motion(self._schedule.now(), Trajectory(self._names, times, np.stack(rows)), operation)
-        self._schedule.after(duration, lambda: self._finish(motion, False))
-        return operation
+        # The goal is kept even where the thing is in the way: that is what presses.
+        moved = self._joints.execute(Trajectory(self._names, times, np.stack(rows)))
+        return moved.then(lambda _: Operation.finished(self.state()))
 
     def contacts(self) -> Mapping[str, float]:
         """Return the forces while the fingers press on the thing."""
@@ -91,12 +80,11 @@ class FakeHand:
 
     def stop(self) -> None:
         """Bring the fingers to rest by a ramp; a motion under way ends as cancelled when they are."""
-        if self._motion is not None:
-            self._brake(self._motion)
+        self._joints.stop()
 
     def kept(self) -> Array:
         """Return where its fingers are or, where a thing is in the way, would be [rad], shape (n,)."""
-        return np.array(self._free_position())
+        return self._joints.state().position
 
     def put_back(self, position: Array) -> None:
         """Have the fingers where they were, as `kept` returned it; nothing may be under way.
@@ -104,33 +92,7 @@ class FakeHand:
         Raises:
             ValueError: it has another number of joints.
         """
-        self._position = same_joints(position, self._names)
-
-    def _brake(self, motion: _Motion) -> None:
-        if self._motion is motion and not motion.braking:
-            limits = np.full(len(self._names), BRAKING)
-            ramp = stop_ramp(motion.way, self._schedule.now() - motion.begin, limits)
-            motion.way, motion.begin, motion.braking = ramp, self._schedule.now(), True
-            self._schedule.after(ramp.duration, lambda: self._finish(motion, True))
-
-    def _end(self, error: CanceledError) -> None:
-        self._position = self._blocked(self._free_position())
-        motion, self._motion = self._motion, None
-        if motion is not None:
-            motion.operation.fail(error)
-
-    def _finish(self, motion: _Motion, braking: bool) -> None:
-        if self._motion is motion and motion.braking is braking:
-            # The goal is kept even where the thing is in the way: that is what presses.
-            self._position, self._motion = motion.way.positions[-1], None
-            if braking:
-                motion.operation.fail(CanceledError("the hand was stopped"))
-            else:
-                motion.operation.succeed(self.state())
-
-    def _free_position(self) -> Array:
-        motion = self._motion
-        return self._position if motion is None else motion.way.at(self._schedule.now() - motion.begin)
+        self._joints.put_back(position)
 
     def _blocked(self, position: Array) -> Array:
         if self.thing is None:
@@ -140,5 +102,5 @@ class FakeHand:
         return np.where(past, wall, position)
 
     def _pressing(self) -> Mask:
-        free = self._free_position()
+        free = self.kept()
         return np.abs(self._blocked(free) - free) > 1e-6

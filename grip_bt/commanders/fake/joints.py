@@ -168,7 +168,7 @@ class FakeExecutor:
         """
         if trajectory.names != self._names:
             raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
-        self._end(CanceledError("replaced by another motion"))
+        self.end_at(self.state().position)
         off = float(np.abs(trajectory.positions[0] - self._position).max())
         if off > START_TOLERANCE:
             return Operation.failed(
@@ -184,6 +184,12 @@ class FakeExecutor:
         """Bring the joints to rest by a ramp; a motion under way ends as cancelled when they are."""
         if self._motion is not None:
             self._brake(self._motion)
+
+    def end_at(self, position: Array) -> None:
+        """End a motion under way as cancelled, and have the joints at a position [rad], shape (n,)."""
+        motion, self._motion, self._position = self._motion, None, position
+        if motion is not None:
+            motion.operation.fail(CanceledError("replaced by another motion"))
 
     def put_back(self, position: Array) -> None:
         """Have the joints where they were; nothing may be under way.
@@ -230,16 +236,13 @@ class FakeExecutor:
             motion.trajectory, motion.begin, motion.braking = ramp, self._schedule.now(), True
             self._finish_after(motion)
 
-    def _end(self, error: Exception | None) -> None:
-        """End the motion under way where the joints are."""
-        self._position = np.array(self.state().position)
-        motion, self._motion = self._motion, None
-        if motion is not None and error is not None:
-            motion.operation.fail(error)
-        elif motion is not None:
-            self._position = np.array(motion.trajectory.positions[-1])
-            motion.operation.succeed(self.state())
-
     def _finish(self, motion: _Motion) -> None:
-        if self._motion is motion:
-            self._end(CanceledError("the motion was stopped") if motion.braking else motion.failure)
+        if self._motion is not motion:
+            return
+        error = CanceledError("the motion was stopped") if motion.braking else motion.failure
+        self._position = self.state().position if error is not None else np.array(motion.trajectory.positions[-1])
+        self._motion = None
+        if error is not None:
+            motion.operation.fail(error)
+        else:
+            motion.operation.succeed(self.state())
