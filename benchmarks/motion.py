@@ -28,6 +28,7 @@ import pinocchio as pin
 from grip_bt.base.errors import UnfitSolverError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, JointState, Pose
+from grip_bt.base.values.solids import Box
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.kinematics.collision import CollisionChecker
@@ -37,7 +38,8 @@ from grip_bt.commanders.kinematics.target import Target
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanTo, Situation
-from grip_bt.commanders.scene import Box, PlanningScene, SceneObject, SceneSnapshot
+from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 
 TABLE = {

@@ -40,7 +40,7 @@ from grip_bt.commanders.planning.paths import length
 from grip_bt.commanders.planning.requests import PlanTo
 from grip_bt.commanders.planning.search import MotionCheck
 from grip_bt.commanders.planning.service import PlanningProcess
-from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneSnapshot
 
 Array = NDArray[np.float64]
 MOVED = ("tower", "block", "wide_block")

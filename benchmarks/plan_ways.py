@@ -33,7 +33,7 @@ from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning import answer, search
 from grip_bt.commanders.planning.paths import length
 from grip_bt.commanders.planning.requests import PlanTo, Situation
-from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 
 Way = Callable[..., Any]

@@ -20,16 +20,16 @@ from plan_ways import queries
 
 from grip_bt.base.failures import CanceledError, ExpectedError
 from grip_bt.base.values import JointState, PathConstraint, Pose
+from grip_bt.base.values.solids import Box
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanTo, Situation
-from grip_bt.commanders.planning.search import planners
 from grip_bt.commanders.planning.service import PlanningProcess
-from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
-from grip_bt.commanders.settings import PlanningSettings
+from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
+from grip_bt.commanders.settings import PLANNERS, PlanningSettings
 
 ANYWHERE = PathConstraint(box=Pose(), size=(9.0, 9.0, 9.0))
 
@@ -79,7 +79,7 @@ def noticed(model: RobotModel, times: int) -> None:
 
     The cancellation comes at another time of the search each time: some have parts in which they ask nobody.
     """
-    requests = {name: endless(model, planner=name) for name in planners()}
+    requests = {name: endless(model, planner=name) for name in PLANNERS}
     requests["CBiRRT (a path constraint)"] = endless(model, ANYWHERE)
     for name, request in requests.items():
         took = []
@@ -98,7 +98,7 @@ def noticed(model: RobotModel, times: int) -> None:
 
 def cancels(model: RobotModel, times: int) -> None:
     """Print, for each planner, how long a cancelled request took to end."""
-    requests: dict[str, PlanTo] = {name: endless(model, planner=name) for name in planners()}
+    requests: dict[str, PlanTo] = {name: endless(model, planner=name) for name in PLANNERS}
     requests["CBiRRT (a path constraint)"] = endless(model, ANYWHERE)
     worst: list[float] = []
     with PlanningProcess(model.description) as process:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,97 +16,10 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.pose import check_frame
-from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid
+from grip_bt.base.values.solids import Box, Mesh, Solid
 
-ANYTHING = "*"
-"""In an allowed collision, stands for every object and link."""
-
-
-@dataclass(frozen=True, slots=True)
-class SceneObject:
-    """One object.
-
-    Attributes:
-        name: unique in its scene.
-        shape: of any kind.
-        pose: in world; in the hand's grasp frame when it is attached.
-        hand: the hand that it moves with, or empty.
-        fixed: part of the room (a table, a crate): never grasped and never removed.
-    """
-
-    name: str
-    shape: Solid
-    pose: Pose
-    hand: str = ""
-    fixed: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class HandMount:
-    """What a hand is in the robot's model, so that what it holds can be avoided by others.
-
-    Attributes:
-        group: of the arm that it is at; what the hand holds moves with this group's grasp frame.
-        links: of the hand; what it holds may touch them.
-    """
-
-    group: str
-    links: frozenset[str]
-
-
-@dataclass(frozen=True)
-class SceneSnapshot:
-    """A state of the scene.
-
-    Attributes:
-        objects: name -> object.
-        allowed: sorted pairs of names (objects or links) that may touch; `ANYTHING` stands for every name.
-        carriers: hand -> where it is on the robot.
-    """
-
-    objects: Mapping[str, SceneObject] = field(default_factory=dict)
-    allowed: frozenset[tuple[str, str]] = frozenset()
-    carriers: Mapping[str, HandMount] = field(default_factory=dict)
-
-    def with_object(self, item: SceneObject) -> SceneSnapshot:
-        """Return the scene with an object added or replaced."""
-        return replace(self, objects={**self.objects, item.name: item})
-
-    def without(self, names: Iterable[str]) -> SceneSnapshot:
-        """Return the scene without some objects."""
-        gone = frozenset(names)
-        return replace(self, objects={n: o for n, o in self.objects.items() if n not in gone})
-
-    def attached(self, hand: str) -> tuple[SceneObject, ...]:
-        """Return the objects that move with a hand."""
-        return tuple(o for o in self.objects.values() if hand and o.hand == hand)
-
-    def attaching(self, name: str, hand: str, grasp: Pose) -> SceneSnapshot:
-        """Return the scene in which a hand whose grasp frame is at `grasp` holds the object."""
-        item = self.objects[name]
-        return self.with_object(replace(item, hand=hand, pose=grasp.inverse() @ item.pose))
-
-    def may_touch(self, one: str, other: str) -> bool:
-        """Tell whether a contact of two names is allowed."""
-        if not self.allowed:
-            return False
-        pairs = ((one, other), (one, ANYTHING), (other, ANYTHING))
-        return any(_sorted(*pair) in self.allowed for pair in pairs)
-
-    def around(self, point: Array, within: float) -> tuple[str, ...]:
-        """Return the names of objects at most `within` [m] from a point, nearest first.
-
-        What is fixed, what a hand holds, and maps of cells, which aren't one thing, are left out.
-        """
-        found = []
-        for item in self.objects.values():
-            if item.fixed or item.hand or isinstance(item.shape, CellMap):
-                continue
-            local = np.abs(item.pose.rotation().T @ (point - item.pose.position) - item.shape.centre())
-            distance = float(np.linalg.norm(np.maximum(local - np.array(item.shape.extents()) / 2, 0.0)))
-            if distance <= within:
-                found.append((distance, item.name))
-        return tuple(name for _, name in sorted(found))
+from .scene_file import load_scene
+from .scene_state import ANYTHING, HandMount, SceneObject, SceneSnapshot, sorted_pair
 
 
 class PlanningScene:
@@ -175,8 +88,6 @@ class PlanningScene:
 
     def load(self, file: str) -> tuple[str, ...]:
         """Add the objects of a `.scene` file; see `ports.Scene`."""
-        from .scene_file import load_scene
-
         objects = load_scene(self._folder / file)
         for item in objects:
             self._refuse_fixed(item.name)
@@ -254,7 +165,7 @@ class PlanningScene:
 
     def allow(self, one: str, other: str, allowed: bool = True) -> None:
         """Allow contact between two names, or forbid it again; see `ports.Scene`."""
-        meant = {_sorted(a, b) for a in self._stands_for(one) for b in self._stands_for(other)}
+        meant = {sorted_pair(a, b) for a in self._stands_for(one) for b in self._stands_for(other)}
         with self._lock:
             pairs = self._snapshot.allowed | meant if allowed else self._snapshot.allowed - meant
             self._snapshot = replace(self._snapshot, allowed=pairs)
@@ -300,13 +211,6 @@ class PlanningScene:
         return snapshot.objects[name]
 
 
-def _sorted(one: str, other: str) -> tuple[str, str]:
-    return (min(one, other), max(one, other))
-
-
 def _in_world(pose: Pose) -> Pose:
     check_frame(pose, "world")
     return pose
-
-
-__all__ = ["ANYTHING", "Box", "Cylinder", "HandMount", "PlanningScene", "SceneObject", "SceneSnapshot"]

@@ -27,7 +27,7 @@ from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
-from .scene import SceneObject
+from .scene_state import SceneObject
 
 
 def scene_text(name: str, objects: Iterable[SceneObject]) -> str:

@@ -21,7 +21,7 @@ PLANNERS = (
     "RRTstar",
     "SORRTstar",
 )
-"""What `planning.search.planners()` returns; a test compares them."""
+"""The planners that OMPL's wheel binds, and our own BiTRRT; a test compares them."""
 SOLVERS = ("damped_least_squares", "trac_ik", "analytic")
 """The keys of `ik.SOLVERS`; likewise."""
 

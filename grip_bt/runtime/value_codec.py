@@ -26,7 +26,7 @@ from grip_bt.base import values
 from grip_bt.base.errors import GripError
 
 _CLASSES = {name: getattr(values, name) for name in values.__all__}
-_ELSEWHERE = ("grip_bt.base.values.solids", "grip_bt.commanders.scene")
+_ELSEWHERE = ("grip_bt.base.values.solids", "grip_bt.commanders.scene_state")
 """Modules whose frozen dataclasses are kept too; imported when one of them comes."""
 _ATOMS = (str, int, bool, type(None))
 _UNCHANGING = frozenset({*_ATOMS, float, bytes, *_CLASSES.values()} - {values.Failure})

@@ -13,7 +13,7 @@ from grip_bt.commanders.planning.requests import (
     PlanTo,
     Situation,
 )
-from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 
 START = JointState(("a",), [0.0])

@@ -27,7 +27,7 @@ from grip_bt.commanders.planning.requests import (
     Request,
     Situation,
 )
-from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.steering import HOLD, jogged, lasting, spliced
 from grip_bt.commanders.trajectory.stopping import stop_ramp

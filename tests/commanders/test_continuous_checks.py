@@ -11,11 +11,12 @@ from scipy.interpolate import BPoly
 from table_top import robot_model
 
 from grip_bt.base.values import Pose, Trajectory
+from grip_bt.base.values.solids import Box, Cylinder
 from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
 from grip_bt.commanders.planning.continuous import continuously_free, first_touch
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.search import halving
-from grip_bt.commanders.scene import Box, Cylinder, SceneObject, SceneSnapshot
+from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 
 SCENE = SceneSnapshot(
     {

@@ -11,7 +11,7 @@ from grip_bt.base.values import JointState, PathConstraint, Pose, WayPoint
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK
 from grip_bt.commanders.planning.requests import PlanThrough
-from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneSnapshot
 
 
 def home() -> Pose:

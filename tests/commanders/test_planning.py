@@ -30,8 +30,7 @@ from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanStraight, PlanTo
-from grip_bt.commanders.planning.search import planners
-from grip_bt.commanders.settings import PlanningSettings
+from grip_bt.commanders.settings import PLANNERS, PlanningSettings
 
 
 def never():
@@ -110,7 +109,7 @@ def test_planners_are_chosen_by_name(chosen, planner):
 
 def test_an_unknown_planner_lists_those_that_exist(chosen):
     model, scene, *_ = table()
-    assert "RRTConnect" in planners()
+    assert "RRTConnect" in PLANNERS
     start = with_settings(situation(model, scene.snapshot()), planner="RRTconnect")
     with pytest.raises(UnknownNameError, match="did you mean 'RRTConnect'"):
         answer(model, PlanTo(start, chosen.at_pre_grasp), never)

@@ -18,8 +18,8 @@ from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.planning import service
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanTo
-from grip_bt.commanders.planning.search import planners
 from grip_bt.commanders.planning.service import PlanningProcess
+from grip_bt.commanders.settings import PLANNERS
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +109,7 @@ def test_a_plan_ends_itself_when_it_is_cancelled_and_its_process_goes_on(planner
     assert planner.pid == pid
 
 
-@pytest.mark.parametrize("search", planners())
+@pytest.mark.parametrize("search", PLANNERS)
 def test_no_search_looks_at_anything_once_it_is_cancelled(search, monkeypatch):
     """Between two questions of its own a search may make thousands of checks; each of them ends it."""
     made, asked = [], []

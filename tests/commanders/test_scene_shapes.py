@@ -12,7 +12,8 @@ from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Sphere
 from grip_bt.commanders.description.tree import joints_of_fingers, limits_of_joints, links_of_groups
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.shapes import hull_of, load_mesh
-from grip_bt.commanders.scene import PlanningScene, SceneObject, SceneSnapshot
+from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 
 CUBE = np.array([(x, y, z) for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (-0.05, 0.05)])
 SIDES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4)]

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, Cylinder, Mesh, Sphere
-from grip_bt.commanders.scene import SceneObject
 from grip_bt.commanders.scene_file import parse_scene, scene_text
+from grip_bt.commanders.scene_state import SceneObject
 
 LENGTHS = st.floats(0.001, 5.0)
 SHAPES = st.one_of(

@@ -14,7 +14,7 @@ from grip_bt.base.values import JointState, Pose, WayPoint
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanStraight, PlanThrough
 from grip_bt.commanders.planning.straight import OFF, TURNED
-from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneSnapshot
 
 
 def moved(pose: Pose, way, turn) -> Pose:

@@ -10,6 +10,7 @@ from table_top import joined, named, robot_model
 
 from grip_bt.base.failures import ConstraintBrokenError, NoIkError, TimeOutError
 from grip_bt.base.values import JointState, PathConstraint, Pose
+from grip_bt.base.values.solids import Box
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.target import Target
 from grip_bt.commanders.planning.answer import answer
@@ -18,7 +19,7 @@ from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, excess, interpol
 from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.planning.search import plan_free, settable
 from grip_bt.commanders.planning.tree_planners import CLEARANCES, Tree, costs
-from grip_bt.commanders.scene import Box, SceneObject, SceneSnapshot
+from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 
 LEVEL = pin.rpy.rpyToMatrix(0, np.pi / 2, 0)

@@ -9,6 +9,7 @@ from robot_files import SRDF, urdf
 from grip_bt.base.failures import OutOfLimitsError, PathInvalidError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Plan, Pose, Trajectory
+from grip_bt.base.values.solids import Box
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.load import load_robot
@@ -18,7 +19,7 @@ from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import CheckTogether, Situation
-from grip_bt.commanders.scene import Box, HandMount, SceneObject, SceneSnapshot
+from grip_bt.commanders.scene_state import HandMount, SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.commanders.trajectory.splines import eased
 from grip_bt.runtime.clock import ManualClock

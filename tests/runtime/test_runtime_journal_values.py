@@ -160,7 +160,8 @@ def test_states_of_the_planning_scene_come_back():
     from dataclasses import fields
 
     from grip_bt.base.values.solids import CellMap, Cylinder, Mesh, Sphere
-    from grip_bt.commanders.scene import PlanningScene, SceneSnapshot
+    from grip_bt.commanders.scene import PlanningScene
+    from grip_bt.commanders.scene_state import SceneSnapshot
 
     scene = PlanningScene({"hand": lambda: Pose()}, {"table": ((1.0, 1.0, 0.1), Pose())})
     solids = {

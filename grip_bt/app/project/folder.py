@@ -15,7 +15,7 @@ from .config import FILE_NAME, ProjectFile
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.robot import RobotDescription
-    from grip_bt.commanders.scene import SceneObject
+    from grip_bt.commanders.scene_state import SceneObject
 
 
 @dataclass(frozen=True)

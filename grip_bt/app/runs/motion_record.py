@@ -23,7 +23,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
-from grip_bt.commanders.scene import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneSnapshot
 
 from ..wiring.parts import Resources
 

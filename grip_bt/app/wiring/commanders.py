@@ -22,7 +22,8 @@ from grip_bt.commanders.kinematics.fingertips import fingertip_posture
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.requests import PlanningService
 from grip_bt.commanders.planning.service import PlanningProcess
-from grip_bt.commanders.scene import HandMount, PlanningScene
+from grip_bt.commanders.scene import PlanningScene
+from grip_bt.commanders.scene_state import HandMount
 from grip_bt.commanders.taught import TaughtStates
 
 from ..project.config import ArmConfig

@@ -13,8 +13,8 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.solids import Box
-from grip_bt.commanders.scene import SceneObject
 from grip_bt.commanders.scene_file import scene_text
+from grip_bt.commanders.scene_state import SceneObject
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.served import CameraPublisher, JointStatePublisher, TrajectoryActionServer
 from grip_sim import start_simulation, table_world

@@ -32,9 +32,7 @@ def check_link(link: ET.Element, reporter: Reporter) -> Iterator[Finding]:
 
 
 def _inertial(inertial: ET.Element, name: str, reporter: Reporter) -> Iterator[Finding]:
-    if (origin := inertial.find("origin")) is not None:
-        yield from reporter.check_numbers(origin, "xyz", 3, "0 0 0")
-        yield from reporter.check_numbers(origin, "rpy", 3, "0 0 0")
+    yield from reporter.check_origin(inertial)
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
         tag = "mass" if mass is None else "inertia"
@@ -73,9 +71,7 @@ def _moments(inertia: ET.Element, name: str, reporter: Reporter) -> Iterator[Fin
 
 
 def _body(body: ET.Element, tag: str, link: str, reporter: Reporter) -> Iterator[Finding]:
-    if (origin := body.find("origin")) is not None:
-        yield from reporter.check_numbers(origin, "xyz", 3, "0 0 0")
-        yield from reporter.check_numbers(origin, "rpy", 3, "0 0 0")
+    yield from reporter.check_origin(body)
     geometry = body.find("geometry")
     shapes = [] if geometry is None else [shape for shape in geometry if shape.tag in SHAPES]
     if not shapes:
@@ -162,6 +158,12 @@ class Reporter:
         except DocumentError as error:
             yield self.error("bad-number", error.message, element)
 
+    def check_origin(self, element: ET.Element) -> Iterator[Finding]:
+        """Yield what is wrong with where an element says that it is."""
+        for origin in element.findall("origin")[:1]:
+            yield from self.check_numbers(origin, "xyz", 3, "0 0 0")
+            yield from self.check_numbers(origin, "rpy", 3, "0 0 0")
+
 
 def check_urdf(robot: ET.Element, source: str, packages: Packages) -> list[Finding]:
     """Return what is wrong with a URDF.
@@ -216,9 +218,7 @@ def _joint(joint: ET.Element, links: set[str], joints: list[str], reporter: Repo
         if link not in links:
             known = f"link {link!r}, which isn't there{nearest(link, links)}" if link else "no link"
             yield reporter.error("unknown-link", f"the {tag} of joint {name!r} is {known}", joint)
-    if (origin := joint.find("origin")) is not None:
-        yield from reporter.check_numbers(origin, "xyz", 3, "0 0 0")
-        yield from reporter.check_numbers(origin, "rpy", 3, "0 0 0")
+    yield from reporter.check_origin(joint)
     if kind in MOVABLE:
         yield from _axis(joint, name, reporter)
         yield from _limit(joint, name, kind, reporter)

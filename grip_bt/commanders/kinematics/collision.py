@@ -16,7 +16,7 @@ import pinocchio as pin
 from grip_bt.base.arrays import Array, Mask
 from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
-from ..scene import SceneObject, SceneSnapshot
+from ..scene_state import SceneObject, SceneSnapshot
 from .model import GRASP_FRAME, Chain
 from .reach import between, radii, reaches, shape_reaches
 from .shapes import coal_mesh

@@ -17,7 +17,7 @@ from ..kinematics.collision import CollisionChecker
 from ..kinematics.ik import solver
 from ..kinematics.model import Chain, RobotModel
 from ..kinematics.target import Target
-from ..scene import SceneSnapshot
+from ..scene_state import SceneSnapshot
 from .budget import REAL, Budget, Clocks
 from .paths import interpolated
 from .requests import ChosenGrasp, Situation

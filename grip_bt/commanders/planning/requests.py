@@ -9,7 +9,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports.motion import Free
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory, WayPoint
 
-from ..scene import SceneSnapshot
+from ..scene_state import SceneSnapshot
 from ..settings import PlanningSettings
 
 

@@ -18,7 +18,7 @@ from grip_bt.base.failures import CanceledError, ExpectedError, NoPlanError, Pat
 from grip_bt.base.values import PathConstraint
 
 from ..kinematics.collision import CollisionChecker
-from ..settings import PlanningSettings
+from ..settings import PLANNERS, PlanningSettings
 from .budget import Budget
 from .paths import shortened
 from .tree_planners import bitrrt, cbirrt, costs, highest_cost
@@ -50,13 +50,6 @@ _PARAMETERS = {
     "radius_multiplier": "setRadiusMultiplier",
 }
 """Parameter in `ompl_planning.yaml` -> the method that sets it; OMPL's own list of parameters isn't bound."""
-
-
-@cache
-def planners() -> tuple[str, ...]:
-    """Return the names of the planners: those that OMPL's wheel binds, and our own BiTRRT."""
-    classes = ((name, getattr(og, name)) for name in dir(og))
-    return tuple(sorted([n for n, c in classes if isinstance(c, type) and issubclass(c, ob.Planner)] + [BITRRT]))
 
 
 class MotionCheck:
@@ -120,8 +113,8 @@ def plan_free(
         TimeOutError: its time was over.
         NoPlanError: the planner gave up.
     """
-    if planner not in planners():
-        raise UnknownNameError("planner", planner, planners())
+    if planner not in PLANNERS:
+        raise UnknownNameError("planner", planner, PLANNERS)
     motion_free = MotionCheck(checker, resolution)
 
     def over() -> bool:

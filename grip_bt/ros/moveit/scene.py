@@ -13,7 +13,7 @@ from grip_bt.base.failures import GoalRejectedError, PlannerLostError, ServerLos
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.scene import ANYTHING, SceneObject, SceneSnapshot
+from grip_bt.commanders.scene_state import ANYTHING, SceneObject, SceneSnapshot
 
 from ..client.types import Message, load_type
 from .client import MoveGroup

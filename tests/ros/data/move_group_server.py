@@ -37,7 +37,7 @@ from grip_bt.commanders.planning.answer import plan_to
 from grip_bt.commanders.planning.checks import chain_and_checker, goals_of
 from grip_bt.commanders.planning.requests import PlanStraight, PlanTo, Situation
 from grip_bt.commanders.planning.straight import plan_straight
-from grip_bt.commanders.scene import SceneObject, SceneSnapshot
+from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
 from grip_bt.ros.convert_geometry import pose_from_message, trajectory_to_message
 
