@@ -11,28 +11,29 @@ ROS is loaded, and servers are found, before there is a need.
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import sys
-import threading
 import time
 from contextlib import suppress
 from typing import Any
 
-import rclpy
+import numpy as np
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy.client import Client
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_action_status_default
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from sensor_msgs.msg import JointState
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from grip_bt.base.failures import SensorError
+from grip_bt.base.values import JointState, Trajectory
+
+from .client.bus import Bus
 from .client.types import Message
+from .controllers.joint_states import JointStates
+from .controllers.motion import rest_of_joints
+from .convert_geometry import trajectory_to_message
 from .watchdog import REPORT
 
 LIMIT = 10.0
@@ -47,8 +48,11 @@ BRAKE = 0.3
 """How long joints that follow a topic take to come to rest [s]."""
 GONE = 1.0
 """For how long a server that was there must be away until it is taken for gone [s]."""
-APART, STILL, MEASURED = 0.1, 2e-3, 5.0
-"""Joints stand still that are measured so far apart [s] at the same place [rad or m]; how long that may take [s]."""
+RECENT, MEASURED = 0.1, 5.0
+"""How old a measurement may be from which joints are braked; how long it may take until they stand still [s]."""
+
+
+TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 
 
 class _Goal:
@@ -74,17 +78,67 @@ class WatchdogProcess:
         self._moved: set[str] = set()
         self._clients: dict[str, Client] = {}
         self._there: dict[str, float] = {}
-        self._subscribed: set[str] = set()
-        self._writers: dict[str, Publisher] = {}
-        self._heard: dict[str, tuple[float, float, float]] = {}
-        context = Context()
-        rclpy.init(args=[], context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node("grip_watchdog", context=context, enable_rosout=False)
-        self._executor = SingleThreadedExecutor(context=context)
-        self._executor.add_node(self._node)
+        self._heard: set[str] = set()
+        self._states: dict[str, JointStates] = {}
+        self._bus = Bus("grip_watchdog", domain)
 
     def take(self, line: dict[str, Any]) -> None:
         """Take note of a line of the run."""
+        self._bus.ask(lambda: self._take(line))
+
+    def stop_all(self) -> dict[str, str]:
+        """Have everything hold; return part or action -> why that couldn't be confirmed, empty where it is at rest.
+
+        Of actions that joints of a part don't tell about, only those are named that can't be confirmed to have ended.
+        """
+        if not self._goals and not self._topics:
+            return {}
+        began = time.monotonic()
+        self._bus.ask(lambda: self._cancel_all(began))
+        self._bus.ask(self._listen)
+        held = {topic: self._hold(topic, names) for topic, names in self._topics.items()}
+        while (left := [g for g in self._goals.values() if self._waits(g)]) and time.monotonic() < began + LIMIT / 2:
+            self._bus.ask(lambda: self._cancel_all(began))
+            time.sleep(0.02)
+        for goal in left:
+            said = "the server accepted the cancel request, but the goal did not end"
+            goal.over = f"{said if goal.over else 'nobody has answered the request to cancel'} within {LIMIT / 2:g} s"
+        failed = {topic: why for topic, why in held.items() if why}
+        failed.update((goal.action, goal.over) for goal in self._goals.values() if goal.over != "canceled")
+        rests = {part: rest_of_joints(self._states[t], names, MEASURED) for part, (t, names) in self._parts.items()}
+        for rest in rests.values():
+            rest.wait()
+        return {**failed, **{part: rest.result() for part, rest in rests.items()}}
+
+    def _waits(self, goal: _Goal) -> bool:
+        return not goal.over or (goal.over == "canceled" and not goal.ended and goal.action not in self._moved)
+
+    def _hold(self, topic: str, names: tuple[str, ...]) -> str:
+        """Publish where joints come to rest evenly from where they were measured; return why that can't be."""
+        writer, deadline = self._bus.writer(TRAJECTORY, topic), time.monotonic() + FOUND
+        while not (there := writer.listeners()) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        if not there:
+            return "it has no subscribers"
+        while (state := self._measured(names, RECENT)) is None and time.monotonic() < deadline:
+            time.sleep(0.02)
+        state = state or self._measured(names, math.inf)
+        if state is None:
+            return "nothing was heard of its joints"
+        speed = np.zeros(len(names)) if state.velocity is None else state.velocity
+        rest = Trajectory(names, np.zeros(1), (state.position + speed * BRAKE / 2)[None], np.zeros((1, len(names))))
+        writer.publish(trajectory_to_message(rest, BRAKE))
+        return ""
+
+    def _measured(self, names: tuple[str, ...], age: float) -> JointState | None:
+        for states in self._states.values():
+            with suppress(SensorError):
+                return states.state(names, age)
+        return None
+
+    # --- on the bus's thread ---
+
+    def _take(self, line: dict[str, Any]) -> None:
         match line:
             case {"goal_sent": [action, goal]}:
                 self._goals[goal] = _Goal(action, bytes.fromhex(goal))
@@ -96,7 +150,7 @@ class WatchdogProcess:
                 self._goals.pop(goal, None)
             case {"trajectory_sent": [topic, names]}:
                 self._topics[topic] = tuple(names)
-                self._writer(topic)
+                self._bus.writer(TRAJECTORY, topic).advertise()
                 self._listen()
             case {"trajectory_ended": topic}:
                 self._topics.pop(topic, None)
@@ -106,43 +160,6 @@ class WatchdogProcess:
                 for action in actions:
                     self._client(action)
         self._look()
-
-    def spin(self, seconds: float) -> None:
-        """Let ROS work."""
-        self._executor.spin_once(timeout_sec=seconds)
-
-    def wake(self) -> None:
-        """Have `spin` return at once; from any thread."""
-        self._executor.create_task(lambda: None)
-
-    def stop_all(self) -> dict[str, str]:
-        """Have everything hold; return part or action -> why that couldn't be confirmed, empty where it is at rest.
-
-        Of actions that joints of a part don't tell about, only those are named that can't be confirmed to have ended.
-        """
-        if not self._goals and not self._topics:
-            return {}
-        began = time.monotonic()
-        self._look()  # nobody has looked since the last line came
-        for goal in self._goals.values():
-            self._cancel(goal, began)
-        self._listen()
-        held = {topic: self._hold(topic, names) for topic, names in self._topics.items()}
-        while (left := [g for g in self._goals.values() if self._waits(g)]) and time.monotonic() < began + LIMIT / 2:
-            self._look()
-            for goal in left:
-                if not goal.over:
-                    self._cancel(goal, began)
-            self.spin(0.02)
-        for goal in left:
-            said = "the server accepted the cancel request, but the goal did not end"
-            goal.over = f"{said if goal.over else 'nobody has answered the request to cancel'} within {LIMIT / 2:g} s"
-        failed = {topic: why for topic, why in held.items() if why}
-        failed.update((goal.action, goal.over) for goal in self._goals.values() if goal.over != "canceled")
-        return {**failed, **{part: self._rest(*where) for part, where in self._parts.items()}}
-
-    def _waits(self, goal: _Goal) -> bool:
-        return not goal.over or (goal.over == "canceled" and not goal.ended and goal.action not in self._moved)
 
     def _look(self) -> None:
         now = time.monotonic()
@@ -155,31 +172,26 @@ class WatchdogProcess:
                 if goal is not None and status.status >= GoalStatus.STATUS_SUCCEEDED:
                     goal.over, goal.ended = "canceled", True
 
-        if action not in self._moved and action not in self._subscribed:
-            self._subscribed.add(action)
+        if action not in self._moved and action not in self._heard:
+            self._heard.add(action)
             topic = f"{action}/_action/status"
-            self._node.create_subscription(GoalStatusArray, topic, told, qos_profile_action_status_default)
+            self._bus.node.create_subscription(GoalStatusArray, topic, told, qos_profile_action_status_default)
 
     def _client(self, action: str) -> Client:
         if action not in self._clients:
-            self._clients[action] = self._node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
+            self._clients[action] = self._bus.node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
         return self._clients[action]
 
-    def _writer(self, topic: str) -> Publisher:
-        if topic not in self._writers:
-            self._writers[topic] = self._node.create_publisher(JointTrajectory, topic, 10)
-        return self._writers[topic]
-
     def _listen(self) -> None:
-        for topic in {topic for topic, _ in self._parts.values()}:
-            if topic not in self._subscribed:
-                self._subscribed.add(topic)
-                self._node.create_subscription(JointState, topic, self._measured, 50)
+        for topic, _ in self._parts.values():
+            if topic not in self._states:
+                self._states[topic] = JointStates(self._bus, topic)
 
-    def _measured(self, message: Message) -> None:
-        now = time.monotonic()
-        for i, (name, position) in enumerate(zip(message.name, message.position, strict=False)):
-            self._heard[name] = (now, position, message.velocity[i] if i < len(message.velocity) else 0.0)
+    def _cancel_all(self, began: float) -> None:
+        self._look()
+        for goal in self._goals.values():
+            if not goal.over:
+                self._cancel(goal, began)
 
     def _cancel(self, goal: _Goal, began: float) -> None:
         client, now = self._client(goal.action), time.monotonic()
@@ -202,66 +214,16 @@ class WatchdogProcess:
 
         client.call_async(request).add_done_callback(answered)
 
-    def _hold(self, topic: str, names: tuple[str, ...]) -> str:
-        """Publish where joints come to rest evenly from where they were measured; return why that can't be."""
-        writer, deadline = self._writer(topic), time.monotonic() + FOUND
-        while not writer.get_subscription_count() and time.monotonic() < deadline:
-            self.spin(0.02)
-        if not writer.get_subscription_count():
-            return "it has no subscribers"
-        since = time.monotonic() - APART
-        while any(self._heard.get(n, (0.0,))[0] < since for n in names) and time.monotonic() < deadline:
-            self.spin(0.02)
-        if any(name not in self._heard for name in names):
-            return "nothing was heard of its joints"
-        rest = [self._heard[n][1] + self._heard[n][2] * BRAKE / 2 for n in names]
-        point = JointTrajectoryPoint(positions=rest, velocities=[0.0] * len(names))
-        point.time_from_start.nanosec = int(BRAKE * 1e9)
-        writer.publish(JointTrajectory(joint_names=list(names), points=[point]))
-        return ""
-
-    def _rest(self, topic: str, names: tuple[str, ...]) -> str:
-        """Measure joints until they stand still; return why that isn't known."""
-        deadline, before = time.monotonic() + MEASURED, None
-        while time.monotonic() < deadline:
-            since = time.monotonic()
-            while any(self._heard.get(n, (0.0,))[0] < since for n in names) and time.monotonic() < deadline:
-                self.spin(0.02)
-            heard = [self._heard.get(n, (0.0, 0.0, 0.0)) for n in names]
-            if any(time_ < since for time_, _, _ in heard):
-                break
-            now = [position for _, position, _ in heard]
-            if before is not None and max(abs(a - b) for a, b in zip(now, before, strict=True)) <= STILL:
-                return ""
-            before, until = now, since + APART
-            while time.monotonic() < until:
-                self.spin(0.02)
-        else:
-            return f"its joints still moved after {MEASURED:g} s"
-        return f"{topic}: nothing was heard of its joints"
-
 
 def main() -> int:
     """Listen until the input ends, then see to what is left."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    watchdog, lines, over = WatchdogProcess(int(sys.argv[1])), [], threading.Event()
-
-    def read() -> None:
-        with os.fdopen(0) as stream:
-            for line in stream:
-                lines.append(line)
-                watchdog.wake()
-        over.set()
-        watchdog.wake()
-
-    threading.Thread(target=read, daemon=True).start()
+    watchdog = WatchdogProcess(int(sys.argv[1]))
     with suppress(OSError):
         os.write(1, b"1")  # ready
-    while not over.is_set() or lines:
-        while lines:
-            watchdog.take(json.loads(lines.pop(0)))
-        watchdog.spin(0.05)
+    for line in sys.stdin:
+        watchdog.take(json.loads(line))
     report = watchdog.stop_all()
     if report and (descriptor := os.environ.get(REPORT)):
         os.write(int(descriptor), json.dumps(report).encode() + b"\n")

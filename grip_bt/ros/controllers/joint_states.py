@@ -83,18 +83,22 @@ class JointStates:
         self._reader = bus.reader(MESSAGE, topic)
         self._reader.listen(self._heard).wait(5.0)
 
-    def state(self, names: Sequence[str]) -> JointState:
+    def state(self, names: Sequence[str], stale: float | None = None) -> JointState:
         """Return the last measured state of joints.
+
+        Args:
+            names: the joints.
+            stale: how long ago they may have been heard of [s]; that of these joint states by default.
 
         Raises:
             SensorError: one of them wasn't heard of for too long; it names them and who publishes.
         """
-        now = time.monotonic()
+        now, stale = time.monotonic(), self._stale if stale is None else stale
         with self._lock:
             found = [self._joints.get(name) for name in names]
-        missing = [n for n, j in zip(names, found, strict=True) if j is None or now - j.heard > self._stale]
+        missing = [n for n, j in zip(names, found, strict=True) if j is None or now - j.heard > stale]
         if missing:
-            silent = f"nothing about {', '.join(missing)} within {self._stale:g} s"
+            silent = f"nothing about {', '.join(missing)} within {stale:g} s"
             raise SensorError(f"{self.topic}: {silent}; {self._reader.publishers()}", joints=missing)
         joints = [j for j in found if j is not None]
         return JointState(
