@@ -15,7 +15,7 @@ from grip_bt.task.model import KINDS, Kind
 from grip_gui.wire.editing import CatalogView, NodeFace, ParameterFace, PortFace
 from grip_gui.wire.task import FieldType, KindView, SettingView
 
-_ELSEWHERE = set("doc on x data outcomes children child exits kind with in out meaning".split())
+_ELSEWHERE = set("doc on * data outcomes children child exits kind with in out meaning".split())
 """Keys that have places of their own on the page."""
 _CHILDREN: dict[str, FieldType] = {"initial": "child", "default": "child", "cases": "cases"}
 """Keys that name children."""
