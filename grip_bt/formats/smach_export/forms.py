@@ -6,7 +6,7 @@ from typing import Literal
 
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.behaviour_state import Refined
-from grip_bt.compilers.machine_table import AGAIN, counts, interrupts, table_of
+from grip_bt.compilers.machine_table import AGAIN, chooses, counts, interrupts, table_of
 from grip_bt.compilers.resolve import Part
 from grip_bt.task import model
 
@@ -86,9 +86,9 @@ def smach_form(part: Part, needed: Refined) -> SmachForm:
     node = part.node
     if isinstance(node, model.Leaf):
         return "tree" if legacy_state(part) is None else "state"
-    if isinstance(node, model.Foreign | model.Subtask | model.Cooldown):
+    if isinstance(node, model.Foreign | model.Subtask) or node.precondition or interrupts(part):
         return "tree"
-    if node.precondition or interrupts(part):
+    if chooses(part) and not isinstance(node, model.Switch | model.Loop | model.ForEach):
         return "tree"
     if isinstance(node, model.Parallel):
         ruled = bool(node.rules) and outcome_map(part) is None
