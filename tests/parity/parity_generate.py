@@ -12,7 +12,7 @@ CODES = ("no_ik", "no_plan", "time_out")
 EDGE_CODES = (*CODES, *CODES, "precondition", "guard", "no_case", "cooldown", "loop_limit")
 EXTRA = {"won": "success", "lost": "failure", "none": "success"}
 SEQUENTIAL = ("sequence", "fallback", "state_machine", "retry", "repeat", "invert", "force", "subtask")
-CHOOSING = ("switch", "loop", "for_each", "cooldown")
+CHOOSING = ("switch", "loop", "for_each", "cooldown", "round_robin")
 BRANCHING = ("sequence", "fallback", "state_machine")
 INTERRUPTING = ("reactive_sequence", "reactive_fallback", "reactive_switch", "timeout", "guard", "parallel", "parallel")
 
@@ -281,6 +281,7 @@ class Maker:
             "loop": {"kind": "loop", **({"while": self.condition(seen)} if self.chance(0.6) else {}), **limit, **only},
             "for_each": {"kind": "for_each", "items": "list", **only},
             "cooldown": {"kind": "cooldown", "seconds": self.random.randint(1, 6), **only},
+            "round_robin": {"kind": "round_robin", "children": children},
             "sequence": {"kind": "sequence", "children": children},
             "fallback": {"kind": "fallback", "children": children},
             "reactive_sequence": {"kind": "sequence", "memory": False, "children": children},

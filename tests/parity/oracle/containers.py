@@ -224,6 +224,15 @@ class Cooldown(_Choosing):
             self.ready = self.run.now + self.document["seconds"]
 
 
+class RoundRobin(_Choosing):
+    turns = 0
+    """How many there were; it lasts through a run."""
+
+    def choose(self) -> Node | End:
+        self.turns += 1
+        return self.children[(self.turns - 1) % len(self.children)]
+
+
 class Parallel(Container):
     def begin(self) -> None:
         self.ends: dict[str, End] = {}
@@ -328,6 +337,7 @@ KINDS: dict[str, type[Container]] = {
     "loop": Loop,
     "for_each": ForEach,
     "cooldown": Cooldown,
+    "round_robin": RoundRobin,
     "invert": Invert,
     "force": Force,
 }
