@@ -99,4 +99,4 @@ def test_grip_convert_writes_the_file(tmp_path, capsys):
     assert out.read_text() == export(loads(WORDS), Catalog.builtin())
     (tmp_path / "wrong.yaml").write_text(WORDS.replace("flow/fail", "flow/nothing"))
     assert main(["convert", str(tmp_path / "wrong.yaml"), "--to", "smach-py"]) == 1
-    assert "tries/fails: unknown node 'flow/nothing'" in capsys.readouterr().err
+    assert "tries/fails: there is no node 'flow/nothing'" in capsys.readouterr().err
