@@ -1,1 +1,7 @@
-"""The `grip` command: one verb a file; each offers `add_options(parser)` and `run(args) -> exit status`."""
+"""The `grip` command: of each verb `add_VERB(parser)`, which sets `run(args) -> exit status`.
+
+Exit status: 0 done with a success outcome, 1 invalid input, 2 usage, 3 done with a failure outcome, 4 error in a node
+or a process, 130 stopped.
+"""
+
+DONE, INVALID, FAILURE, NODE_ERROR, STOPPED = 0, 1, 3, 4, 130

@@ -1,15 +1,11 @@
-"""`grip`: the command's beginning and end.
-
-Exit status: 0 done with a success outcome, 1 invalid input, 2 usage, 3 done with a failure outcome, 4 error in a node,
-130 stopped.
-"""
+"""`grip`: the command's beginning and end."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
 
-STOPPED = 130
+from . import STOPPED
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

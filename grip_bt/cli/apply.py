@@ -23,7 +23,7 @@ from grip_bt.task.edit import Edited, Extract, apply_to_document, command_of
 from .terminal import put
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_apply(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("task", metavar="TASK", help="a task file; it is changed")
     parser.add_argument(

@@ -27,13 +27,12 @@ from grip_bt.app.campaign.report import reason
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError
 
+from . import STOPPED
 from .parser import add_no_code, whole
 from .terminal import on_stop
 
-STOPPED = 130
 
-
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_bench(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.usage = (
         "grip bench CAMPAIGN [--workers N] [--resume] [-o FILE]\n       grip bench report RESULTS [--json | --csv]"
@@ -54,19 +53,19 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     form.add_argument("--csv", action="store_true", help="print a line a trial")
-    parser.set_defaults(run=run, parser=parser)
+    parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run a campaign, or print a report; 0 when every trial was run, whatever came of it."""
     if args.what[0] == "report":
         if len(args.what) != 2:
-            args.parser.error("report needs the file of results: grip bench report .grip/campaigns/NAME.jsonl")
+            args.usage_error("report needs the file of results: grip bench report .grip/campaigns/NAME.jsonl")
 
         _print(read(Path(args.what[1])), args)
         return 0
     if len(args.what) != 1:
-        args.parser.error("one campaign at a time: grip bench CAMPAIGN")
+        args.usage_error("one campaign at a time: grip bench CAMPAIGN")
     return _run(Path(args.what[0]), args)
 
 

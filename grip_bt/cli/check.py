@@ -13,13 +13,13 @@ from grip_bt.task import read_text, schema
 from grip_bt.task.validation import validate
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_check(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="a task file")
     parser.add_argument("--strict", action="store_true", help="1 also where there are only warnings, for CI")
     parser.add_argument("--json", action="store_true", help="print one JSON list")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of task files")
-    parser.set_defaults(run=run, usage_error=parser.error)
+    parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:

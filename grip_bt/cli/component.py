@@ -1,8 +1,9 @@
-"""`grip component new|add|list|test`: external software as nodes."""
+"""`grip component`: external software as nodes; `grip interfaces`: building ROS interface packages."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import shlex
 import sys
@@ -17,18 +18,18 @@ from grip_bt.app.project.components import components_folder, from_file, from_gr
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
+from grip_bt.cli.parser import add_no_code
 from grip_bt.codegen import outdated, render, write_package
 from grip_bt.codegen.scaffold import make_repository
+from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.task.catalog.component_file import FILE_NAME, load_component
-
-from .parser import add_no_code
 
 NODE_FOLDER = "node"
 _MOST = 6
 """How many files of a package are listed."""
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_component(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     new = actions.add_parser("new", help="a template repository of a component that works, to be made one's own")
@@ -228,3 +229,26 @@ def rendered(folder: Path) -> dict[str, str]:
 
 def _seconds(seconds: float) -> str:
     return f"built in {seconds:.1f} s" if seconds else "in the cache"
+
+
+def add_interfaces(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
+    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
+    build = actions.add_parser("build", help="build the .msg, .srv and .action packages in a folder, once per content")
+    build.add_argument("folder", type=Path, help="an interface package, or a folder with some")
+    build.add_argument("--cache", type=Path, help="where built packages are kept (default: the user's cache)")
+    build.add_argument("--overlay", type=Path, action="append", default=[], help="a prefix with packages they need")
+    build.add_argument("--json", action="store_true", help="print one JSON list")
+    build.set_defaults(run=_run_interfaces)
+
+
+def _run_interfaces(args: argparse.Namespace) -> int:
+    """Build and tell where each package is."""
+    built = build_interfaces(args.folder, args.cache, args.overlay)
+    if args.json:
+        rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]
+        print(json.dumps(rows, indent=2))
+    else:
+        for b in built:
+            print(f"{b.package:<28} {'cached' if b.cached else f'{b.seconds:5.1f} s'}  {b.prefix}")
+    return 0

@@ -62,7 +62,7 @@ def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace
     return restructure.to_text(result, form, Path(args.task).name)
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_convert(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("task", metavar="TASK", help="a task file")
     parser.add_argument(
@@ -85,7 +85,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="of sm: let reactive composites become machines that aren't quite the same; what differs is shown",
     )
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
-    parser.set_defaults(run=run, usage_error=parser.error)
+    parser.set_defaults(run=run)
 
 
 def run(args: argparse.Namespace) -> int:

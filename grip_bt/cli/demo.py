@@ -22,7 +22,7 @@ from .run import add_run_options, exit_status, options_of, sentence
 from .terminal import on_hang_up, on_stop
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_demo(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("name", nargs="?", default="reactive", help=f"which one (available: {', '.join(DEMOS)})")
     add_run_options(parser)

@@ -11,7 +11,7 @@ from grip_bt.app.project.doctor import Finding, examine
 _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_doctor(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("--json", action="store_true", help="print one JSON list")
     parser.set_defaults(run=run)

@@ -12,7 +12,7 @@ from .parser import add_no_code
 from .terminal import on_hang_up
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_edit(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument(
         "path", nargs="?", default=".", type=Path, help="a project folder or a task file (default: here)"

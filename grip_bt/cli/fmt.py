@@ -13,7 +13,7 @@ from grip_bt.task import fmt
 from .terminal import put
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_fmt(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("tasks", nargs="+", metavar="TASK", help="a task file; - reads stdin and writes stdout")
     parser.add_argument("--check", action="store_true", help="change nothing; 1 when a file isn't canonical")

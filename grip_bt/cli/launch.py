@@ -1,4 +1,4 @@
-"""`grip launch`: run and watch over a launch file, or the processes of a project."""
+"""`grip launch`: a launch file, or the processes of a project; `grip sim`: a simulated world as a ROS 2 robot."""
 
 from __future__ import annotations
 
@@ -7,24 +7,29 @@ import json
 import shlex
 import signal
 import sys
+import threading
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from grip_bt.app.project.config import FILE_NAME
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.app.project.launching import launch_file_of, project_members
+from grip_bt.app.wiring.parts import load_part
 from grip_bt.base.errors import GripError
+from grip_bt.cli import NODE_ERROR, STOPPED
+from grip_bt.cli.parser import add_no_code, number
+from grip_bt.cli.terminal import complain, on_stop, progress
 from grip_bt.ros.launch import read_arguments
 from grip_bt.ros.launch.group import LaunchEvent, Member, ProcessGroup
 from grip_bt.ros.launch.run import Follower, is_launch_file, members_of_file
 
-from .parser import add_no_code
+if TYPE_CHECKING:
+    from grip_bt.app.wiring.ros_simulation import Served
 
-FAILED, STOPPED = 4, 130
 
-
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_launch(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument(
         "what",
@@ -40,10 +45,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
     parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
     add_no_code(parser)
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=_run_launch)
 
 
-def run(args: argparse.Namespace) -> int:
+def _run_launch(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
     if args.write is not None:
         return _write(args)
@@ -120,8 +125,8 @@ def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: P
         stopped.append(number)
         group.ask_to_stop()
 
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, stop)
+    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(each, stop)
     follower = Follower(group, [member.name for member in members], sys.stdout) if follow else None
     try:
         group.start()
@@ -131,11 +136,62 @@ def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: P
             follower.close()
     if stopped:
         return STOPPED
-    if why:
-        print(f"grip: {why}", file=sys.stderr)
-    return FAILED if why else 0
+    return complain(why, NODE_ERROR) if why else 0
 
 
 def _tell(name: str, state: str, detail: str) -> None:
     first = detail.splitlines()[0] if detail else ""
     print(f"  {name:<20} {state}{': ' + first if first else ''}", file=sys.stderr, flush=True)
+
+
+def add_sim(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
+    parser.add_argument("world", nargs="?", default="table", help="which world (default: table)")
+    parser.add_argument("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
+    parser.add_argument("--seed", type=int, default=0, help="of the world (default: 0)")
+    parser.add_argument(
+        "--pace", type=number(above=0), default=1.0, metavar="X", help="playback speed: simulated seconds a second"
+    )
+    parser.add_argument(
+        "--camera-rate", type=number(above=0), default=2.0, metavar="HZ", help="frames a second, while somebody listens"
+    )
+    parser.add_argument(
+        "--room", type=Path, metavar="FILE", help="write what stands in the world, as a .scene file for planners"
+    )
+    parser.set_defaults(run=_run_sim)
+
+
+def _run_sim(args: argparse.Namespace) -> int:
+    """Serve the world until Ctrl-C; then say where its objects are."""
+    over = threading.Event()
+    on_stop(over.set)
+    project = find_project(args.project)
+    serving = load_part("ros_simulation", "the simulator or ROS", "sim,ros")
+    with serving.serve_world(project, args.world, args.seed, args.pace, progress, args.camera_rate) as served:
+        if args.room is not None:
+            args.room.write_text(served.room)
+        print(_settings(served, args.room), flush=True)
+        while not over.wait(0.5):
+            try:
+                served.simulation.referee.fingerprint()
+            except GripError as error:
+                return complain(str(error), NODE_ERROR)
+        for name, truth in served.simulation.referee.truth().items():
+            print(f"{name}: {truth.status}")
+    return 0
+
+
+def _settings(served: Served, room: Path | None) -> str:
+    """Return what `grip.yaml` says to reach it."""
+    lines = ["", "serving; Ctrl-C ends it. For `grip run TASK --robot ros`, grip.yaml says:", ""]
+    if room is not None:
+        lines.append(f"scene: {room}")
+    lines += ["ros:", f"  joint_states: {served.joints}", "  controllers:"]
+    lines += [f"    {name}: {{trajectory: {action}}}" for name, action in served.controllers.items()]
+    if served.cameras:
+        lines.append("  cameras:")
+    for name, topics in served.cameras.items():
+        lines += [f"    {name}:", *(f"      {part}: {topics[part]}" for part in ("image", "depth", "info"))]
+        mount = ", ".join(f"{key}: {value}" for key, value in served.mounts[name].items())
+        lines.append(f"      mount: {{{mount}}}")
+    return "\n".join([*lines, ""])

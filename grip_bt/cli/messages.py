@@ -32,7 +32,7 @@ ARCHIVE = "messages.sqlite"
 _VALUE = "YAML, as in a project's files or field by field; - for the standard input"
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_messages(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     serve = actions.add_parser("serve", help="serve a project's messages until stopped")

@@ -8,7 +8,7 @@ import shlex
 from grip_bt.app.project.folder import make_project
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_new(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("folder", metavar="DIR", help="a folder that isn't there yet, or is empty")
     parser.set_defaults(run=run)

@@ -19,7 +19,7 @@ WHAT = (
 )
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_robot(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     verbs = parser.add_subparsers(title="what to do", metavar="WHAT", required=True)
     check = verbs.add_parser("check", help="everything that is wrong with robots' files; exit status 1 for errors")

@@ -20,17 +20,17 @@ from grip_bt.app.wiring.progress import silent
 from grip_bt.runtime import JournalReader, RunResult, serve_control
 from grip_bt.runtime.control import result_facts
 
+from . import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
 from .debug_prompt import Prompt, breakpoint_of
 from .parser import add_no_code, number, whole
 from .resume import Given, add_resume_options, check_usage, fork_often, prepare
 from .terminal import on_stop, progress
 
-EXIT_STATUS = {"success": 0, "failure": 3, "error": 4, "died": 4, "stopped": 130}
-INVALID = 1
+EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
 WATCHDOG = 10.0
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_run(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument(
         "task", type=Path, nargs="?", help="the task file; with --resume or --fork, where the run's is now"
@@ -74,7 +74,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     add_no_code(parser)
     add_resume_options(parser)
-    parser.set_defaults(run=run, parser=parser)
+    parser.set_defaults(run=run)
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +111,7 @@ def options_of(args: argparse.Namespace) -> RunOptions:
 
 def run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
-    check_usage(args, args.parser.error)
+    check_usage(args, args.usage_error)
     debug = args.debug or (bool(args.breaks) and not args.control)
     options = replace(
         options_of(args),

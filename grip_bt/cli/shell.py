@@ -12,8 +12,9 @@ from importlib import import_module
 from grip_bt import __version__
 from grip_bt.base.errors import GripError, MissingPartError, NodeError
 
+from . import INVALID, NODE_ERROR
 from .parser import Parser
-from .terminal import give_up, ready
+from .terminal import complain, give_up, ready
 
 VERBS = {
     "demo": "run a packaged demonstration in simulation",
@@ -38,9 +39,9 @@ VERBS = {
     "teach": "remember where an arm or a hand is now, under a name",
     "doctor": "check the installation, and say how to fix it",
 }
-"""What each does, for the list of them; the module of the same name is loaded when the verb is named."""
-MODULES = {"import": "import_"}
-INVALID, NODE_ERROR = 1, 4
+"""What each does, for the list of them; its module is loaded when the verb is named."""
+MODULES = {"import": "import_", "interfaces": "component", "sim": "launch", "replay": "runs", "capsule": "runs"}
+"""Where it isn't the module of the verb's own name."""
 
 
 def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
@@ -55,7 +56,8 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
     for verb, doc in VERBS.items():
         options = subparsers.add_parser(verb, help=doc)
         if verb == named:
-            import_module(f"grip_bt.cli.{MODULES.get(verb, verb)}").add_options(options)
+            options.set_defaults(usage_error=options.error)
+            getattr(import_module(f"grip_bt.cli.{MODULES.get(verb, verb)}"), f"add_{verb}")(options)
     return parser
 
 
@@ -72,17 +74,17 @@ def run_verb(arguments: Sequence[str] | None) -> int:
         sys.stdout.flush()  # here, where what keeps it from being written can be said
         return status
     except NodeError as error:
-        return _said(str(error), NODE_ERROR)
+        return complain(str(error), NODE_ERROR)
     except GripError as error:
         if getattr(error, "issues", None):
             print(error, file=sys.stderr)
             return INVALID
-        return _said(str(error))
+        return complain(str(error))
     except ModuleNotFoundError as error:
         missing = missing_extra(error)
         if missing is None:
             raise
-        return _said(str(missing))
+        return complain(str(missing))
     except BrokenPipeError:
         # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.
         give_up()
@@ -111,16 +113,11 @@ def _refused_by_the_system(error: OSError) -> int:
         if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
             raise error
         give_up()
-        return _said(f"stdout: {error.strerror}; the output isn't whole: send it to another place, or make room")
+        return complain(f"stdout: {error.strerror}; the output isn't whole: send it to another place, or make room")
     name = str(error.filename) if isinstance(error.filename, int) else os.fsdecode(error.filename)
     if error.errno == errno.ENOENT:
-        return _said(f"{name}: {error.strerror}; make its folder first, or name another place")
-    return _said(f"{name}: {error.strerror}; name another place, or change its permissions")
-
-
-def _said(words: str, status: int = INVALID) -> int:
-    print(f"grip: {words}", file=sys.stderr)
-    return status
+        return complain(f"{name}: {error.strerror}; make its folder first, or name another place")
+    return complain(f"{name}: {error.strerror}; name another place, or change its permissions")
 
 
 _PACKAGES = {

@@ -17,7 +17,7 @@ from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.taught import TaughtStates
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
+def add_teach(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("name", nargs="?", help="a word; without it, what was taught is listed")
     parser.add_argument("--project", default=".", help="a project folder, or a file in it (default: this folder)")

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import TextIO
 
+from . import INVALID
+
 
 def ready() -> None:
     r"""Make the three streams ones that every text can be written to.
@@ -44,6 +46,12 @@ def give_up() -> None:
 def _has_all(stream: TextIO) -> bool:
     """Return whether a stream's character set has every character."""
     return (stream.encoding or "").lower().replace("-", "").replace("_", "").startswith("utf")
+
+
+def complain(words: str, status: int = INVALID) -> int:
+    """Say what is wrong, and return the exit status."""
+    print(f"grip: {words}", file=sys.stderr, flush=True)
+    return status
 
 
 def progress(part: str, detail: str) -> None:
