@@ -8,23 +8,28 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project.examples import DEMOS, Demo, find_demo
+from grip_bt.app.runs.demo import ATTEMPT, CHECK, DEMO, Attempt, AttemptRecorder, attempt_line, demo_task, object_table
 from grip_bt.app.runs.execute import Session, open_session
-from grip_bt.app.runs.verdict import Attempt, AttemptRecorder, Verdict, attempt_line, object_table
+from grip_bt.app.runs.verdict import Verdict
 from grip_bt.compilers.binding import parts_of
 from grip_bt.runtime import RunResult
-from grip_bt.runtime.control import result_facts
+from grip_bt.runtime.control import RunEnd, result_facts
 from grip_bt.task import walk
 
 from .run import add_run_options, exit_status, options_of, sentence
 from .terminal import on_hang_up, on_stop
 
+NAME = "reactive"
+
 
 def add_demo(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument("name", nargs="?", default="reactive", help=f"which one (available: {', '.join(DEMOS)})")
+    parser.add_argument(
+        "name", nargs="?", default="reactive", choices=("reactive",), help="which one (default: reactive)"
+    )
     add_run_options(parser)
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     parser.add_argument("--gui", action="store_true", help="show the run live in a browser")
@@ -35,22 +40,22 @@ def add_demo(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
-    demo = find_demo(args.name)
+    task = demo_task()
     if args.gui:
-        return _show(demo, args)
+        return _show(task, args)
     began = time.monotonic()
     say: Callable[[str], None] = (lambda text: None) if args.json else print
     form = "state machine" if args.target == "sm" else "behaviour tree"
-    say(f"GRIP demo {demo.name!r} as a {form}, seed {args.seed}\n{demo.doc}\n")
-    with open_session(demo.task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
+    say(f"GRIP demo {args.name!r} as a {form}, seed {args.seed}\n{DEMO}\n")
+    with open_session(task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
         nodes = sum(1 for _ in walk(session.document.task.root))
-        say(f"  {'task':<11} {demo.task.name}: {nodes} nodes, no problems\n")
+        say(f"  {'task':<11} {task.name}: {nodes} nodes, no problems\n")
         on_stop(session.runner.stop)
-        recorder = _recorder(demo, session, say)
+        recorder = _recorder(session, say)
         session.runner.observe(recorder)
         verdict = Verdict(session)
         result = session.runner.run()
-        end = {**result_facts(result), **verdict.facts(result)}
+        end: RunEnd = {**result_facts(result), **verdict.facts(result)}
         truth = session.resources.referee.truth() if session.resources.referee is not None else {}
         run_id, journal = session.runner.run_id, session.journal
     wall = time.monotonic() - began
@@ -64,16 +69,16 @@ def run(args: argparse.Namespace) -> int:
     return exit_status(end)
 
 
-def _recorder(demo: Demo, session: Session, say: Callable[[str], None]) -> AttemptRecorder:
+def _recorder(session: Session, say: Callable[[str], None]) -> AttemptRecorder:
     referee = session.resources.referee
     clock = session.runner.context.clock
     return AttemptRecorder(
-        demo.attempt,
-        demo.check,
+        ATTEMPT,
+        CHECK,
         clock.now,
         referee.truth if referee is not None else None,
         lambda attempt: say(attempt_line(attempt)),
-        parts_of(session.runner.compiled)[demo.attempt].meaning,
+        parts_of(session.runner.compiled)[ATTEMPT].meaning,
     )
 
 
@@ -92,14 +97,14 @@ def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: i
     }
 
 
-def _show(demo: Demo, args: argparse.Namespace) -> int:
+def _show(task: Path, args: argparse.Namespace) -> int:
     from grip_gui import RunOptions, serve
 
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     options = RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace or 1.0)
     return serve(
-        demo.task.parent.parent,
-        task=demo.task,
+        task.parent.parent,
+        task=task,
         autostart=options,
         port=args.port,
         open_browser=not args.no_browser and sys.stdout.isatty(),

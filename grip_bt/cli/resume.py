@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from grip_bt.app.runs.resume_plan import (
     agree,
     plan_resume,
 )
+from grip_bt.runtime.control import RunEnd
 
 from .parser import whole
 
@@ -31,7 +32,7 @@ class Given(argparse.Action):
         namespace.given = getattr(namespace, "given", frozenset()) | {self.dest}
 
 
-Execute = Callable[["RunOptions"], "tuple[int, Mapping[str, Any]]"]
+Execute = Callable[["RunOptions"], "tuple[int, RunEnd]"]
 """Runs once, and returns the exit status and the event `ended`."""
 
 
@@ -121,7 +122,7 @@ def fork_often(plan: ResumePlan, times: int, as_json: bool, execute: Execute) ->
     return worst
 
 
-def _how(end: Mapping[str, Any]) -> str:
+def _how(end: RunEnd) -> str:
     said = end.get("outcome") or end.get("status") or end.get("event")
     return f"{said}" + (f" ({end['code']})" if end.get("code") else "")
 

@@ -7,7 +7,7 @@ import json
 import sys
 import threading
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from grip_bt.app.runs.tables import failures
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.progress import silent
 from grip_bt.runtime import JournalReader, RunResult, serve_control
-from grip_bt.runtime.control import result_facts
+from grip_bt.runtime.control import RunEnd, result_facts
 
 from . import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
 from .debug_prompt import Prompt, breakpoint_of
@@ -136,13 +136,13 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
-    end: dict[str, Any] = {}
+    end: RunEnd = {}
     with open_session(args.task, options, progress=silent if args.json and not args.control else progress) as session:
         on_stop(session.runner.stop)
         verdict = Verdict(session)
 
-        def more(result: RunResult) -> Mapping[str, Any]:
-            end.update(result_facts(result), **verdict.facts(result))
+        def more(result: RunResult) -> RunEnd:
+            end.update({**result_facts(result), **verdict.facts(result)})
             return end
 
         if args.control:
@@ -153,12 +153,12 @@ def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
     return exit_status(end)
 
 
-def exit_status(end: Mapping[str, Any]) -> int:
+def exit_status(end: RunEnd) -> int:
     """Return the exit status of a run, from the facts of the event `ended`; a success that is contradicted is none."""
     return EXIT_STATUS["failure" if end.get("contradiction") else end["status"]]
 
 
-def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, Mapping[str, Any]]:
+def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, RunEnd]:
     """Run in a child process; pass on what goes either way. Return the exit status, and the event `ended`."""
     run_id: list[str] = []
     started: list[Mapping[str, Any]] = []
@@ -176,8 +176,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
         elif prompt is not None:
             prompt.told(event)
 
-    given = {**asdict(options), "journal": str(options.journal) if options.journal else None}
-    supervisor = Supervisor(str(args.task), given, told, options.watchdog, own_input=not (args.control or debug))
+    supervisor = Supervisor(str(args.task), options, told, options.watchdog, own_input=not (args.control or debug))
     if debug:
         prompt = Prompt(supervisor.send, lambda text: print(text, flush=True), patient=not sys.stdin.isatty())
     supervisor.start()
@@ -231,7 +230,7 @@ def _in_background(action: Callable[[], None]) -> None:
     threading.Thread(target=action, name="grip_input", daemon=True).start()
 
 
-def sentence(end: Mapping[str, Any]) -> str:
+def sentence(end: RunEnd) -> str:
     """Return how a run ended, in a line, from the facts of the event `ended`."""
     left = f"; left behind: {', '.join(end['zombies'])}" if end.get("zombies") else ""
     if end["outcome"] is None:
@@ -241,7 +240,7 @@ def sentence(end: Mapping[str, Any]) -> str:
     return f"{end['status']}: {end['outcome']}{reason}{left}"
 
 
-def _tell(end: Mapping[str, Any], as_json: bool) -> None:
+def _tell(end: RunEnd, as_json: bool) -> None:
     if as_json:
         keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
         said = {key: end[key] for key in ("truth", "contradiction") if key in end}

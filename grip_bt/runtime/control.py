@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, TextIO
+from typing import Any, TextIO, TypedDict
 
 from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
 
@@ -23,6 +23,25 @@ COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints"
 
 
 GONE = "whoever controlled the run has gone, without a stop"
+
+
+class RunEnd(TypedDict, total=False):
+    """The event `ended` of a run, or `failed` where none could be run; `truth` is the referee's word."""
+
+    event: str
+    run: str | None
+    status: str
+    outcome: str | None
+    code: str | None
+    message: str
+    path: str
+    duration: float
+    ticks: int | None
+    zombies: list[str]
+    rest: str
+    unconfirmed: dict[str, str]
+    truth: dict[str, str]
+    contradiction: str
 
 
 class Control:
@@ -106,7 +125,7 @@ class Control:
         for command in early:
             self._do(runner, command)
 
-    def run(self, more: Callable[[RunResult], Mapping[str, Any]] = lambda _: {}) -> RunResult:
+    def run(self, more: Callable[[RunResult], RunEnd] = lambda _: {}) -> RunResult:
         """Run to the end in this thread, and tell of it; after `attach`.
 
         Args:
@@ -204,7 +223,7 @@ def _run_to(runner: Runner, command: Mapping[str, Any]) -> None:
     runner.debugger.run_to(_text(command, "node"), command.get("when") or "")
 
 
-def result_facts(result: RunResult) -> dict[str, Any]:
+def result_facts(result: RunResult) -> RunEnd:
     """Return how a run has ended as the control protocol says it."""
     return {
         "status": result.status,
@@ -223,7 +242,7 @@ def serve_control(
     runner: Runner,
     commands: TextIO,
     events: TextIO,
-    more: Callable[[RunResult], Mapping[str, Any]] = lambda _: {},
+    more: Callable[[RunResult], RunEnd] = lambda _: {},
 ) -> RunResult:
     """Run to the end in this thread, obeying commands meanwhile.
 

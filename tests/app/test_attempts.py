@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from grip_bt.app.runs.verdict import AttemptRecorder
+from grip_bt.app.runs.demo import AttemptRecorder
 from grip_bt.base.values import Failure
 
 LEFT, LOST = Failure("something_left", "", {}), Failure("no_contact", "", {})

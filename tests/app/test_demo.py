@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from trial_project import grip, processes_in, result_of
 
-from grip_bt.app.project.examples import examples_folder, find_demo
+from grip_bt.app.runs.demo import ATTEMPT, CHECK, AttemptRecorder, demo_task, examples_folder
 from grip_bt.app.runs.execute import RunOptions, open_session
-from grip_bt.app.runs.verdict import AttemptRecorder
 from grip_bt.base.values import Pose
 from grip_bt.nodes.node import Silent
 
@@ -91,10 +90,10 @@ class Thief(Silent):
 
 @pytest.mark.parametrize("form", ["bt", "sm"])
 def test_after_a_grasp_of_nothing_the_task_backs_off_and_takes_what_is_there(form):
-    demo = find_demo("reactive")
-    with open_session(demo.task, RunOptions(target=form, seed=3)) as session:
+    task = demo_task()
+    with open_session(task, RunOptions(target=form, seed=3)) as session:
         referee = session.resources.referee
-        recorder = AttemptRecorder(demo.attempt, demo.check, session.resources.clock.now, referee.truth)
+        recorder = AttemptRecorder(ATTEMPT, CHECK, session.resources.clock.now, referee.truth)
         thief = Thief(recorder, referee)
         session.runner.observe(recorder)
         session.runner.observe(thief)

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from grip_bt.app.runs import process as run_process
+from grip_bt.app.runs.execute import RunOptions
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.base.errors import GripError
 from grip_bt.runtime import JournalReader
@@ -103,7 +104,7 @@ class Supervised:
 
     def __init__(self, file: Path, **options: Any):
         self.events: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        given = {"robot": "fake", "journal": None, **options}
+        given = RunOptions(**{"robot": "fake", **options})
         self.supervisor = Supervisor(str(file), given, self.events.put, silence=options.get("watchdog"))
         self.supervisor.start()
 

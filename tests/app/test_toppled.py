@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from grip_bt.app.project.examples import find_demo
+from grip_bt.app.runs.demo import demo_task
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
 
@@ -21,7 +21,7 @@ def lying(position, axis):
 
 def test_a_toppled_object_is_taken_from_above_and_placed_like_the_others(tmp_path):
     options = RunOptions(seed=1, journal=tmp_path / "j.sqlite")
-    with open_session(find_demo("reactive").task, options) as session:
+    with open_session(demo_task(), options) as session:
         referee = session.resources.referee
         *others, (name, truth) = list(referee.truth().items())[:3]
         for k, (other, _) in enumerate(others):  # out of the way: this is about one object

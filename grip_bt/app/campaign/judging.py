@@ -15,6 +15,7 @@ from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import JournalReader
+from grip_bt.runtime.control import RunEnd
 from grip_bt.runtime.motion_end import Rest
 
 from ..runs.verdict import STATES
@@ -71,9 +72,7 @@ def _check_expression(where: str, place: str, text: str, names: set[str]) -> Non
             )
 
 
-def judged(
-    campaign: Campaign, end: Mapping[str, Any], wall: float, started: Mapping[str, Any] | None
-) -> dict[str, Any]:
+def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, Any] | None) -> dict[str, Any]:
     """Return what came of a trial, as JSON data.
 
     Args:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from grip_bt.app.runs.execute import RunOptions
 from grip_bt.app.runs.mocks import scripted
 from grip_bt.app.runs.supervisor import Supervisor
 
@@ -99,7 +100,7 @@ class Trials:
             self._under_way.add(supervisor)
         if self._stopped.is_set():
             supervisor.stop()
-        end = dict(supervisor.wait())
+        end = supervisor.wait()
         timer.cancel()
         with self._lock:
             self._under_way.discard(supervisor)
@@ -113,14 +114,14 @@ class Trials:
         with self._lock:
             self._ended({"variant": variant, "seed": seed, **row})
 
-    def _options(self, variant: str, seed: int) -> dict[str, Any]:
+    def _options(self, variant: str, seed: int) -> RunOptions:
         said, settings = self._campaign.file, self._campaign.file.variants[variant]
-        return {
-            "target": settings.form,
-            "robot": said.robot,
-            "seed": seed,
-            "data": dict(settings.set),
-            "mocks": scripted(settings.mocks),
-            "journal": str(self._journal),
-            "watchdog": self._watchdog,
-        }
+        return RunOptions(
+            target=settings.form,
+            robot=said.robot,
+            seed=seed,
+            data=settings.set,
+            mocks=scripted(settings.mocks),
+            journal=self._journal,
+            watchdog=self._watchdog,
+        )

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from pydantic import TypeAdapter
+
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue, Report
@@ -29,7 +31,7 @@ from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
 from ..wiring.progress import Progress, silent
 from .mocks import apply_mocks
-from .resume import ResumeRequest, options_text, policy_of, start_resumed
+from .resume import ResumeRequest, policy_of, start_resumed
 from .saved_state import RestoredState, changes, kept_parts
 
 Target = Literal["bt", "sm"]
@@ -53,7 +55,7 @@ class RunOptions:
         paused: whether it begins paused.
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
         durable: whether no motion begins before the journal on disk says so.
-        resume: fields of `ResumeRequest`: the run that is gone on with; None for a new one.
+        resume: the run that is resumed; None for a new one.
     """
 
     target: Target = "bt"
@@ -66,9 +68,14 @@ class RunOptions:
     watchdog: float | None = None
     breaks: Sequence[Mapping[str, Any]] = ()
     paused: bool = False
-    mocks: Mapping[str, Any] = field(default_factory=dict)
+    mocks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     durable: bool = False
-    resume: Mapping[str, Any] | None = None
+    resume: ResumeRequest | None = None
+
+
+OPTIONS = TypeAdapter(RunOptions)
+"""Writes and reads them as JSON, for other processes and for the journal."""
+RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "target"}
 
 
 @dataclass
@@ -140,7 +147,7 @@ def open_session(
         UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    resume = ResumeRequest(**options.resume) if options.resume is not None else None
+    resume = options.resume
     project, document, report = check_task(path, None if resume is None else _text_of(resume, path, options.journal))
     check_inputs(document, options.data)
     catalog = catalogue_of(project)
@@ -187,7 +194,7 @@ def open_session(
             log=log,
             re_execution=re_execution,
             facts={
-                "options": options_text(vars(options)),
+                "options": OPTIONS.dump_python(options, mode="json", include=RECORDED),
                 "keeps": sorted(kept),
                 **({"restored": back.restored} if back.restored else {}),
                 **({"anew": back.anew} if back.anew else {}),

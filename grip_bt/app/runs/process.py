@@ -9,7 +9,6 @@ import signal
 import sys
 import threading
 import traceback
-from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import GripError
@@ -74,12 +73,11 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
     from grip_bt.compilers.binding import parts_of
     from grip_bt.runtime.heartbeat import Heartbeat
 
-    from .execute import RunOptions, open_session
+    from .execute import OPTIONS, open_session
     from .motion_record import recorded_motion
     from .verdict import Verdict
 
-    given = order["options"]
-    options = RunOptions(**{**given, "journal": Path(given["journal"]) if given["journal"] else None})
+    options = OPTIONS.validate_python(order["options"])
 
     def progress(part: str, detail: str) -> None:
         control.send(PROGRESS, part=part, detail=detail)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -48,12 +47,6 @@ class ResumeRequest:
     agreed: bool = False
 
 
-# --- which events ---
-
-
-# --- what has to be agreed to ---
-
-
 def policy_of(manifest: Manifest) -> str:
     """Return `resume`, `restart` or `ask`: what is done about a node that was active when its process died.
 
@@ -62,9 +55,6 @@ def policy_of(manifest: Manifest) -> str:
     if manifest.resume is not None:
         return manifest.resume
     return "ask" if manifest.outside else "restart"
-
-
-# --- going on ---
 
 
 def start_resumed(
@@ -157,10 +147,3 @@ def _set_values(
         log.note(t, "/", Noted("write", data=data, written=(snapshot(value),)))
         made.append(Event(len(events) + len(made) + 1, t, 0.0, "/", "write", None, None, {**data, "set": "now"}))
     return made
-
-
-def options_text(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return options as JSON for the journal."""
-    kept = ("robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "target")
-    facts: dict[str, Any] = json.loads(json.dumps({k: options[k] for k in kept if k in options}, default=str))
-    return facts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -315,7 +315,7 @@ def plan_resume(
     request = ResumeRequest(record.id, until, read_results(parts, outcomes), values, agreed=agreed or bool(lost))
     asked = questions(parts, happened, request, options.mocks, options.robot, stays, lost)
     notes = [f"{file} has changed since; the run goes on with the task as it was"] if changed else []
-    return ResumePlan(file, replace(options, resume=asdict(request)), asked, notes)
+    return ResumePlan(file, replace(options, resume=request), asked, notes)
 
 
 def _recorded_file(recorded: str, journal: Path) -> Path:

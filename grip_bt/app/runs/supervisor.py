@@ -26,8 +26,11 @@ from typing import Any
 from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.runtime import Journal, RunLog
+from grip_bt.runtime.control import RunEnd
 from grip_bt.runtime.heartbeat import LARGEST, HeartbeatReader
 from grip_bt.runtime.motion_end import Rest
+
+from .execute import OPTIONS, RunOptions
 
 ACKNOWLEDGE = 0.05
 """How long [s] the run's process may take to acknowledge a stop."""
@@ -51,17 +54,18 @@ class Supervisor:
 
     Args:
         task: the task's file.
-        options: fields of `RunOptions`, as JSON data.
+        options: how it is run.
         told: called with each event of the run, in a thread of the supervisor.
         silence: how long [s] the process may stand still before it is ended; None for ever.
         own_input: whether the child may read our standard input.
     """
 
     def __init__(
-        self, task: str, options: Mapping[str, Any], told: Told, silence: float | None = None, own_input: bool = True
+        self, task: str, options: RunOptions, told: Told, silence: float | None = None, own_input: bool = True
     ):
         self._told, self._silence = told, silence
-        self._order, self._robot = {"task": task, "options": dict(options)}, options.get("robot")
+        self._order = {"task": task, "options": OPTIONS.dump_python(options, mode="json")}
+        self._robot = options.robot
         self._own_input = own_input
         self._lock = threading.RLock()
         self._acknowledged, self._over = threading.Event(), threading.Event()
@@ -70,7 +74,7 @@ class Supervisor:
         self._begun = time.monotonic()
         self._paths: list[str] = []
         self._run: Mapping[str, Any] | None = None
-        self._ended: Mapping[str, Any] | None = None
+        self._ended: RunEnd | None = None
         self._stood_still = self._simulated = False
         self._held: dict[str, str] = {}
 
@@ -142,7 +146,7 @@ class Supervisor:
             self._stopping, self._lost = True, lost
         threading.Thread(target=self._stop, args=(time.monotonic(),), name="grip_stop", daemon=True).start()
 
-    def wait(self) -> Mapping[str, Any]:
+    def wait(self) -> RunEnd:
         """Wait for the end of the process, and return the event `ended`, or `failed` when nothing could be run."""
         try:
             status = self._watch()
@@ -267,7 +271,7 @@ class Supervisor:
                 return {"robot": f"nobody has said within {REAPED:g} s whether it is at rest"}
         return {part: why for line in text.splitlines() for part, why in json.loads(line).items()}
 
-    def _obituary(self, status: int) -> dict[str, Any]:
+    def _obituary(self, status: int) -> RunEnd:
         """Return the event `ended` of a process that couldn't send it, and enter it into the journal."""
         stopped = self._stopping and not self._stood_still
         last, active = self._pulse.where(self._paths)

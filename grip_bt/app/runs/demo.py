@@ -1,0 +1,189 @@
+"""The packaged demonstration: a task of the example project, and its attempts as a referee sees them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+import grip_bt
+from grip_bt.base.errors import MissingPartError, NotWritableError
+from grip_bt.base.values import Failure, Grasp
+from grip_bt.nodes.node import Silent
+
+DEMO = "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by images, place."
+ATTEMPT = "next_object/attempt"
+"""Path of the node that is one attempt."""
+CHECK = "next_object/attempt/check/held"
+"""Path of the leaf that checks whether something is held."""
+
+
+def demo_task() -> Path:
+    """Return the demonstration's task file.
+
+    Raises:
+        MissingPartError: this installation has no examples.
+    """
+    return examples_folder() / "tasks" / "reactive_pick.yaml"
+
+
+def examples_folder() -> Path:
+    """Return the folder of the example project, writable: the clone's own, or a copy of the installed one.
+
+    Raises:
+        MissingPartError: this installation has no examples.
+    """
+    package = Path(grip_bt.__file__).resolve().parent
+    for folder in (package.parent / "examples", package / "_examples"):
+        if (folder / "grip.yaml").is_file():
+            return folder if os.access(folder, os.W_OK) else _copy(folder)
+    raise MissingPartError("the example project", "clone the repository, or install the wheel anew")
+
+
+def _copy(folder: Path) -> Path:
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    copy = base / "grip" / f"examples-{grip_bt.__version__}"
+    try:
+        shutil.copytree(folder, copy, dirs_exist_ok=True)
+    except OSError as error:
+        advice = "the example project is copied there; set XDG_CACHE_HOME to a folder of yours"
+        raise NotWritableError(copy, error, advice) from error
+    return copy
+
+
+Truth = Callable[[], Mapping[str, Any]]
+"""Asks the referee: object -> something with `.status` (`held`, `placed`, ...) and `.pose`."""
+
+
+@dataclass
+class Attempt:
+    """One turn of the task's attempt node.
+
+    Attributes:
+        number: counted from 1.
+        target: the object nearest to the chosen grasp, None while none was chosen.
+        steps: leaf -> outcome (and failure code), in order of their ends.
+        outcome: how the attempt node ended; None when it was interrupted.
+        failure: why.
+        where: path of the leaf that failed first.
+        held: objects that the referee saw in the hand when the task checked.
+        duration: on the run's clock [s].
+    """
+
+    number: int
+    target: str | None = None
+    steps: list[tuple[str, str]] = field(default_factory=list)
+    outcome: str | None = None
+    failure: Failure | None = None
+    where: str = ""
+    held: tuple[str, ...] = ()
+    duration: float = 0.0
+
+
+class AttemptRecorder(Silent):
+    """An observer that gathers attempts.
+
+    Args:
+        attempt: path of the node that is one attempt.
+        check: path of the leaf before which the referee is asked what is held.
+        clock: the run's clock.
+        truth: asks the referee, or None where there is none.
+        on_end: called with each attempt that ended.
+        meaning: of the attempt node's outcomes.
+    """
+
+    def __init__(
+        self,
+        attempt: str,
+        check: str,
+        clock: Callable[[], float],
+        truth: Truth | None = None,
+        on_end: Callable[[Attempt], None] = lambda attempt: None,
+        meaning: Mapping[str, str] = MappingProxyType({"failure": "failure"}),
+    ):
+        self._path, self._check, self._clock, self._truth, self._on_end = attempt, check, clock, truth, on_end
+        self.attempts: list[Attempt] = []
+        self._meaning = meaning
+        self._began = 0.0
+        self._first: Failure | None = None
+
+    def entered(self, path: str) -> None:
+        """Begin an attempt, or ask what is held before the task checks it."""
+        if path == self._path:
+            self._began, self._first = self._clock(), None
+            self.attempts.append(Attempt(len(self.attempts) + 1))
+        elif path == self._check and self.attempts:
+            self.attempts[-1].held = self._with("held")
+
+    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+        """Take note of which object a chosen grasp is for."""
+        if isinstance(value, Grasp) and self._truth is not None and self.attempts:
+            truth = self._truth()
+            point = value.pose.position + value.pose.rotation()[:, 2] * 0.04
+            flat = {n: float(np.linalg.norm(t.pose.position[:2] - point[:2])) for n, t in truth.items()}
+            self.attempts[-1].target = min(flat, key=flat.__getitem__, default=None)
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """Record a step, or end the attempt."""
+        if path == self._path:
+            self._end(outcome, failure)
+        elif path.startswith(self._path + "/") and self.attempts:
+            attempt, step = self.attempts[-1], path.removeprefix(self._path + "/")
+            attempt.steps.append((step, outcome if failure is None else f"{outcome}.{failure.code}"))
+            if outcome == "success" and attempt.where.startswith(step + "/"):
+                attempt.where, self._first = "", None  # it has been dealt with, as by an `invert`
+            if failure is not None and not attempt.where:
+                attempt.where, self._first = step, failure
+
+    def interrupted(self, path: str) -> None:
+        """End the attempt without an outcome."""
+        if path == self._path:
+            self._end(None, None)
+
+    def _end(self, outcome: str | None, failure: Failure | None) -> None:
+        attempt = self.attempts[-1]
+        attempt.outcome = outcome
+        # A recovery that succeeded leaves a failed attempt without a reason of its own: what it recovered from is it.
+        attempt.failure = failure or (self._first if self._meaning.get(outcome or "") == "failure" else None)
+        attempt.duration = self._clock() - self._began
+        self._on_end(attempt)
+
+    def _with(self, status: str) -> tuple[str, ...]:
+        if self._truth is None:
+            return ()
+        return tuple(sorted(n for n, t in self._truth().items() if t.status == status))
+
+
+def attempt_line(attempt: Attempt) -> str:
+    """Return one attempt in a line."""
+    what = attempt.target or ("nothing left" if attempt.outcome == "nothing_left" else "no object")
+    if attempt.outcome is None:
+        how = "stopped"
+    elif attempt.failure is not None:
+        how = f"failed at {attempt.where or 'the task'}: {attempt.failure}"
+    elif attempt.outcome == "success":
+        how = (
+            "held, and put into the crate" if attempt.held else "put into the crate, says the task; the hand was empty"
+        )
+    else:
+        how = attempt.outcome.replace("_", " ")
+    return f"attempt {attempt.number:<2} {attempt.duration:6.1f} s  {what:<12} {how}"
+
+
+def object_table(truth: Mapping[str, Any], attempts: Sequence[Attempt]) -> list[str]:
+    """Return a line per object: attempts, why they failed, and what the referee says."""
+    rows = [("object", "attempts", "held", "placed", "time [s]", "why attempts failed")]
+    for name, state in truth.items():
+        mine = [a for a in attempts if a.target == name]
+        why = "; ".join(f"{a.where}: {a.failure.code}" for a in mine if a.failure is not None) or "-"
+        held = "yes" if any(name in a.held for a in mine) else "no"
+        placed = "yes" if state.status == "placed" else f"no ({state.status})"
+        rows.append((name, str(len(mine)), held, placed, f"{sum(a.duration for a in mine):.1f}", why))
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
+    return ["  ".join([*(c.ljust(w) for c, w in zip(row[:-1], widths, strict=True)), row[-1]]) for row in rows]
