@@ -24,7 +24,7 @@ from grip_bt.codegen.scaffold import make_repository
 from grip_bt.ros.interfaces import build_interfaces
 from grip_bt.task.catalog.component_file import FILE_NAME, load_component
 
-NODE_FOLDER = "node"
+_NODE_FOLDER = "node"
 _MOST = 6
 """How many files of a package are listed."""
 
@@ -36,7 +36,7 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     new.add_argument("name", help="of the component: lower case, such as my_grasps")
     new.add_argument("--lang", choices=("python", "cpp"), default="python", help="of its server (default: python)")
     new.add_argument("--folder", type=Path, help="where (default: components/NAME of the project here)")
-    new.set_defaults(run=run_new)
+    new.set_defaults(run=_run_new)
     add = actions.add_parser("add", help="make a component, or generate the node of one into its folder node/")
     add.add_argument(
         "what",
@@ -54,17 +54,17 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
     add.add_argument("--wait", type=float, default=5.0, metavar="S", help="how long to look at the graph [s]")
     add.add_argument("--check", action="store_true", help="write nothing; exit 1 when the node isn't up to date")
-    add.set_defaults(run=run_add)
+    add.set_defaults(run=_run_add)
     listing = actions.add_parser("list", help="the components of a project")
     listing.add_argument("project", type=Path, nargs="?", default=Path(), help="project folder (default: here)")
-    listing.set_defaults(run=run_list)
+    listing.set_defaults(run=_run_list)
     test = actions.add_parser("test", help="start a component, call it once, and check its answer")
     test.add_argument("folder", type=Path, help="a component: a folder with component.yaml")
     add_no_code(test)
-    test.set_defaults(run=run_test)
+    test.set_defaults(run=_run_test)
 
 
-def run_new(args: argparse.Namespace) -> int:
+def _run_new(args: argparse.Namespace) -> int:
     """Write the repository and its node, and say how to go on."""
     folder = args.folder or components_folder(Path()) / args.name
     written = make_repository(folder, args.name, args.lang)
@@ -75,7 +75,7 @@ def run_new(args: argparse.Namespace) -> int:
     return 0
 
 
-def run_add(args: argparse.Namespace) -> int:
+def _run_add(args: argparse.Namespace) -> int:
     """Make components where there are none yet, then generate, or check that what was generated is up to date."""
     if not args.what and not args.from_graph:
         raise GripError("say what: a folder, an interface file, a type, or --from-graph NAME")
@@ -156,8 +156,8 @@ def _made(wish: Any, args: argparse.Namespace) -> Path:
 def generate(folders: Sequence[Path]) -> int:
     """Write the nodes of components."""
     for folder in folders:
-        changed = write_package(folder / NODE_FOLDER, rendered(folder))
-        print(f"{folder / NODE_FOLDER}: {', '.join(changed) or 'up to date'}")
+        changed = write_package(folder / _NODE_FOLDER, rendered(folder))
+        print(f"{folder / _NODE_FOLDER}: {', '.join(changed) or 'up to date'}")
     return 0
 
 
@@ -165,13 +165,13 @@ def check(folders: Sequence[Path]) -> int:
     """Tell which nodes aren't up to date; 1 when there are some."""
     stale = False
     for folder in folders:
-        for path in outdated(folder / NODE_FOLDER, rendered(folder)):
-            print(f"{folder / NODE_FOLDER / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
+        for path in outdated(folder / _NODE_FOLDER, rendered(folder)):
+            print(f"{folder / _NODE_FOLDER / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
             stale = True
     return int(stale)
 
 
-def run_list(args: argparse.Namespace) -> int:
+def _run_list(args: argparse.Namespace) -> int:
     """Print each component with its service, outcomes and whether its node is up to date; 1 when one is broken."""
     project = find_project(args.project)
     found = project.component_folders()
@@ -182,7 +182,7 @@ def run_list(args: argparse.Namespace) -> int:
     for folder, home in found.items():
         try:
             component = load_component(home)
-            stale = outdated(home / NODE_FOLDER, rendered(home))
+            stale = outdated(home / _NODE_FOLDER, rendered(home))
         except GripError as error:
             broken = True
             print(f"{folder:<24} can't be read: {error}", file=sys.stderr)
@@ -192,7 +192,7 @@ def run_list(args: argparse.Namespace) -> int:
     return int(broken)
 
 
-def run_test(args: argparse.Namespace) -> int:
+def _run_test(args: argparse.Namespace) -> int:
     """Start the component, call it once (an action: one goal) with nothing in it, and tell the answer and its time."""
     from grip_bt.ros.components import start_components
 

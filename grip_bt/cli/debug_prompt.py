@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-HELP = """\
+_HELP = """\
   s, in            go on to the next node that begins
   n, over          likewise, not below this one
   o, out           likewise, not below its parent
@@ -76,7 +76,7 @@ class Prompt:
         elif word in ("i", "data"):
             self._send({"command": "inspect", **({"variable": rest} if rest else {})})
         else:
-            self._say(HELP if text in ("h", "help", "?") else f"{text!r} isn't a command:\n{HELP}")
+            self._say(_HELP if text in ("h", "help", "?") else f"{text!r} isn't a command:\n{_HELP}")
 
     def _set(self, text: str) -> None:
 

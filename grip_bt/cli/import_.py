@@ -26,7 +26,7 @@ from .terminal import put
 
 
 @dataclass(frozen=True)
-class Importer:
+class _Importer:
     """What the verb knows of a source.
 
     Attributes:
@@ -42,11 +42,11 @@ class Importer:
     project: bool = False
 
 
-IMPORTERS = {
-    "btcpp": Importer("btcpp", ("machine",), one=True),
-    "grip": Importer("first_grip", project=True),
-    "pytrees": Importer("pytrees", ("execute",), one=True),
-    "smach": Importer("smach", ("machine", "execute", "arguments")),
+_IMPORTERS = {
+    "btcpp": _Importer("btcpp", ("machine",), one=True),
+    "grip": _Importer("first_grip", project=True),
+    "pytrees": _Importer("pytrees", ("execute",), one=True),
+    "smach": _Importer("smach", ("machine", "execute", "arguments")),
 }
 
 
@@ -59,7 +59,7 @@ def add_import(parser: argparse.ArgumentParser) -> None:
         help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute;"
         " btcpp: an XML file of version 4; grip: a task or configuration of the first GRIP (.ini, .yaml), or a folder",
     )
-    parser.add_argument("--from", dest="source", required=True, choices=sorted(IMPORTERS), help="format of the source")
+    parser.add_argument("--from", dest="source", required=True, choices=sorted(_IMPORTERS), help="format of the source")
     parser.add_argument(
         "-o",
         "--output",
@@ -87,7 +87,7 @@ def add_import(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Import, report and write; 1 when something wasn't imported, or a task that was written has errors."""
-    importer = IMPORTERS[args.source]
+    importer = _IMPORTERS[args.source]
     _check_options(args, importer)
     around = find_project(args.path)
     project = _project_at(_folder(args.output)) if args.output is not None else around
@@ -111,7 +111,7 @@ def run(args: argparse.Namespace) -> int:
     return int(imported.failed or errors)
 
 
-def _check_options(args: argparse.Namespace, importer: Importer) -> None:
+def _check_options(args: argparse.Namespace, importer: _Importer) -> None:
     for option in ("machine", "execute", "arguments"):
         if getattr(args, option) and option not in importer.options:
             args.usage_error(f"--{option} isn't for --from {args.source}")
@@ -150,7 +150,7 @@ def _task_text(task: Task, args: argparse.Namespace) -> str:
     return f"# {generated_by(args.source)} from {args.path.name}.\n{dumps(task)}"
 
 
-def _write(imported: Imported, importer: Importer, args: argparse.Namespace) -> bool:
+def _write(imported: Imported, importer: _Importer, args: argparse.Namespace) -> bool:
     """Write everything, and check the tasks; return whether one of them has errors."""
     output = args.output
     folder, files = _folder(output), dict(imported.files)

@@ -37,7 +37,7 @@ def add_messages(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
     serve = actions.add_parser("serve", help="serve a project's messages until stopped")
     serve.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
-    serve.set_defaults(run=run_serve)
+    serve.set_defaults(run=_run_serve)
     _add_readers(actions)
     _add_writers(actions)
 
@@ -46,20 +46,20 @@ def _add_readers(actions: Any) -> None:
     listing = actions.add_parser("list", help="what a running server has")
     listing.add_argument("store", nargs="?", default="", help="only of this store")
     listing.add_argument("--json", action="store_true", help="print one JSON list")
-    listing.set_defaults(run=run_list)
+    listing.set_defaults(run=_run_list)
     show = actions.add_parser("show", help="print one message as YAML")
     _add_entry(show)
     _add_form(show)
-    show.set_defaults(run=run_show)
+    show.set_defaults(run=_run_show)
     take = actions.add_parser("take", help="print the oldest message of a queue and remove it")
     take.add_argument("store", help="such as grasps")
     _add_form(take)
-    take.set_defaults(run=run_show, name="")
+    take.set_defaults(run=_run_show, name="")
     watch = actions.add_parser("watch", help="print each change as it comes, until stopped")
     watch.add_argument("store", nargs="?", default="", help="only of this store")
     watch.add_argument("--count", type=int, default=0, metavar="N", help="end after N changes")
     watch.add_argument("--json", action="store_true", help="print one JSON object a line, with the value")
-    watch.set_defaults(run=run_watch)
+    watch.set_defaults(run=_run_watch)
 
 
 def _add_writers(actions: Any) -> None:
@@ -75,7 +75,7 @@ def _add_writers(actions: Any) -> None:
         parser.add_argument("--within", type=float, default=10.0, help="how long to wait for it [s] (default: 10)")
         parser.add_argument("--type", default="", help="ROS type of the messages of a new store")
         parser.add_argument("--by", default="", help="who or what it comes from, for people")
-        parser.set_defaults(run=run_add)
+        parser.set_defaults(run=_run_add)
     delete = actions.add_parser("delete", help="remove one message")
     _add_entry(delete)
     delete.set_defaults(run=run_delete)
@@ -97,13 +97,13 @@ def _add_form(parser: argparse.ArgumentParser) -> None:
     form.add_argument("--json", action="store_true", help="print one JSON object: the message, when and by whom")
 
 
-def run_serve(args: argparse.Namespace) -> int:
+def _run_serve(args: argparse.Namespace) -> int:
     """Serve until SIGINT or SIGTERM."""
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)
     with Bus("grip_messages") as bus:
-        with told_of_building():
+        with _told_of_building():
             MessageServer(bus, project.folder / "messages", project.state_folder / ARCHIVE)
         print(f"serving the messages of {project.folder} under /grip/messages", flush=True)
         while not over.wait(1.0):
@@ -117,7 +117,7 @@ SILENT = 2.0
 """After how long somebody who waits is told what for [s]."""
 
 
-def run_list(args: argparse.Namespace) -> int:
+def _run_list(args: argparse.Namespace) -> int:
     """Print one line for each message."""
     with _server() as server:
         if args.store:
@@ -138,7 +138,7 @@ def run_list(args: argparse.Namespace) -> int:
     return 0
 
 
-def run_show(args: argparse.Namespace) -> int:
+def _run_show(args: argparse.Namespace) -> int:
     """Print one message, or take the oldest of a queue."""
     with _server() as server:
         entry = _done(server.message(args.store, args.name))
@@ -151,7 +151,7 @@ def run_show(args: argparse.Namespace) -> int:
     return 0
 
 
-def run_add(args: argparse.Namespace) -> int:
+def _run_add(args: argparse.Namespace) -> int:
     """Add a message, or push it."""
     with _server() as server:
         value = _value(server, args)
@@ -181,7 +181,7 @@ def run_save(args: argparse.Namespace) -> int:
     return 0
 
 
-def run_watch(args: argparse.Namespace) -> int:
+def _run_watch(args: argparse.Namespace) -> int:
     """Print changes as they come."""
     changes: queue.SimpleQueue[tuple[str, str, str, Any]] = queue.SimpleQueue()
     printed = 0
@@ -240,7 +240,7 @@ def _server() -> Iterator[RosMessages]:
         ServerLostError: there is none; it says how to start one.
     """
     with Bus("grip_messages_client") as bus:
-        with told_of_building():
+        with _told_of_building():
             messages = RosMessages(bus)
         try:
             yield messages
@@ -249,7 +249,7 @@ def _server() -> Iterator[RosMessages]:
             raise ServerLostError(f"{error}; {advice}") from error
 
 
-def told_of_building() -> AbstractContextManager[None]:
+def _told_of_building() -> AbstractContextManager[None]:
     """Say that the interfaces are being built, where that takes its time: once on a machine."""
     words = "grip: building the interfaces of messages, once; this takes a while ..."
     return report_if_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)

@@ -36,14 +36,14 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
             "--package", metavar="NAME=FOLDER", action="append", default=[], help="where a package lies, for package://"
         )
         each.add_argument("--json", action="store_true", help="print one JSON object")
-    check.set_defaults(run=run_check, usage_error=check.error)
-    show.set_defaults(run=run_show, usage_error=show.error)
+    check.set_defaults(run=_run_check, usage_error=check.error)
+    show.set_defaults(run=_run_show, usage_error=show.error)
     listed = verbs.add_parser("list", help="the ready-made robots")
     listed.add_argument("--json", action="store_true", help="print one JSON list")
-    listed.set_defaults(run=run_list)
+    listed.set_defaults(run=_run_list)
 
 
-def run_check(args: argparse.Namespace) -> int:
+def _run_check(args: argparse.Namespace) -> int:
     """Print all findings; 1 when one of them is an error."""
     inspected = _inspected(args)
     findings = [*inspected.findings, *_of_model(inspected)]
@@ -57,7 +57,7 @@ def run_check(args: argparse.Namespace) -> int:
     return int(wrong > 0)
 
 
-def run_show(args: argparse.Namespace) -> int:
+def _run_show(args: argparse.Namespace) -> int:
     """Print what the robot has; 1 when it can't be used."""
     inspected = _inspected(args)
     if inspected.description is None:
@@ -69,7 +69,7 @@ def run_show(args: argparse.Namespace) -> int:
     return 0
 
 
-def run_list(args: argparse.Namespace) -> int:
+def _run_list(args: argparse.Namespace) -> int:
     """Print the names of the ready-made robots."""
     print(json.dumps(list(ROBOTS)) if args.json else "\n".join(ROBOTS))
     return 0

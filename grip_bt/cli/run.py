@@ -26,8 +26,8 @@ from .parser import add_no_code, number, whole
 from .resume import Given, add_resume_options, check_usage, fork_often, prepare
 from .terminal import on_stop, progress
 
-EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
-WATCHDOG = 10.0
+_EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
+_WATCHDOG = 10.0
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
@@ -46,9 +46,9 @@ def add_run(parser: argparse.ArgumentParser) -> None:
         "--watchdog",
         type=number(what="a number of seconds"),
         action=Given,
-        default=WATCHDOG,
+        default=_WATCHDOG,
         metavar="S",
-        help=f"end a run whose node doesn't return for S seconds (default: {WATCHDOG:g}; 0: never)",
+        help=f"end a run whose node doesn't return for S seconds (default: {_WATCHDOG:g}; 0: never)",
     )
     mocked = parser.add_argument_group("mocks")
     mocked.add_argument(
@@ -155,7 +155,7 @@ def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
 
 def exit_status(end: RunEnd) -> int:
     """Return the exit status of a run, from the facts of the event `ended`; a success that is contradicted is none."""
-    return EXIT_STATUS["failure" if end.get("contradiction") else end["status"]]
+    return _EXIT_STATUS["failure" if end.get("contradiction") else end["status"]]
 
 
 def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, RunEnd]:

@@ -40,7 +40,7 @@ VERBS = {
     "doctor": "check the installation, and say how to fix it",
 }
 """What each does, for the list of them; its module is loaded when the verb is named."""
-MODULES = {"import": "import_", "interfaces": "component", "sim": "launch", "replay": "runs", "capsule": "runs"}
+_MODULES = {"import": "import_", "interfaces": "component", "sim": "launch", "replay": "runs", "capsule": "runs"}
 """Where it isn't the module of the verb's own name."""
 
 
@@ -57,7 +57,7 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
         options = subparsers.add_parser(verb, help=doc)
         if verb == named:
             options.set_defaults(usage_error=options.error)
-            getattr(import_module(f"grip_bt.cli.{MODULES.get(verb, verb)}"), f"add_{verb}")(options)
+            getattr(import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}"), f"add_{verb}")(options)
     return parser
 
 
@@ -81,7 +81,7 @@ def run_verb(arguments: Sequence[str] | None) -> int:
             return INVALID
         return complain(str(error))
     except ModuleNotFoundError as error:
-        missing = missing_extra(error)
+        missing = _missing_extra(error)
         if missing is None:
             raise
         return complain(str(missing))
@@ -128,11 +128,11 @@ _PACKAGES = {
     "recording": ("mcap",),
     "analytic": ("eaik",),
 }
-EXTRAS = {package: extra for extra, packages in _PACKAGES.items() for package in packages}
+_EXTRAS = {package: extra for extra, packages in _PACKAGES.items() for package in packages}
 
 
-def missing_extra(error: ModuleNotFoundError) -> MissingPartError | None:
+def _missing_extra(error: ModuleNotFoundError) -> MissingPartError | None:
     """Return in our words that a package of an extra isn't installed; None for any other module."""
     package = (error.name or "").partition(".")[0]
-    extra = EXTRAS.get(package)
+    extra = _EXTRAS.get(package)
     return None if extra is None else MissingPartError(f"{package!r}", f"pip install 'grip-bt[{extra}]'")

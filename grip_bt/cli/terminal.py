@@ -73,14 +73,14 @@ def on_hang_up(stop: Callable[[], object]) -> None:
     """
 
     def hung_up(*_: object) -> None:
-        let_go_of_terminal()
+        _let_go_of_terminal()
         stop()
 
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
         signal.signal(signal.SIGHUP, hung_up)
 
 
-def let_go_of_terminal() -> None:
+def _let_go_of_terminal() -> None:
     """Have standard streams that are terminals be the null device from now on."""
     for stream in (sys.stdin, sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):

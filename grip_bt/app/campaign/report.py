@@ -17,7 +17,7 @@ from scipy.stats import binomtest
 
 from .results import Results
 
-CONFIDENCE = 0.95
+_CONFIDENCE = 0.95
 
 
 def summary(results: Results) -> dict[str, Any]:
@@ -47,7 +47,7 @@ def summary(results: Results) -> dict[str, Any]:
 
 def _one(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     good = sum(row["success"] for row in rows)
-    low, high = binomtest(good, len(rows)).proportion_ci(CONFIDENCE, method="wilson")
+    low, high = binomtest(good, len(rows)).proportion_ci(_CONFIDENCE, method="wilson")
     measures: dict[str, list[Any]] = {}
     for row in rows:
         for name, value in {**row["counts"], **row["measures"]}.items():
@@ -146,7 +146,7 @@ def as_text(results: Results) -> str:
 def _comparison_text(name: str, first: str, compared: Mapping[str, Any]) -> str:
     if not compared["only_this"] + compared["only_first"]:
         return f"{name} and {first}: the same on all {compared['seeds']} seeds."
-    verdict = "a difference" if compared["p"] < 1 - CONFIDENCE else "no difference that these seeds show"
+    verdict = "a difference" if compared["p"] < 1 - _CONFIDENCE else "no difference that these seeds show"
     return (
         f"{name} against {first}, {compared['seeds']} seeds: only {name} in {compared['only_this']}, only {first} in"
         f" {compared['only_first']} (McNemar, p = {compared['p']:.3f}: {verdict})."

@@ -11,7 +11,7 @@ from typing import Any
 
 from grip_bt.base.errors import CampaignError, NotWritableError
 
-FORMAT = 1
+_FORMAT = 1
 
 
 @dataclass
@@ -56,7 +56,7 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
         NotWritableError: it can't be written.
     """
     if not path.exists():
-        _append(path, {"campaign": FORMAT, **head})
+        _append(path, {"campaign": _FORMAT, **head})
         return Results(path, head)
     if not resume:
         advice = "--resume goes on with them; remove the file, or give another with -o, to begin anew"
@@ -89,7 +89,7 @@ def read(path: Path) -> Results:
         ) from error
     except ValueError as error:
         raise CampaignError(str(path), f"can't be read as results of a campaign: {error}") from error
-    if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != FORMAT:
+    if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != _FORMAT:
         raise CampaignError(str(path), "these aren't results of a campaign: `grip bench CAMPAIGN` writes them")
     return Results(path, rows[0], rows[1:])
 

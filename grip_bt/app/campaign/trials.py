@@ -1,24 +1,33 @@
-"""Trials, each in a process of its own that is watched over, several at once."""
+"""Trials, each in a supervised process, several at once; and what a campaign makes of each: success, and measures."""
 
 from __future__ import annotations
 
-import queue
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.runs.execute import RunOptions
-from grip_bt.app.runs.mocks import scripted
+from grip_bt.app.campaign.file import Campaign
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.foreign_code import of_task, refuse
+from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
+from grip_bt.app.runs.mocks import apply_mocks, scripted
 from grip_bt.app.runs.supervisor import Supervisor
+from grip_bt.app.runs.verdict import STATES
+from grip_bt.base.errors import CampaignError, EvaluationError, ExpressionError, nearest
+from grip_bt.base.evaluation import condition_of, value_of
+from grip_bt.base.expression import parse_expression
+from grip_bt.compilers.resolve import resolve
+from grip_bt.runtime import JournalReader
+from grip_bt.runtime.control import RunEnd
+from grip_bt.runtime.motion_end import Rest
 
-from .file import Campaign
-from .judging import judged
-
-Trial = tuple[str, int]
+_Trial = tuple[str, int]
 Told = Callable[[Mapping[str, Any]], None]
-WAKE = 0.2
+_WAKE = 0.2
 """How often who waits for the trials looks up [s]: a Ctrl-C that another thread is given by the system wakes nobody."""
 
 
@@ -37,25 +46,20 @@ class Trials:
         self._lock = threading.Lock()
         self._stopped = threading.Event()
         self._under_way: set[Supervisor] = set()
-        self._error: BaseException | None = None
 
-    def run(self, trials: Iterable[Trial], workers: int = 1) -> None:
+    def run(self, trials: Iterable[_Trial], workers: int = 1) -> None:
         """Run them all, `workers` at a time; returns when they have ended, or after `stop`.
 
         Raises:
             Exception: what `ended` has raised; the other trials are stopped then.
         """
-        waiting: queue.SimpleQueue[Trial] = queue.SimpleQueue()
-        for trial in trials:
-            waiting.put(trial)
-        threads = [threading.Thread(target=self._work, args=(waiting,), daemon=True) for _ in range(workers)]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            while thread.is_alive():
-                thread.join(WAKE)
-        if self._error is not None:
-            raise self._error
+        with ThreadPoolExecutor(workers) as pool:
+            jobs = [pool.submit(self._trial, *trial) for trial in trials]
+            while (state := wait(jobs, _WAKE)).not_done:
+                if any(job.exception() for job in state.done):
+                    self.stop()
+        for job in jobs:
+            job.result()
 
     def stop(self) -> None:
         """Stop the trials under way, and begin no other. They leave no row. May be called from a signal handler."""
@@ -63,19 +67,9 @@ class Trials:
         for supervisor in list(self._under_way):
             supervisor.stop()
 
-    def _work(self, waiting: queue.SimpleQueue[Trial]) -> None:
-        while not self._stopped.is_set():
-            try:
-                variant, seed = waiting.get_nowait()
-            except queue.Empty:
-                return
-            try:
-                self._trial(variant, seed)
-            except BaseException as error:  # noqa: BLE001 - raised by `run`, in the thread that asked
-                self._error = self._error or error
-                self.stop()
-
     def _trial(self, variant: str, seed: int) -> None:
+        if self._stopped.is_set():
+            return
         began = time.monotonic()
         started: list[Mapping[str, Any]] = []
 
@@ -125,3 +119,117 @@ class Trials:
             journal=self._journal,
             watchdog=self._watchdog,
         )
+
+
+_KNOWN = ("status", "outcome", "code", "contradicted", "duration", "wall", "objects", *STATES)
+"""What is known of every trial; the referee's numbers are None where there is none."""
+
+
+def check(campaign: Campaign) -> None:
+    """Find what is wrong before anything runs: tasks, inputs, mocks, counted nodes, names in expressions.
+
+    Raises:
+        DocumentError, InvalidTaskError: a task is wrong.
+        CampaignError: the campaign speaks of what its tasks don't have.
+        UntrustedCodeError: a task runs code that isn't GRIP's, which is forbidden.
+    """
+    said, where = campaign.file, str(campaign.path)
+    for name in said.count:
+        if name in _KNOWN:
+            raise CampaignError(where, f"{name!r} is known of every trial already; choose another name")
+    for variant, settings in said.variants.items():
+        project, document, _ = check_task(campaign.task(variant))
+        check_inputs(document, settings.set)
+        mocks = scripted(settings.mocks)
+        task, catalog, _ = apply_mocks(document.task, catalogue_of(project), mocks)
+        refuse(of_task(project, task, catalog, said.robot, mocks))
+        paths = [part.path for part in resolve(document.task, catalogue_of(project)).root.walk()]
+        for name, path in said.count.items():
+            if path not in paths:
+                text = f"count/{name}: {variant!r} has no node {path!r}{nearest(path, paths)}"
+                raise CampaignError(where, text)
+        variables = {*document.task.inputs, *document.task.variables}
+        unknown = [given for given in settings.set if given not in variables]
+        if unknown:
+            raise CampaignError(
+                where, f"{variant}/set: the task has no variable {unknown[0]!r}{nearest(unknown[0], variables)}"
+            )
+        names = {*_KNOWN, *said.count, *variables}
+        for place, text in (("success", said.success), *((f"measure/{k}", v) for k, v in said.measure.items())):
+            _check_expression(where, place, text, names)
+
+
+def _check_expression(where: str, place: str, text: str, names: set[str]) -> None:
+    try:
+        parsed = parse_expression(text)
+    except ExpressionError as error:
+        raise CampaignError(where, f"{place}: {error}") from error
+    for name in parsed.names:
+        if name not in names:
+            known = ", ".join((*_KNOWN, "the names below `count`", "the task's variables"))
+            raise CampaignError(
+                where, f"{place}: nothing is known of {name!r}{nearest(name, names)} (available: {known})"
+            )
+
+
+def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return what came of a trial, as JSON data.
+
+    Args:
+        campaign: of the trial.
+        end: the event `ended`.
+        wall: how long it took in all [s].
+        started: the event `started`; None when it didn't begin.
+
+    Returns:
+        status, outcome, code, message, duration, wall, run; `truth` (object -> the referee's word) or None;
+        `contradicted`: whether that contradicts a success; `unconfirmed`: what couldn't be confirmed to have
+        stopped after a stop or an error, in words; `counts`, `measures`, `success`, and
+        `unclear`: what couldn't be computed, with the reason.
+    """
+    truth = end.get("truth")
+    row: dict[str, Any] = {key: end.get(key) for key in ("status", "outcome", "code", "message", "duration")}
+    row |= {"wall": round(wall, 3), "run": started["run"] if started else None, "truth": truth}
+    row["contradicted"] = bool(end.get("contradiction"))
+    row["unconfirmed"] = str(Rest(unconfirmed=end.get("unconfirmed") or {}))
+    counts, variables = _looked_up(campaign, started)
+    states = Counter((truth or {}).values())
+    seen = {state: states[state] if truth is not None else None for state in STATES}
+    facts = {
+        **variables,
+        **seen,
+        **counts,
+        **{key: row.get(key) for key in ("status", "outcome", "code", "duration", "contradicted")},
+    }
+    facts |= {"wall": row["wall"], "objects": len(truth) if truth is not None else None}
+    unclear: dict[str, str] = {}
+    row |= {"counts": counts, "measures": {}}
+    for name, text in campaign.file.measure.items():
+        row["measures"][name] = _computed(text, facts, unclear, name, value_of)
+    row["success"] = bool(_computed(campaign.file.success, facts, unclear, "success", condition_of))
+    return {**row, "unclear": unclear}
+
+
+def _looked_up(campaign: Campaign, started: Mapping[str, Any] | None) -> tuple[dict[str, int], dict[str, Any]]:
+    """Return how often counted nodes began, and the last values of the task's variables."""
+    counts = dict.fromkeys(campaign.file.count, 0)
+    if started is None:
+        return counts, {}
+    with JournalReader(started["journal"]) as reader:
+        begun = Counter(event.path for event in reader.iterate(started["run"]) if event.event == "enter")
+        variables = {name: reader.value(event) for name, event in reader.variables(started["run"]).items()}
+    return {name: begun[path] for name, path in campaign.file.count.items()}, variables
+
+
+def _computed(text: str, facts: Mapping[str, Any], unclear: dict[str, str], name: str, compile_: Any) -> Any:
+    parsed = parse_expression(text)
+    missing = [each for each in parsed.names if each not in facts]
+    if missing:
+        unclear[name] = f"{missing[0]} was never written"
+        return None
+    try:
+        value = compile_(parsed, {each: (lambda each=each: facts[each]) for each in parsed.names})()
+    except EvaluationError as error:
+        unclear[name] = str(error)
+        return None
+    return value if isinstance(value, bool | int | float | str | None) else str(value)

@@ -31,7 +31,7 @@ _robots: FileCache[tuple[str, str], RobotDescription | GripError | None] = FileC
 """Folder and `robot:` of a project -> the robot, or what is wrong with it."""
 
 
-def project_parts_of(project: Project) -> ProjectParts:
+def _project_parts_of(project: Project) -> ProjectParts:
     """Return what a project has, as far as its files tell."""
     file, problems = project.file, tuple[Problem, ...]()
     key = str(project.folder), repr(file.robot)
@@ -173,14 +173,14 @@ def catalogue_of(project: Project) -> Catalog:
         .with_manifests(manifests)
         .with_(
             tasks=TaskFolder(project.folder),
-            named=partial(message_names, project),
-            parts=partial(project_parts_of, project),
+            named=partial(_message_names, project),
+            parts=partial(_project_parts_of, project),
             code=AllowedImports(file.code, project.folder),
         )
     )
 
 
-def message_names(project: Project) -> Mapping[str, set[str]] | None:
+def _message_names(project: Project) -> Mapping[str, set[str]] | None:
     """Return store -> names of the messages that a run begins with; None where a server or nobody knows."""
     if project.file.message_server:
         return None

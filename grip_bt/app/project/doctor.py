@@ -15,7 +15,7 @@ from typing import Literal
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.environment import environment
 
-INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
+_INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def _imports(part: str, extra: str, modules: dict[str, str], needed: bool = True
         return Finding(part, "ok", ", ".join(f"{d} {_version(d)}" for d in modules.values()), needed=needed)
     reason = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]
     state: Literal["missing", "broken"] = "missing" if "ModuleNotFoundError" in reason else "broken"
-    return Finding(part, state, reason, INSTALL.format(extra=extra), needed)
+    return Finding(part, state, reason, _INSTALL.format(extra=extra), needed)
 
 
 def _version(distribution: str) -> str:
@@ -84,7 +84,7 @@ def _simulator() -> Finding:
 
 def _rendering() -> Finding:
     if find_spec("sapien") is None:
-        return Finding("camera", "missing", "no module 'sapien'", INSTALL.format(extra="sim"), needed=False)
+        return Finding("camera", "missing", "no module 'sapien'", _INSTALL.format(extra="sim"), needed=False)
     from grip_sim import render_support
 
     return Finding("camera", "ok", render_support(), needed=False)

@@ -99,8 +99,8 @@ def find_project(path: str | Path) -> Project:
     return Project(folder, ProjectFile(grip=1))
 
 
-TEMPLATE = Path(__file__).with_name("template")
-FOLDERS = ("tasks", "components", "nodes", "messages")
+_TEMPLATE = Path(__file__).with_name("template")
+_FOLDERS = ("tasks", "components", "nodes", "messages")
 
 
 def make_project(folder: str | Path) -> list[Path]:
@@ -116,13 +116,13 @@ def make_project(folder: str | Path) -> list[Path]:
     if folder.exists() and (not folder.is_dir() or any(entry.name != ".git" for entry in folder.iterdir())):
         raise ProjectExistsError(folder)
     written = []
-    for source in sorted(file for file in TEMPLATE.rglob("*") if file.is_file()):
-        relative = source.relative_to(TEMPLATE)
+    for source in sorted(file for file in _TEMPLATE.rglob("*") if file.is_file()):
+        relative = source.relative_to(_TEMPLATE)
         # A file of this name in the package's own folder would hide files from git and from the package's build.
         relative = relative.with_name(".gitignore") if relative.name == "gitignore" else relative
         (folder / relative).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source, folder / relative)
         written.append(relative)
-    for name in FOLDERS:
+    for name in _FOLDERS:
         (folder / name).mkdir(exist_ok=True)
     return written

@@ -57,7 +57,7 @@ def _copy(folder: Path) -> Path:
     return copy
 
 
-Truth = Callable[[], Mapping[str, Any]]
+_Truth = Callable[[], Mapping[str, Any]]
 """Asks the referee: object -> something with `.status` (`held`, `placed`, ...) and `.pose`."""
 
 
@@ -103,7 +103,7 @@ class AttemptRecorder(Silent):
         attempt: str,
         check: str,
         clock: Callable[[], float],
-        truth: Truth | None = None,
+        truth: _Truth | None = None,
         on_end: Callable[[Attempt], None] = lambda attempt: None,
         meaning: Mapping[str, str] = MappingProxyType({"failure": "failure"}),
     ):

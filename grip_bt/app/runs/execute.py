@@ -75,7 +75,7 @@ class RunOptions:
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "target"}
+_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "target"}
 
 
 @dataclass
@@ -194,7 +194,7 @@ def open_session(
             log=log,
             re_execution=re_execution,
             facts={
-                "options": OPTIONS.dump_python(options, mode="json", include=RECORDED),
+                "options": OPTIONS.dump_python(options, mode="json", include=_RECORDED),
                 "keeps": sorted(kept),
                 **({"restored": back.restored} if back.restored else {}),
                 **({"anew": back.anew} if back.anew else {}),
@@ -216,7 +216,7 @@ def open_session(
         finally:
             runner.dismiss()
     if options.journal is None:
-        keep_to_limit(project.journal, project.file.journal_limit)
+        _keep_to_limit(project.journal, project.file.journal_limit)
 
 
 def _changed(leaf: Leaf, kept: Mapping[str, Kept]) -> tuple[str, ...]:
@@ -260,7 +260,7 @@ def make_room(file: Path, limit: int, give_back: bool = False) -> Pruned:
         return prune(file, limit, reader.lives, give_back)
 
 
-def keep_to_limit(file: Path, limit: int) -> None:
+def _keep_to_limit(file: Path, limit: int) -> None:
     """Make room after a run, where there is need; trouble is logged, since the run itself went well."""
     if size_of(file) <= limit:
         return

@@ -82,7 +82,7 @@ _INFO, _WARNING, _ERROR = 2, 3, 4
 """Levels of foxglove.Log."""
 
 
-def write_mcap(reader: JournalReader, run: str, file: Path) -> int:
+def _write_mcap(reader: JournalReader, run: str, file: Path) -> int:
     """Write a run to an MCAP file; return how many events it has.
 
     Topics: `/grip/events` (everything), `/grip/log` (for people), `/grip/data/VARIABLE` (what was written). Times are
@@ -170,4 +170,4 @@ def _line(event: Event) -> tuple[str, int]:
     return text, level
 
 
-FORMATS: dict[str, Callable[[JournalReader, str, Path], int]] = {"jsonl": _jsonl, "csv": _csv, "mcap": write_mcap}
+FORMATS: dict[str, Callable[[JournalReader, str, Path], int]] = {"jsonl": _jsonl, "csv": _csv, "mcap": _write_mcap}

@@ -34,7 +34,7 @@ class Step(BaseModel):
 Script = str | Step | list[str | Step]
 
 
-class MocksFile(BaseModel):
+class _MocksFile(BaseModel):
     """What a file of mocks holds: node -> script."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -52,7 +52,7 @@ def read_mocks(file: Path | None, given: Sequence[str] = ()) -> dict[str, list[d
     Raises:
         DocumentError: a script can't be read.
     """
-    scripts: dict[str, Script] = dict(read_model(file, MocksFile).mocks) if file is not None else {}
+    scripts: dict[str, Script] = dict(read_model(file, _MocksFile).mocks) if file is not None else {}
     for text in given:
         node, found, script = text.partition("=")
         if not found or not node.strip() or not script.strip():

@@ -13,10 +13,10 @@ from typing import Any
 
 from grip_bt.base.errors import GripError
 
-PROGRESS = "progress"
+_PROGRESS = "progress"
 
 
-class StoppedEarlyError(BaseException):
+class _StoppedEarlyError(BaseException):
     """A stop has come while the run was being started."""
 
 
@@ -43,7 +43,7 @@ def main() -> int:
         # Whoever ends what a parent has left behind doesn't stop the run; that the parent has gone is why it ends.
         signal.signal(signal.SIGTERM, lambda *_: control.stop(lost=os.getppid() != parent))
         return _run_or_say_why(order, channels, control)
-    except StoppedEarlyError:
+    except _StoppedEarlyError:
         status = "died" if control.lost else "stopped"
         control.send("ended", status=status, outcome=None, code=None, message="before the task began", zombies=[])
         return 130
@@ -52,7 +52,7 @@ def main() -> int:
 def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
     try:
         return _run(order, channels, control)
-    except StoppedEarlyError:
+    except _StoppedEarlyError:
         raise
     except GripError as error:
         signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # a stop comes too late now, and mustn't cut the message short
@@ -66,7 +66,7 @@ def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: An
 
 
 def _interrupted(*_: Any) -> None:
-    raise StoppedEarlyError
+    raise _StoppedEarlyError
 
 
 def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
@@ -80,7 +80,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
     options = OPTIONS.validate_python(order["options"])
 
     def progress(part: str, detail: str) -> None:
-        control.send(PROGRESS, part=part, detail=detail)
+        control.send(_PROGRESS, part=part, detail=detail)
 
     with open_session(order["task"], options, progress, hold=channels.get("hold")) as session:
         try:
@@ -91,7 +91,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
             control.send("nodes", paths=paths)
             control.attach(session.runner)
             signal.signal(signal.SIGUSR1, signal.SIG_IGN)
-        except StoppedEarlyError:
+        except _StoppedEarlyError:
             control.end(session.runner)  # the run is in the journal: how it has ended is entered there
             raise
         pulse.start()

@@ -25,12 +25,12 @@ GLYPHS = {
 }
 ENDS: Mapping[str | None, str] = {"success": "✓", "failure": "✗", None: "■"}
 """What an end means; journals of earlier versions don't say what a task's own outcomes mean."""
-WENT_ON = {
+_WENT_ON = {
     "resume": "continues what was under way",
     "restart": "is started again",
     "result": "has ended as set by --set-outcome",
 }
-NO_END = {
+_NO_END = {
     "died": "the run died: its process has died",
     "lost": "the run has no end, and its process isn't one of this machine, or of an earlier GRIP",
 }
@@ -184,7 +184,7 @@ def _words(event: Event) -> str:
             back = ", ".join(data.get("restored", {}))
             return " goes on in another process" + (f"; as before: {back}" if back else "")
         case "went_on":
-            return f" {WENT_ON.get(str(data.get('how')), 'goes on')}"
+            return f" {_WENT_ON.get(str(data.get('how')), 'goes on')}"
         case "kept":
             return f" its {data.get('part')} is kept for going on"
         case "run_ended":
@@ -207,6 +207,6 @@ def moment_lines(moment: RunSnapshot, record: RunRecord | None = None) -> list[s
     running = ", ".join(leaves) or "nothing"
     lines = [f"after event {moment.seq}, at {moment.t:.3f} s: {moment.state}; running: {running}"]
     lines += [f"  {name} = {event.data.get('preview')}" for name, event in moment.variables.items()]
-    if record is not None and record.status in NO_END:
-        lines.append(f"  {NO_END[record.status]}; grip run --resume {record.id} goes on with it")
+    if record is not None and record.status in _NO_END:
+        lines.append(f"  {_NO_END[record.status]}; grip run --resume {record.id} goes on with it")
     return lines

@@ -29,7 +29,7 @@ from .replay import Until, find_run
 from .resume import ResumeRequest, policy_of
 from .saved_state import ANEW, MESSAGES, WORDS, parts_lost, unreadable
 
-CLOSING = 10.0
+_CLOSING = 10.0
 """How long [s] the process of a run that was cut off may take to close its parts."""
 
 _NODES = ("enter", "exit", "interrupted", "write")
@@ -53,31 +53,31 @@ class Question:
         return f"{self.about}: {self.why}; {self.agreed}"
 
 
-def undamaged(reader: JournalReader, run: str) -> list[Event]:
+def _undamaged(reader: JournalReader, run: str) -> list[Event]:
     """Return the events of a run up to the first one that can't be read."""
     return list(takewhile(lambda event: event.event != DAMAGED, reader.iterate(run)))
 
 
-def recorded_options(events: Iterable[Event]) -> dict[str, Any]:
+def _recorded_options(events: Iterable[Event]) -> dict[str, Any]:
     """Return the options with which a run was started, as far as its journal has them."""
     started = next((event for event in events if event.event == "run_started"), None)
     return dict(started.data.get("options", {})) if started is not None else {}
 
 
-def wait_for_exit(reader: JournalReader, run: str) -> None:
+def _wait_for_exit(reader: JournalReader, run: str) -> None:
     """Wait until the process of a run that was cut off has closed its parts: two mustn't move one robot.
 
     Raises:
         ResumeError: it doesn't end.
     """
-    deadline = time.monotonic() + CLOSING
+    deadline = time.monotonic() + _CLOSING
     while reader.lives(run):
         if time.monotonic() > deadline:
             raise ResumeError(f"run {run} was interrupted, and its process is still shutting down; stop it first")
         time.sleep(0.05)
 
 
-def last_task_event(events: Sequence[Event]) -> int:
+def _last_task_event(events: Sequence[Event]) -> int:
     """Return the last event that belongs to the task's own doing, before a stop or an error interrupted everything."""
     last = len(events)
     for event in events:
@@ -111,7 +111,7 @@ def resumable(record: RunRecord, events: Sequence[Event]) -> None:
         raise ResumeError(f"run {record.id} died before it began; start the task again: grip run {record.task_path}")
     if record.status in ("died", "lost") or (record.status == "error" and errors and _died(errors[-1])):
         return
-    at = last_task_event(events)
+    at = _last_task_event(events)
     why = f"it has ended: {record.status}" + (f", {errors[-1].path} raised" if errors else "")
     raise ResumeError(
         f"run {record.id} cannot be resumed: {why}. As a new run, from any event up to {at}: "
@@ -119,7 +119,7 @@ def resumable(record: RunRecord, events: Sequence[Event]) -> None:
     )
 
 
-def event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
+def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
     """Return the event up to which a run is to happen again.
 
     Args:
@@ -136,7 +136,7 @@ def event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
     if at is None:
         there = {e.path for e in events if e.event in _NODES} if not text.isdigit() else [f"1 to {len(events)}"]
         raise UnknownNameError("place in the run", text, there, f"run {record.id}")
-    if at > (last := last_task_event(events)):
+    if at > (last := _last_task_event(events)):
         while last > 0 and events[last - 1].event not in _NODES:
             last -= 1
         ended = all(e.event not in _NODES for e in events[last:at])
@@ -189,7 +189,7 @@ def questions(
     return found
 
 
-def read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, tuple[str, str]]:
+def _read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Return leaf -> (outcome, code) of texts such as `attempt/grasp=failure.no_ik`.
 
     Raises:
@@ -284,7 +284,7 @@ def plan_resume(
     with JournalReader(journal) as reader:
         record = reader.run(find_run(reader, run))
         known = len(reader.damage)
-        events = undamaged(reader, record.id)
+        events = _undamaged(reader, record.id)
         if at is None and len(reader.damage) > known:
             raise ResumeError(
                 f"run {record.id} cannot be resumed: it is damaged: {'; '.join(reader.damage[known:])}. "
@@ -293,10 +293,10 @@ def plan_resume(
         if at is None:
             resumable(record, events)
             if record.status == "died":
-                wait_for_exit(reader, record.id)
-    until = None if at is None else event_at(record, events, at)
+                _wait_for_exit(reader, record.id)
+    until = None if at is None else _event_at(record, events, at)
     file = task if task is not None else _recorded_file(record.task_path, journal)
-    was, values = recorded_options(events), dict(options.data)
+    was, values = _recorded_options(events), dict(options.data)
     options = replace(options, **{k: was[k] for k in was.keys() - set(given) if hasattr(options, k)})
     target: Target = "sm" if record.target == "sm" else "bt"
     options = replace(options, data=was.get("data", {}), target=target, journal=journal.absolute())
@@ -312,7 +312,7 @@ def plan_resume(
     if agreed or until is None:
         with JournalReader(journal) as reader:
             lost = unreadable(reader, happened, options.robot, stays)
-    request = ResumeRequest(record.id, until, read_results(parts, outcomes), values, agreed=agreed or bool(lost))
+    request = ResumeRequest(record.id, until, _read_results(parts, outcomes), values, agreed=agreed or bool(lost))
     asked = questions(parts, happened, request, options.mocks, options.robot, stays, lost)
     notes = [f"{file} has changed since; the run goes on with the task as it was"] if changed else []
     return ResumePlan(file, replace(options, resume=request), asked, notes)

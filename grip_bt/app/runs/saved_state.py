@@ -17,7 +17,7 @@ from grip_bt.runtime.value_codec import encode
 from ..wiring.parts import Resources
 
 SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"
-CHANGED_BY = {
+_CHANGED_BY = {
     "arm": (WORLD, SCENE, FAKES),
     "hand": (WORLD, SCENE, FAKES),
     "component": (WORLD, FAKES),
@@ -26,7 +26,7 @@ CHANGED_BY = {
     "messages": (MESSAGES,),
 }
 """First part of a node's id -> what its work may change; nodes of projects may change everything."""
-EVERYTHING = (SCENE, MESSAGES, WORLD, FAKES)
+_EVERYTHING = (SCENE, MESSAGES, WORLD, FAKES)
 
 
 def changes(node: str, implementation: str) -> tuple[str, ...]:
@@ -37,12 +37,12 @@ def changes(node: str, implementation: str) -> tuple[str, ...]:
         implementation: as its manifest has it.
     """
     if not implementation.startswith("grip_bt."):
-        return EVERYTHING
-    return CHANGED_BY.get(node.partition("/")[0], ())
+        return _EVERYTHING
+    return _CHANGED_BY.get(node.partition("/")[0], ())
 
 
-class KeptState:
-    """Implements `runtime.observers.Kept` for a part that tells by some value of its own whether it is as it was.
+class _KeptState:
+    """Implements `runtime.keeping.Kept` for a part that tells by some value of its own whether it is as it was.
 
     Args:
         version: returns that value; a look at it takes microseconds.
@@ -79,18 +79,18 @@ def kept_parts(resources: Resources) -> dict[str, Kept]:
     """Return those parts of a run that can be kept."""
     parts: dict[str, Kept] = {}
     if (scene := resources.scene) is not None:  # every state of it is a value
-        parts[SCENE] = KeptState(scene.snapshot, scene.snapshot, scene.restore, operator.is_)
+        parts[SCENE] = _KeptState(scene.snapshot, scene.snapshot, scene.restore, operator.is_)
     if isinstance(messages := resources.messages, LocalMessages):
         library = messages.library
-        parts[MESSAGES] = KeptState(
+        parts[MESSAGES] = _KeptState(
             lambda: {name: store.revision for name, store in library.stores().items()},
             lambda: {name: _entries(store) for name, store in library.stores().items()},
             partial(_set_entries, library),
         )
     if (world := resources.world) is not None:
-        parts[WORLD] = KeptState(lambda: world.clock.simulated, world.kept, world.put_back)
+        parts[WORLD] = _KeptState(lambda: world.clock.simulated, world.kept, world.put_back)
     if (fakes := resources.fakes) is not None:
-        parts[FAKES] = KeptState(lambda: encode(fakes.kept()), fakes.kept, fakes.put_back)
+        parts[FAKES] = _KeptState(lambda: encode(fakes.kept()), fakes.kept, fakes.put_back)
     return parts
 
 
@@ -109,7 +109,7 @@ def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[
             store.restore(entry)
 
 
-def last_kept(events: Iterable[Event]) -> dict[str, Event]:
+def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
     """Return the last state of each part that a run's events tell of."""
     return {event.data["part"]: event for event in events if event.event == KEPT}
 
@@ -145,7 +145,7 @@ _LOST_WORDS = {
 
 def _surely(node: str) -> tuple[str, ...]:
     kind = node.partition("/")[0]
-    return CHANGED_BY.get(kind, ()) if kind not in ("component", "grasp") else ()
+    return _CHANGED_BY.get(kind, ()) if kind not in ("component", "grasp") else ()
 
 
 def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
@@ -159,7 +159,7 @@ def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays
     """
     others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}
     found = {}
-    for name, event in last_kept(events).items():
+    for name, event in _last_kept(events).items():
         if name not in others:
             try:
                 reader.value(event)
@@ -196,7 +196,7 @@ def restore_state(
         ResumeError: one can't be brought there.
     """
     found = RestoredState()
-    for name, event in last_kept(events).items():
+    for name, event in _last_kept(events).items():
         if name in parts:
             try:
                 parts[name].restore(reader.value(event))

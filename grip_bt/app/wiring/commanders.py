@@ -101,7 +101,7 @@ def commanded(
         )
         for name, hand in file.hands.items()
     }
-    executors = {**executors, **joined_executors(project, executors)}
+    executors = {**executors, **_joined_executors(project, executors)}
     hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
     groups = {name: arm.group for name, arm in file.arms.items()} | {
         name: hand.group for name, hand in file.hands.items()
@@ -153,7 +153,7 @@ def commanded(
     return Resources(arms=arms, hands=hands, scene=scene)
 
 
-def joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
+def _joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
     """Return an executor for each arm that joins others, which have no faults."""
     return {
         name: JoinedExecutor(*(executors[part] for part in arm.arms))

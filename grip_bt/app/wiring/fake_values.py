@@ -111,7 +111,7 @@ _VALUES: dict[str, Callable[[], Any]] = {
 
 FINGERS = ("finger", "thumb")
 """Of a hand whose robot isn't known; each is one joint, 0 when open and 1 when closed."""
-GRIPPED = 0.6
+_GRIPPED = 0.6
 """How far fingers close before they touch what is between them, of the way from `open` to `closed`."""
 
 
@@ -172,12 +172,12 @@ def hand_facts(robot: RobotDescription | None, group: str) -> HandFacts:
     begin, end = (known[name].ordered(joints) for name in ("open", "closed"))
     tips = [robot.finger_links[finger][-1] for finger in fingers]
     return HandFacts(
-        known, fingers, JointState(joints, begin + GRIPPED * (end - begin)), dict.fromkeys(tips or joints[-1:], 2.0)
+        known, fingers, JointState(joints, begin + _GRIPPED * (end - begin)), dict.fromkeys(tips or joints[-1:], 2.0)
     )
 
 
 def _two_fingers(known: Mapping[str, JointState]) -> HandFacts:
     shares = dict.fromkeys(known, 0.5) | {"open": 0.0, "closed": 1.0}
     postures = {name: JointState(FINGERS, np.full(2, share)) for name, share in shares.items()}
-    thing = JointState(FINGERS, np.full(2, GRIPPED))
+    thing = JointState(FINGERS, np.full(2, _GRIPPED))
     return HandFacts(postures, {joint: (joint,) for joint in FINGERS}, thing, {"thumb": 2.0})

@@ -21,9 +21,6 @@ from .fake import fake_components, fake_ros
 from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_part
 from .progress import Progress, silent
 
-pass
-
-
 BACKENDS = {
     "fake": ("fake", "FakeBackend", "motion"),
     "sim": ("simulated", "SimulatedBackend", "sim"),
@@ -58,7 +55,7 @@ def open_resources(
         robot: `sim`, `fake`, or `ros` for the controllers that the project names.
         own: implementations of leaves, in which it is looked what the project's own nodes ask for.
     """
-    project, asked, parts = opening.project, parts_asked_for(own), Resources()
+    project, asked, parts = opening.project, _parts_asked_for(own), Resources()
     with ExitStack() as stack:
         needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
         if needs_robot and (robot == "fake" or project.file.robot is not None):
@@ -75,7 +72,7 @@ def open_resources(
             clock = ros.clock or parts.clock
             parts = replace(parts, components=ros.components, sensors=ros.sensors, ros=ros.ros, clock=clock)
         if "messages" in asked or any(node.startswith("messages/") for node in needs):
-            parts = replace(parts, messages=open_messages(opening, stack, server=robot != "fake"))
+            parts = replace(parts, messages=_open_messages(opening, stack, server=robot != "fake"))
         yield parts
 
 
@@ -109,7 +106,7 @@ ROBOT = frozenset({"arm", "hand", "camera", "scene"})
 _ASKED = re.compile(r"\.(arm|hand|camera|scene|messages)\(")
 
 
-def parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
+def _parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
     """Return which parts the files of nodes ask their context for, such as `self.context.arm("")`.
 
     What a file does by way of another one isn't seen: a task that uses it needs a node that asks for the part itself.
@@ -125,7 +122,7 @@ def parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
     return frozenset(found)
 
 
-def open_messages(opening: Opening, stack: ExitStack, server: bool = True) -> Messages:
+def _open_messages(opening: Opening, stack: ExitStack, server: bool = True) -> Messages:
     """Return the project's named messages.
 
     Args:

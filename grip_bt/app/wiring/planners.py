@@ -78,7 +78,7 @@ def with_move_group(
     """
     if all(arm.planner != MOVE_GROUP for arm in opening.project.file.arms.values()):
         return own
-    loaded = load_part("move_group", f"ROS, for `planner: {MOVE_GROUP}`", "ros")
+    loaded = load_part("ros", f"ROS, for `planner: {MOVE_GROUP}`", "ros")
     return PlannerByName(own, {MOVE_GROUP: loaded.open_move_group(opening.project, description, stack, bus)})
 
 

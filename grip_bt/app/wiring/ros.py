@@ -6,9 +6,14 @@ import time
 from collections.abc import Collection
 from contextlib import ExitStack
 
+from grip_bt.app.project.config import ArmConfig
+from grip_bt.app.project.folder import Project
 from grip_bt.app.project.needs import robot_frames
+from grip_bt.app.wiring.parts import Opening, Resources
+from grip_bt.app.wiring.progress import Progress
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError
+from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.components import start_components
 from grip_bt.ros.environment import own_domain
@@ -16,13 +21,11 @@ from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosClock, RosInterface
 from grip_bt.ros.interfaces.build import provide
 from grip_bt.ros.messages.client import RosMessages
+from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.component_file import Start, load_component
-
-from ..project.folder import Project
-from .parts import Opening, Resources
-from .progress import Progress
+from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
 
 TIME_STARTS = 10.0
 """How long to wait for the first message of `/clock` [s]."""
@@ -118,3 +121,27 @@ def provide_frames(progress: Progress) -> None:
 def connect_messages(stack: ExitStack) -> RosMessages:
     """Connect to the named messages of a server that runs, in the user's own domain."""
     return RosMessages(stack.enter_context(Bus("grip_task_messages")))
+
+
+def open_move_group(
+    project: Project, description: RobotDescription, stack: ExitStack, bus: Bus | None = None
+) -> MoveGroupPlanner:
+    """Return the planner; see `planners.with_move_group`."""
+    file = project.file
+    settings = file.ros.move_group if file.ros is not None else MoveGroupConfig()
+    bus = bus if bus is not None else stack.enter_context(Bus("grip_planning"))
+
+    def mount(arm: ArmConfig) -> ArmMapping:
+        hand = file.hands.get(arm.hand) if arm.hand else None
+        return ArmMapping.of(description, arm.group, hand.group if hand else "", settings.groups.get(arm.group, ""))
+
+    planner = MoveGroupPlanner(
+        MoveGroup(bus, settings.namespace, settings.wait),
+        description,
+        {arm.group: mount(arm) for arm in file.arms.values() if arm.planner == MOVE_GROUP},
+        {arm.hand: mount(arm) for arm in file.arms.values() if arm.hand},
+        settings.pipeline,
+        settings.planner,
+        settings.by_service,
+    )
+    return stack.enter_context(planner)

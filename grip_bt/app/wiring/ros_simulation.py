@@ -88,7 +88,7 @@ def serve_world(
         progress("simulator", f"SAPIEN in process {simulation.pid}, world {world!r}, seed {seed}: {names}")
         bus = stack.enter_context(Bus("grip_sim"))
         executors: dict[str, Executor] = {
-            name: PressingFingers(simulation.hand(group)) if name in project.file.hands else simulation.executor(group)
+            name: _PressingFingers(simulation.hand(group)) if name in project.file.hands else simulation.executor(group)
             for name, group in groups.items()
         }
         for name, executor in executors.items():
@@ -109,7 +109,7 @@ def serve_world(
         yield Served(simulation, joints, actions, cameras, mounts, _room(simulation))
 
 
-class PressingFingers:
+class _PressingFingers:
     """A hand as a trajectory controller without tolerances moves it: fingers that meet something press on.
 
     Implements `grip_bt.base.ports.Executor`; of a trajectory only its end and its duration count.
