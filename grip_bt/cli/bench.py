@@ -6,9 +6,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from grip_bt.app.campaign import (
     Campaign,
@@ -24,6 +22,7 @@ from grip_bt.app.campaign import (
     summary,
 )
 from grip_bt.app.campaign.report import reason
+from grip_bt.app.campaign.results import TrialRow
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError
 
@@ -80,7 +79,7 @@ def _run(path: Path, args: argparse.Namespace) -> int:
     _say(quiet, _opening(campaign, results, len(left), args.workers))
     began, total = time.monotonic(), len(results.done) + len(left)
 
-    def ended(row: Mapping[str, Any]) -> None:
+    def ended(row: TrialRow) -> None:
         results.add(row)
         _say(quiet, _line(row, len(results.rows), total))
 
@@ -120,7 +119,7 @@ def _opening(campaign: Campaign, results: Results, left: int, workers: int) -> s
     )
 
 
-def _line(row: Mapping[str, Any], number: int, total: int) -> str:
+def _line(row: TrialRow, number: int, total: int) -> str:
     how = "success" if row["success"] else reason(row)
     return f"  {number:>{len(str(total))}}/{total}  {row['variant']}, seed {row['seed']}: {how}; {row['wall']:.1f} s"
 

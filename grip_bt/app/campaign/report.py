@@ -15,7 +15,7 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-from .results import Results
+from .results import Plain, Results, TrialRow
 
 _CONFIDENCE = 0.95
 
@@ -29,7 +29,7 @@ def summary(results: Results) -> dict[str, Any]:
         most, or how many are true), `failures` (reason -> how often); `compared`: name -> `seeds` in common,
         `only_this`, `only_first`, `p`, against the first variant.
     """
-    by_variant: dict[str, list[Mapping[str, Any]]] = {name: [] for name in results.head["variants"]}
+    by_variant: dict[str, list[TrialRow]] = {name: [] for name in results.head["variants"]}
     for row in results.rows:
         by_variant.setdefault(row["variant"], []).append(row)
     names = list(by_variant)
@@ -45,10 +45,10 @@ def summary(results: Results) -> dict[str, Any]:
     }
 
 
-def _one(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _one(rows: Sequence[TrialRow]) -> dict[str, Any]:
     good = sum(row["success"] for row in rows)
     low, high = binomtest(good, len(rows)).proportion_ci(_CONFIDENCE, method="wilson")
-    measures: dict[str, list[Any]] = {}
+    measures: dict[str, list[Plain]] = {}
     for row in rows:
         for name, value in {**row["counts"], **row["measures"]}.items():
             measures.setdefault(name, []).append(value)
@@ -68,7 +68,7 @@ def _one(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-def reason(row: Mapping[str, Any]) -> str:
+def reason(row: TrialRow) -> str:
     """Return why a trial isn't a success, in a word or two."""
     if row["status"] in ("error", "timed_out"):
         lines = row["message"].strip().splitlines() or ["no message"]
@@ -86,16 +86,17 @@ def _times(values: Iterable[float | None]) -> dict[str, float] | None:
     return {"median": round(median(given), 3), "longest": round(max(given), 3)} if given else None
 
 
-def _measure(values: Sequence[Any]) -> dict[str, Any]:
+def _measure(values: Sequence[Plain]) -> dict[str, Any]:
     given = [value for value in values if value is not None]
     if given and all(isinstance(value, bool) for value in given):
         return {"of": len(given), "true": sum(given)}
-    if given and all(isinstance(value, int | float) and not isinstance(value, bool) for value in given):
-        return {"of": len(given), "median": median(given), "least": min(given), "most": max(given)}
+    numbers = [value for value in given if isinstance(value, int | float) and not isinstance(value, bool)]
+    if numbers and len(numbers) == len(given):
+        return {"of": len(given), "median": median(numbers), "least": min(numbers), "most": max(numbers)}
     return {"of": len(given), "values": dict(Counter(map(str, given)).most_common(5))}
 
 
-def _compared(first: Sequence[Mapping[str, Any]], other: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _compared(first: Sequence[TrialRow], other: Sequence[TrialRow]) -> dict[str, Any]:
     firsts = {row["seed"]: row["success"] for row in first}
     others = {row["seed"]: row["success"] for row in other}
     common = firsts.keys() & others.keys()

@@ -7,11 +7,33 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from grip_bt.base.errors import CampaignError, NotWritableError
 
 _FORMAT = 1
+Plain = bool | int | float | str | None
+
+
+class TrialRow(TypedDict, total=False):
+    """A trial, and what came of it; `_trial` and `judged` say what each is."""
+
+    variant: str
+    seed: int
+    status: str
+    outcome: str | None
+    code: str | None
+    message: str
+    duration: float | None
+    wall: float
+    run: str | None
+    truth: Mapping[str, str] | None
+    contradicted: bool
+    unconfirmed: str
+    counts: dict[str, int]
+    measures: dict[str, Plain]
+    success: bool
+    unclear: dict[str, str]
 
 
 @dataclass
@@ -26,14 +48,14 @@ class Results:
 
     path: Path
     head: Mapping[str, Any]
-    rows: list[Mapping[str, Any]] = field(default_factory=list)
+    rows: list[TrialRow] = field(default_factory=list)
 
     @property
     def done(self) -> set[tuple[str, int]]:
         """The trials that are there."""
         return {(row["variant"], row["seed"]) for row in self.rows}
 
-    def add(self, row: Mapping[str, Any]) -> None:
+    def add(self, row: TrialRow) -> None:
         """Write a trial; it is on disk when this returns.
 
         Raises:
@@ -94,7 +116,7 @@ def read(path: Path) -> Results:
     return Results(path, rows[0], rows[1:])
 
 
-def _append(path: Path, row: Mapping[str, Any]) -> None:
+def _append(path: Path, row: Mapping[str, object] | TrialRow) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("a") as file:

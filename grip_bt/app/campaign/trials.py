@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.campaign.file import Campaign
+from grip_bt.app.campaign.results import Plain, TrialRow
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
@@ -26,7 +27,7 @@ from grip_bt.runtime.control import RunEnd
 from grip_bt.runtime.motion_end import Rest
 
 _Trial = tuple[str, int]
-Told = Callable[[Mapping[str, Any]], None]
+_Compile = Callable[..., Callable[[], object]]
 _WAKE = 0.2
 """How often who waits for the trials looks up [s]: a Ctrl-C that another thread is given by the system wakes nobody."""
 
@@ -41,7 +42,7 @@ class Trials:
         watchdog: how long one tick may take [s] before a trial ends as an error.
     """
 
-    def __init__(self, campaign: Campaign, journal: Path, ended: Told, watchdog: float = 10.0):
+    def __init__(self, campaign: Campaign, journal: Path, ended: Callable[[TrialRow], None], watchdog: float = 10.0):
         self._campaign, self._journal, self._ended, self._watchdog = campaign, journal, ended, watchdog
         self._lock = threading.Lock()
         self._stopped = threading.Event()
@@ -71,7 +72,7 @@ class Trials:
         if self._stopped.is_set():
             return
         began = time.monotonic()
-        started: list[Mapping[str, Any]] = []
+        started: list[Mapping[str, str]] = []
 
         def told(event: Mapping[str, Any]) -> None:
             if event["event"] == "started":
@@ -172,7 +173,7 @@ def _check_expression(where: str, place: str, text: str, names: set[str]) -> Non
             )
 
 
-def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, Any] | None) -> dict[str, Any]:
+def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, str] | None) -> TrialRow:
     """Return what came of a trial, as JSON data.
 
     Args:
@@ -188,10 +189,18 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, A
         `unclear`: what couldn't be computed, with the reason.
     """
     truth = end.get("truth")
-    row: dict[str, Any] = {key: end.get(key) for key in ("status", "outcome", "code", "message", "duration")}
-    row |= {"wall": round(wall, 3), "run": started["run"] if started else None, "truth": truth}
-    row["contradicted"] = bool(end.get("contradiction"))
-    row["unconfirmed"] = str(Rest(unconfirmed=end.get("unconfirmed") or {}))
+    row: TrialRow = {
+        "status": end["status"],
+        "outcome": end.get("outcome"),
+        "code": end.get("code"),
+        "message": end.get("message", ""),
+        "duration": end.get("duration"),
+        "wall": round(wall, 3),
+        "run": started["run"] if started else None,
+        "truth": truth,
+        "contradicted": bool(end.get("contradiction")),
+        "unconfirmed": str(Rest(unconfirmed=end.get("unconfirmed") or {})),
+    }
     counts, variables = _looked_up(campaign, started)
     states = Counter((truth or {}).values())
     seen = {state: states[state] if truth is not None else None for state in STATES}
@@ -203,14 +212,12 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, A
     }
     facts |= {"wall": row["wall"], "objects": len(truth) if truth is not None else None}
     unclear: dict[str, str] = {}
-    row |= {"counts": counts, "measures": {}}
-    for name, text in campaign.file.measure.items():
-        row["measures"][name] = _computed(text, facts, unclear, name, value_of)
-    row["success"] = bool(_computed(campaign.file.success, facts, unclear, "success", condition_of))
-    return {**row, "unclear": unclear}
+    measures = {name: _computed(text, facts, unclear, name, value_of) for name, text in campaign.file.measure.items()}
+    success = bool(_computed(campaign.file.success, facts, unclear, "success", condition_of))
+    return {**row, "counts": counts, "measures": measures, "success": success, "unclear": unclear}
 
 
-def _looked_up(campaign: Campaign, started: Mapping[str, Any] | None) -> tuple[dict[str, int], dict[str, Any]]:
+def _looked_up(campaign: Campaign, started: Mapping[str, str] | None) -> tuple[dict[str, int], dict[str, Any]]:
     """Return how often counted nodes began, and the last values of the task's variables."""
     counts = dict.fromkeys(campaign.file.count, 0)
     if started is None:
@@ -221,7 +228,13 @@ def _looked_up(campaign: Campaign, started: Mapping[str, Any] | None) -> tuple[d
     return {name: begun[path] for name, path in campaign.file.count.items()}, variables
 
 
-def _computed(text: str, facts: Mapping[str, Any], unclear: dict[str, str], name: str, compile_: Any) -> Any:
+def _computed(
+    text: str,
+    facts: Mapping[str, Any],
+    unclear: dict[str, str],
+    name: str,
+    compile_: _Compile,
+) -> Plain:
     parsed = parse_expression(text)
     missing = [each for each in parsed.names if each not in facts]
     if missing:
