@@ -157,7 +157,7 @@ class ProjectExistsError(GripError):
 
     def __init__(self, folder: Any):
         self.folder = str(folder)
-        super().__init__(f"{folder} isn't an empty folder; nothing was written. Name a folder that isn't there yet")
+        super().__init__(f"{folder} is not an empty folder; nothing was written. Name a new folder")
 
 
 class NotWritableError(GripError):
@@ -190,9 +190,9 @@ class UntrustedCodeError(GripError):
     def __init__(self, found: Sequence[str]):
         self.found = tuple(found)
         super().__init__(
-            "--no-code: this runs code that isn't GRIP's:\n"
+            "--no-code: this would run third-party code:\n"
             + "".join(f"  {each}\n" for each in self.found)
-            + "nothing of it was imported or started; look at it, and leave --no-code out if you trust it"
+            + "none of it was imported or started; review it, and drop --no-code if you trust it"
         )
 
 
@@ -241,8 +241,8 @@ class NotStoppedError(GripError):
     def __init__(self, paths: Iterable[str], why: str):
         self.paths = tuple(paths)
         super().__init__(
-            f"{listing(map(repr, self.paths))}: was told to stop, but {why}; nothing else that may move something is"
-            " begun. Look at the robot, and at what was asked; if that moves nothing, say `moves: false` there"
+            f"{listing(map(repr, self.paths))}: was told to stop, but {why}; nothing else that may move is started."
+            " Check the robot and the request; if it moves nothing, declare `moves: false` there"
         )
 
 
@@ -259,7 +259,7 @@ class DivergedError(GripError):
         self.path, self.now, self.before = path, now, before
         super().__init__(
             f"{path}: the journal has {before!r} there, and now it is {now!r}: the task, a subtask or the project's"
-            " nodes have changed since; fork the run before that event, or run the task anew"
+            " nodes have changed since; fork the run before that event, or start the task again"
         )
 
 
@@ -293,7 +293,7 @@ class InvalidRobotError(GripError):
     def __init__(self, name: str, findings: Sequence[Any]):
         self.name, self.findings = name, tuple(findings)
         listed = "".join(f"\n  {finding}" for finding in self.findings)
-        super().__init__(f"robot {name} can't be used; `grip robot check` tells all about it:{listed}")
+        super().__init__(f"robot {name} can't be used; `grip robot check` lists everything that is wrong:{listed}")
 
 
 class ContractError(GripError):

@@ -30,8 +30,8 @@ def add_apply(parser: argparse.ArgumentParser) -> None:
         "command",
         help='a command, or a list, in JSON, such as \'{"do": "rename", "path": "a", "name": "b"}\'; - reads stdin',
     )
-    parser.add_argument("--inverse", metavar="FILE", help="write the command that takes it all back")
-    parser.add_argument("--dry-run", action="store_true", help="print the text that it would give; change no file")
+    parser.add_argument("--inverse", metavar="FILE", help="write the command that undoes everything")
+    parser.add_argument("--dry-run", action="store_true", help="print the resulting text; change no file")
     parser.set_defaults(run=run)
 
 
@@ -82,6 +82,6 @@ def _applied(data: Any, document: Document, catalog: Catalog, files: dict[str, s
 def _write_new(task: Path, name: str, text: str) -> None:
     file = find_project(task).folder / name
     if file.exists():
-        raise EditError("", f"{file} is there already; name another file for the part")
+        raise EditError("", f"{file} already exists; choose another file for the part")
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")

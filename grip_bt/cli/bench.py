@@ -44,7 +44,7 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="trials at a time (default: 1)",
     )
-    parser.add_argument("--resume", action="store_true", help="keep the trials that are there, and run the others")
+    parser.add_argument("--resume", action="store_true", help="keep existing results and run only the missing trials")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="results (default: .grip/campaigns/NAME.jsonl of the project)"
     )

@@ -32,7 +32,7 @@ _MOST = 6
 def add_component(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
-    new = actions.add_parser("new", help="a template repository of a component that works, to be made one's own")
+    new = actions.add_parser("new", help="a working template repository of a component, to be adapted")
     new.add_argument("name", help="of the component: lower case, such as my_grasps")
     new.add_argument("--lang", choices=("python", "cpp"), default="python", help="of its server (default: python)")
     new.add_argument("--folder", type=Path, help="where (default: components/NAME of the project here)")
@@ -43,7 +43,7 @@ def add_component(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help="a folder with component.yaml; or a .srv, .action or .msg file; or a type such as std_srvs/srv/Trigger",
     )
-    add.add_argument("--from-graph", metavar="NAME", help="something that runs: a service, an action or a topic")
+    add.add_argument("--from-graph", metavar="NAME", help="a running service, action or topic")
     add.add_argument(
         "--outcomes", metavar="O", help="`one,none`: names of 0, 1 ...; `2`; or `found: count > 0; none: true`"
     )
@@ -53,7 +53,7 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--interfaces", type=Path, metavar="FOLDER", help="where the type of --from-graph is defined")
     add.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
     add.add_argument("--wait", type=float, default=5.0, metavar="S", help="how long to look at the graph [s]")
-    add.add_argument("--check", action="store_true", help="write nothing; exit 1 when the node isn't up to date")
+    add.add_argument("--check", action="store_true", help="write nothing; exit with 1 if the node isn't up to date")
     add.set_defaults(run=_run_add)
     listing = actions.add_parser("list", help="the components of a project")
     listing.add_argument("project", type=Path, nargs="?", default=Path(), help="project folder (default: here)")

@@ -77,12 +77,12 @@ def add_convert(parser: argparse.ArgumentParser) -> None:
         "--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart"
     )
     parser.add_argument(
-        "--strict", action="store_true", help="of bt and sm: refuse a task of which a part has no equal in that form"
+        "--strict", action="store_true", help="for bt and sm: refuse a task that has no exact equivalent in that form"
     )
     parser.add_argument(
         "--approximate",
         action="store_true",
-        help="of sm: let reactive composites become machines that aren't quite the same; what differs is shown",
+        help="for sm: approximate reactive composites by machines; the differences are shown",
     )
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
     parser.set_defaults(run=run)

@@ -8,15 +8,15 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 _HELP = """\
-  s, in            go on to the next node that begins
-  n, over          likewise, not below this one
-  o, out           likewise, not below its parent
-  t, tick          let one tick through
-  c, continue      go on                        p, pause   hold after this tick
-  b NODE           hold before a node           b NODE:OUTCOME, b NODE:after, b NODE if EXPRESSION
+  s, in            run to the next node that starts
+  n, over          likewise, outside of this one
+  o, out           likewise, outside of its parent
+  t, tick          run one tick
+  c, continue      continue                     p, pause   pause after this tick
+  b NODE           pause before a node           b NODE:OUTCOME, b NODE:after, b NODE if EXPRESSION
   d [NUMBER]       clear a breakpoint, or all   l, list    list them
-  r NODE           go on as far as a node
-  i [VARIABLE]     look at the variables        q, stop    stop the run"""
+  r NODE           run to a node
+  i [VARIABLE]     show the variables           q, stop    stop the run"""
 
 
 class Prompt:

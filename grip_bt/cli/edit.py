@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
     from grip_gui import serve  # here, since `grip edit --help` needs no extra
 
     if not args.path.exists():
-        raise DocumentError("nothing is there; give a project folder or a task file", str(args.path))
+        raise DocumentError("does not exist; give a project folder or a task file", str(args.path))
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     task = args.path if args.path.is_file() and args.path.name != "grip.yaml" else None
     return serve(args.path, task=task, port=args.port, open_browser=not args.no_browser)

@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     changed = [path for path, (before, after) in formatted.items() if before != after]
     if args.check:
         for path in changed:
-            print(f"{path}: not canonical; `grip fmt {path}` mends it")
+            print(f"{path}: not formatted; run `grip fmt {path}`")
         return int(bool(changed))
     for path in formatted:
         if path == "-":

@@ -157,7 +157,7 @@ def _write(imported: Imported, importer: _Importer, args: argparse.Namespace) ->
     one = folder != output
     if one and (importer.project or len(imported.tasks) != 1):
         names = listing(imported.tasks)
-        raise GripError(f"{output} holds one task (available: {names}); choose it by --machine, or give a folder")
+        raise GripError(f"{output} holds one task (available: {names}); choose one with --machine, or give a folder")
     if importer.project and "grip.yaml" not in files and not (folder / "grip.yaml").exists():
         files["grip.yaml"] = "grip: 1\n"
     project = _project_at(folder)

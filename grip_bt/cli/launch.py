@@ -41,7 +41,9 @@ def add_launch(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--follow", action="store_true", help="print what the processes print")
     parser.add_argument("--check", action="store_true", help="start nothing; print what would be run")
     parser.add_argument("--show-args", action="store_true", help="start nothing; print the arguments of a launch file")
-    parser.add_argument("--own", action="store_true", help="read the file ourselves, also where `ros2 launch` is")
+    parser.add_argument(
+        "--own", action="store_true", help="use GRIP's own launch reader even where `ros2 launch` is installed"
+    )
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
     parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
     add_no_code(parser)
@@ -79,7 +81,7 @@ def _show_arguments(what: Sequence[str]) -> int:
 
 def _nothing_to_launch(place: Path) -> str:
     file = find_project(place).folder / FILE_NAME
-    said = "declares no processes; " if file.is_file() else "isn't there; name a project by --project, "
+    said = "declares no processes; " if file.is_file() else "doesn't exist; pass --project, "
     return f"{file} {said}name a launch file, or add `processes:`"
 
 
@@ -153,10 +155,14 @@ def add_sim(parser: argparse.ArgumentParser) -> None:
         "--pace", type=number(above=0), default=1.0, metavar="X", help="playback speed: simulated seconds a second"
     )
     parser.add_argument(
-        "--camera-rate", type=number(above=0), default=2.0, metavar="HZ", help="frames a second, while somebody listens"
+        "--camera-rate",
+        type=number(above=0),
+        default=2.0,
+        metavar="HZ",
+        help="frames per second while there is a subscriber",
     )
     parser.add_argument(
-        "--room", type=Path, metavar="FILE", help="write what stands in the world, as a .scene file for planners"
+        "--room", type=Path, metavar="FILE", help="write the world's fixed objects to a .scene file, for planners"
     )
     parser.set_defaults(run=_run_sim)
 
@@ -183,7 +189,7 @@ def _run_sim(args: argparse.Namespace) -> int:
 
 def _settings(served: Served, room: Path | None) -> str:
     """Return what `grip.yaml` says to reach it."""
-    lines = ["", "serving; Ctrl-C ends it. For `grip run TASK --robot ros`, grip.yaml says:", ""]
+    lines = ["", "serving; press Ctrl-C to stop. For `grip run TASK --robot ros`, put this into grip.yaml:", ""]
     if room is not None:
         lines.append(f"scene: {room}")
     lines += ["ros:", f"  joint_states: {served.joints}", "  controllers:"]

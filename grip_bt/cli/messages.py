@@ -43,7 +43,7 @@ def add_messages(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_readers(actions: Any) -> None:
-    listing = actions.add_parser("list", help="what a running server has")
+    listing = actions.add_parser("list", help="list what a running server holds")
     listing.add_argument("store", nargs="?", default="", help="only of this store")
     listing.add_argument("--json", action="store_true", help="print one JSON list")
     listing.set_defaults(run=_run_list)
@@ -82,7 +82,7 @@ def _add_writers(actions: Any) -> None:
     reset = actions.add_parser("reset", help="empty a store, or all, and read the project's files again")
     reset.add_argument("store", nargs="?", default="", help="only this one (default: all)")
     reset.set_defaults(run=run_reset)
-    save = actions.add_parser("save", help="keep everything over restarts of the server")
+    save = actions.add_parser("save", help="save everything so that it survives a restart of the server")
     save.set_defaults(run=run_save)
 
 
@@ -177,7 +177,7 @@ def run_save(args: argparse.Namespace) -> int:
     """Have everything kept."""
     with _server() as server:
         count = _done(server.save())
-    print(f"{count} messages are kept over restarts of the server")
+    print(f"{count} messages saved; they survive a restart of the server")
     return 0
 
 
@@ -257,5 +257,5 @@ def _told_of_building() -> AbstractContextManager[None]:
 
 def _done(operation: Operation[Any]) -> Any:
     if not operation.wait(WAIT):
-        raise ServerTimeOutError(f"the server of messages gives no answer within {WAIT:.0f} s")
+        raise ServerTimeOutError(f"the message server did not answer within {WAIT:.0f} s")
     return operation.result()

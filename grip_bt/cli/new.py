@@ -10,7 +10,7 @@ from grip_bt.app.project.folder import make_project
 
 def add_new(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument("folder", metavar="DIR", help="a folder that isn't there yet, or is empty")
+    parser.add_argument("folder", metavar="DIR", help="a new or empty folder")
     parser.set_defaults(run=run)
 
 

@@ -41,7 +41,7 @@ def add_resume_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("resuming a run")
     either = group.add_mutually_exclusive_group()
     either.add_argument("--resume", metavar="RUN", help="resume a run whose process died; `last` for the last one")
-    either.add_argument("--fork", metavar="RUN", help="a new run, which goes on from the event --at of another one")
+    either.add_argument("--fork", metavar="RUN", help="a new run that continues from event --at of another one")
     group.add_argument("--at", metavar="PLACE", help="with --fork: an event's number, NODE, or NODE:OUTCOME")
     group.add_argument(
         "--set-outcome",
@@ -59,7 +59,7 @@ def add_resume_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--yes", action="store_true", help="confirm everything that would be asked")
     parser.add_argument(
-        "--durable", action="store_true", help="no motion begins or ends before the journal on disk says so"
+        "--durable", action="store_true", help="write the journal to disk before each motion starts and after it ends"
     )
 
 
@@ -128,7 +128,7 @@ def _how(end: RunEnd) -> str:
 
 
 def _ask(question: Question) -> bool:
-    sys.stderr.write(f"{question}. Go on? [y/N] ")
+    sys.stderr.write(f"{question}. Continue? [y/N] ")
     sys.stderr.flush()
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 

@@ -58,7 +58,7 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     way = parser.add_argument_group("control").add_mutually_exclusive_group()
     way.add_argument("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
     way.add_argument(
-        "--debug", action="store_true", help="interactive debugger: begin paused, step, set breakpoints, look at data"
+        "--debug", action="store_true", help="interactive debugger: start paused, step, set breakpoints, inspect data"
     )
     parser.add_argument(
         "--break",

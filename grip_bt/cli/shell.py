@@ -27,7 +27,7 @@ VERBS = {
     "import": "tasks from elsewhere: SMACH machines, py_trees and BehaviorTree.CPP trees, the first GRIP",
     "component": "wrap external software: generate its node, list, test",
     "interfaces": "build ROS interface packages",
-    "launch": "run and watch over a launch file or a project's processes",
+    "launch": "run and supervise a launch file or a project's processes",
     "sim": "the simulator as a ROS 2 robot: joints, controllers, cameras",
     "messages": "named joint states, poses, grasps ...: serve, list, show, add, watch, reset",
     "edit": "show a project's tasks in a browser, run them, and replay runs",
@@ -113,7 +113,9 @@ def _refused_by_the_system(error: OSError) -> int:
         if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
             raise error
         give_up()
-        return complain(f"stdout: {error.strerror}; the output isn't whole: send it to another place, or make room")
+        return complain(
+            f"stdout: {error.strerror}; the output is incomplete: redirect it elsewhere, or free some space"
+        )
     name = str(error.filename) if isinstance(error.filename, int) else os.fsdecode(error.filename)
     if error.errno == errno.ENOENT:
         return complain(f"{name}: {error.strerror}; make its folder first, or name another place")

@@ -25,7 +25,7 @@ def add_teach(parser: argparse.ArgumentParser) -> None:
     part.add_argument("--arm", default="", help="which arm (default: the only one)")
     part.add_argument("--hand", help="remember a hand's posture instead")
     parser.add_argument("--pose", action="store_true", help="the pose of the arm's hand instead of its joints")
-    parser.add_argument("--robot", choices=("ros", "sim"), default="ros", help="which robot is asked (default: ros)")
+    parser.add_argument("--robot", choices=("ros", "sim"), default="ros", help="which robot to read (default: ros)")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(run=run)
 

@@ -100,7 +100,7 @@ def test_a_campaign_is_gone_on_with_and_never_mixed_or_overwritten(project, caps
     results = project / ".grip/campaigns/who.jsonl"
     before = results.read_text()
     assert bench(project) == 1
-    assert "there are results already: --resume goes on with them" in capsys.readouterr().err
+    assert "there are results already: continue them with --resume" in capsys.readouterr().err
     assert results.read_text() == before
 
     results.write_text(before + '{"variant": "tree", "se')  # the machine was switched off in the middle of a line
@@ -194,12 +194,12 @@ def test_the_referee_counts_and_not_what_the_task_says(project, capsys):
     ("change", "words"),
     [
         (("task: tasks/count.yaml\n", "task: tasks/cuont.yaml\n"), "there is no task 'tasks/cuont.yaml' (looked in"),
-        (("reached >= 3", "raeched >= 3"), "success: nothing is known of 'raeched'; did you mean 'reached'?"),
+        (("reached >= 3", "raeched >= 3"), "success: unknown name 'raeched'; did you mean 'reached'?"),
         (("reached >= 3", "__import__('os')"), "success: "),
         (("{steps: count/add}", "{steps: count/ad}"), "count/steps: 'tree' has no node 'count/ad'; did you mean"),
         (("{steps: count/add}", "{wall: count/add}"), "'wall' is known of every trial already"),
         (("{limit: 2}", "{limti: 2}"), "short/set: the task has no variable 'limti'; did you mean 'limit'?"),
-        (("{first: 5, count: 2}", "[1, 2, 1]"), "seeds that are there twice: 1"),
+        (("{first: 5, count: 2}", "[1, 2, 1]"), "duplicate seeds: 1"),
         (("{first: 5, count: 2}", "[]"), "`seeds` is empty"),
         (("task: tasks/count.yaml\n", ""), "no task for tree, machine, short, broken"),
         ((CAMPAIGN[CAMPAIGN.index("task:") :], ""), "nothing to run: give `task`, or `variants` with a `task` each"),

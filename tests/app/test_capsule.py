@@ -152,7 +152,7 @@ def test_of_too_many_texts_some_are_left_out_and_the_page_says_which(tmp_path):
         Event(i + 1, i, i, "a", "message", None, None, {"text": noise[i * 100 % 60_000 :][:199]}) for i in range(12_000)
     ]
     columns, left_out = columns_of(events)
-    assert left_out.startswith("what running nodes said")
+    assert left_out.startswith("messages of running nodes")
     assert len(columns["texts"]) <= MOST_TEXT
     assert len(events_in(columns)) == len(events)
 

@@ -56,10 +56,10 @@ def test_a_frame_that_nothing_has_is_told_with_the_nearest_one(frames_told):
     assert sensor.startswith(
         "grip.yaml: sensors/overhead/given_in: unknown frame 'panda_lnk8'; did you mean 'panda_link8'?"
     )
-    assert sensor.endswith("; only TF could have it, when the task runs")
+    assert sensor.endswith("; only TF could provide it at run time")
     where = "components/plan/component.yaml: ports/target/frame"
     assert component.startswith(f"{where}: unknown frame 'panda_lnk8'; did you mean 'panda_link8'? (available: ")
-    assert component.endswith("; TF isn't asked for a component's frames")
+    assert component.endswith("; TF is not used for a component's frames")
 
 
 @pytest.mark.parametrize(
@@ -105,4 +105,4 @@ def test_a_frame_in_doubt_has_a_fix_in_words(tmp_path):
     assert "write 'panda_link8'" in [issue.fix for issue in issues if issue.code == "unfit-project"]
     (tmp_path / "grip.yaml").write_text(PROJECT + OVERHEAD.replace("FRAME", "odom"))
     issues = validate(task, project_catalog(tmp_path)).issues
-    assert "name one of these, or see that TF publishes it" in [issue.fix for issue in issues]
+    assert "name one of these, or make sure that TF publishes it" in [issue.fix for issue in issues]

@@ -289,5 +289,5 @@ def test_a_run_whose_task_was_changed_is_what_it_was(forked: Path, capsys: pytes
     (forked / "pick.yaml").write_text(PICK.replace("no_ik", "no_plan"))
     whole = outcomes()
     assert main(["run", "--fork", "last", "--at", "count", "--in-process"]) == 0
-    assert "pick.yaml has changed since; the run goes on with the task as it was" in capsys.readouterr().err
+    assert "pick.yaml has changed since; the run continues with the recorded task" in capsys.readouterr().err
     assert outcomes() == whole

@@ -158,7 +158,7 @@ def test_a_stop_that_is_not_acknowledged_ends_the_process_at_once(project: Path)
     end = run.supervisor.wait()
     assert (end["status"], end["zombies"]) == ("stopped", ["inner/worse"])
     # it may just be able to acknowledge, before it goes to where it lets nothing else run
-    assert "did not acknowledge the stop within 50 ms" in end["message"] or "stood still after" in end["message"]
+    assert "did not acknowledge the stop within 50 ms" in end["message"] or "hung after" in end["message"]
     record, _ = last_run(project)
     assert record.status == "stopped"
 

@@ -86,7 +86,7 @@ def test_a_contradicted_success_is_shown_as_such():
     end = {"status": "success", "outcome": "cleared", **verdict_over(HALF, "placed == objects").facts(SUCCESS)}
     assert exit_status(end) == 3
     assert sentence(end) == (
-        "success: cleared (the referee contradicts: `placed == objects` isn't so; placed: box_0; standing: box_1)"
+        "success: cleared (the referee contradicts: `placed == objects` is false; placed: box_0; standing: box_1)"
     )
     assert exit_status({"status": "success"}) == 0
 

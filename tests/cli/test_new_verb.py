@@ -25,7 +25,7 @@ def test_nothing_is_written_where_something_is(tmp_path, capsys, existing):
         target.mkdir()
         (target / "notes.txt").write_text("mine")
     assert main(["new", str(target)]) == 1
-    assert "isn't an empty folder; nothing was written" in capsys.readouterr().err
+    assert "is not an empty folder; nothing was written" in capsys.readouterr().err
     assert not (tmp_path / "lab" / "grip.yaml").exists()
 
 

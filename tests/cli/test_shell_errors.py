@@ -90,7 +90,7 @@ def test_nothing_to_launch_is_told_apart_from_no_project(project, tmp_path, caps
     assert main(["launch"]) == 1
     assert f"{project / 'grip.yaml'} declares no processes; " in capsys.readouterr().err
     assert main(["launch", "--project", str(tmp_path)]) == 1
-    assert f"{tmp_path / 'grip.yaml'} isn't there; name a project by --project, " in capsys.readouterr().err
+    assert f"{tmp_path / 'grip.yaml'} doesn't exist; pass --project, " in capsys.readouterr().err
 
 
 def test_a_project_without_components_says_how_to_make_one(project, capsys):

@@ -33,7 +33,7 @@ def test_a_full_disk_below_stdout_is_said(words):
     done = grip(*words, shell="> /dev/full")
     assert done.returncode == 1
     assert done.stderr.decode().splitlines() == [
-        "grip: stdout: No space left on device; the output isn't whole: send it to another place, or make room"
+        "grip: stdout: No space left on device; the output is incomplete: redirect it elsewhere, or free some space"
     ]
 
 

@@ -78,7 +78,7 @@ def test_a_component_in_a_folder_of_another_name_is_told(project, capsys, monkey
     assert "rename the folder, or write `name: other` in component.yaml" in said
     (project / "task.yaml").write_text("grip: 1\nname: demo\nroot: {node: component/mine}\n")
     main(["check", "task.yaml"])
-    assert "is called 'mine', and its folder 'other', so that a run doesn't find it" in capsys.readouterr().out
+    assert "is called 'mine', and its folder 'other', so a run cannot find it" in capsys.readouterr().out
 
 
 def test_outcomes_that_all_mean_success_are_told(project, capsys, monkeypatch):

@@ -140,7 +140,7 @@ def test_the_death_of_a_run_is_noticed_and_told(page: TestClient, launcher: Play
 
 
 def test_a_success_that_the_referee_contradicts_says_so(page: TestClient, launcher: PlayedLauncher) -> None:
-    launcher.contradicted = "`placed == objects` isn't so; standing: box_0"
+    launcher.contradicted = "`placed == objects` is false; standing: box_0"
     with page.websocket_connect(SOCKET) as socket:
         page.post("/api/session", json=WISH)
         view = until(socket, in_state("ended"))["session"]

@@ -187,7 +187,7 @@ def test_an_action_is_added_from_its_file_tested_and_listed(tmp_path, trial, int
     home = tmp_path / "components" / "worker"
     assert (home / "interfaces" / "trial_interfaces" / "package.xml").is_file()
     assert main([*command, "--outcomes", "2"]) == 1
-    assert "is there already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
     shutil.copy(DATA / "action_server.py", home)
     text = (home / "component.yaml").read_text()
     started = 'start: {command: ["{python}", action_server.py, /work]}\n'

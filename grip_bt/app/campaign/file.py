@@ -143,7 +143,7 @@ def read_campaign(path: Path) -> Campaign:
         raise CampaignError(str(path), "`seeds` is empty: give a list of numbers, or first and count")
     twice = sorted(seed for seed, times in Counter(campaign.seeds).items() if times > 1)
     if twice:
-        raise CampaignError(str(path), f"seeds that are there twice: {', '.join(map(str, twice))}; each is run once")
+        raise CampaignError(str(path), f"duplicate seeds: {', '.join(map(str, twice))}")
     return campaign
 
 

@@ -81,7 +81,7 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
         _append(path, {"campaign": _FORMAT, **head})
         return Results(path, head)
     if not resume:
-        advice = "--resume goes on with them; remove the file, or give another with -o, to begin anew"
+        advice = "continue them with --resume, remove the file, or choose another one with -o"
         raise CampaignError(str(path), f"there are results already: {advice}")
     results = read(path)
     for variant, now in head["variants"].items():
@@ -90,7 +90,7 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
         if changed:
             text = f"{variant!r} isn't what it was when these trials ran (changed: {', '.join(changed)})"
             raise CampaignError(
-                str(path), f"{text}; results of different settings aren't mixed: begin anew with -o FILE"
+                str(path), f"{text}; results of different settings aren't mixed: start a new file with -o FILE"
             )
     _end_torn_line(path)
     return results

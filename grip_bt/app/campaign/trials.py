@@ -168,9 +168,7 @@ def _check_expression(where: str, place: str, text: str, names: set[str]) -> Non
     for name in parsed.names:
         if name not in names:
             known = ", ".join((*_KNOWN, "the names below `count`", "the task's variables"))
-            raise CampaignError(
-                where, f"{place}: nothing is known of {name!r}{nearest(name, names)} (available: {known})"
-            )
+            raise CampaignError(where, f"{place}: unknown name {name!r}{nearest(name, names)} (available: {known})")
 
 
 def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, str] | None) -> TrialRow:

@@ -115,7 +115,7 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     name = wish.name or server.strip("/").replace("/", "_").lower()
     home = folder / name
     if (home / FILE_NAME).exists():
-        raise GripError(f"{home / FILE_NAME} is there already; edit it and run: grip component add {home}")
+        raise GripError(f"{home / FILE_NAME} already exists; edit it and run: grip component add {home}")
     if outcomes is None and wish.interface.kind != "msg":
         outcomes = _ask(wish.interface)
     chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)

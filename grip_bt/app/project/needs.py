@@ -73,7 +73,7 @@ def components_in_need(project: Project, packages: Packages | None) -> dict[str,
         except DocumentError as error:
             said = f"{where}: a run refuses this component: {error}"
             found[f"component/{name}"] = (
-                Problem(UNFIT_PROJECT, said, "mend the file, and `grip component add` it again"),
+                Problem(UNFIT_PROJECT, said, "fix the file, and run `grip component add` again"),
             )
             continue
         lacking = (*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where))
@@ -86,7 +86,7 @@ def _misplaced(folder: str, name: str, where: str) -> list[Problem]:
     """Return that a component lies in a folder of another name than its own, under which a run looks for it."""
     if folder == name:
         return []
-    said = f"{where}: the component is called {name!r}, and its folder {folder!r}, so that a run doesn't find it"
+    said = f"{where}: the component is called {name!r}, and its folder {folder!r}, so a run cannot find it"
     return [Problem(UNFIT_PROJECT, said, f"rename the folder to {name!r}, or write `name: {folder}` and add it again")]
 
 
@@ -163,8 +163,8 @@ def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bo
     for where, frame in named:
         if frame in known:
             continue
-        doubt = "; only TF could have it, when the task runs" if by_tf else "; TF isn't asked for a component's frames"
-        otherwise = "name one of these, or see that TF publishes it" if by_tf else "name one of these"
+        doubt = "; only TF could provide it at run time" if by_tf else "; TF is not used for a component's frames"
+        otherwise = "name one of these, or make sure that TF publishes it" if by_tf else "name one of these"
         fix = suggestion(nearest(frame, tuple(sorted(known))), otherwise)
         yield Problem(UNFIT_PROJECT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)
 

@@ -159,7 +159,7 @@ def _texts(events: list[Event]) -> tuple[str, str]:
     packed = left_out = ""
     for keep, longest, without in (
         (True, _LONGEST, ""),
-        (False, _SHORT, "what running nodes said about their work, and the ends of long texts"),
+        (False, _SHORT, "messages of running nodes, and the ends of long texts"),
         (False, 0, "messages and values of events, of which there are too many"),
     ):
         said = {str(i): _said(e, longest) for i, e in enumerate(events) if e.data and (keep or e.event != "message")}

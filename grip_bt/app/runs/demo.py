@@ -43,7 +43,7 @@ def examples_folder() -> Path:
     for folder in (package.parent / "examples", package / "_examples"):
         if (folder / "grip.yaml").is_file():
             return folder if os.access(folder, os.W_OK) else _copy(folder)
-    raise MissingPartError("the example project", "clone the repository, or install the wheel anew")
+    raise MissingPartError("the example project", "clone the repository, or reinstall the wheel")
 
 
 def _copy(folder: Path) -> Path:

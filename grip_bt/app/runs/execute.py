@@ -117,7 +117,7 @@ def check_inputs(document: Document, given: Mapping[str, Any]) -> None:
     missing = []
     for name, said in document.task.inputs.items():
         if name not in given and not (isinstance(said, Variable) and said.has_value):
-            message = f"the task needs the input {name!r} ({type_of(said)}) when it is run by itself"
+            message = f"the task needs the input {name!r} ({type_of(said)}) when it is run on its own"
             line, column = document.position("", ("inputs", name)) or (None, None)
             fix = f"give it: --set {name}=..., or an initial value in `inputs`"
             missing.append(Issue("", "missing-input", "error", message, fix, line, column, document.source))

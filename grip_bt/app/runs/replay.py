@@ -31,8 +31,8 @@ _WENT_ON = {
     "result": "has ended as set by --set-outcome",
 }
 _NO_END = {
-    "died": "the run died: its process has died",
-    "lost": "the run has no end, and its process isn't one of this machine, or of an earlier GRIP",
+    "died": "the run's process has died",
+    "lost": "the run has no end, and its process isn't on this machine",
 }
 _NEAREST = 8
 
@@ -182,11 +182,11 @@ def _words(event: Event) -> str:
             return f" {data.get('state')}"
         case "run_resumed":
             back = ", ".join(data.get("restored", {}))
-            return " goes on in another process" + (f"; as before: {back}" if back else "")
+            return " continues in another process" + (f"; restored: {back}" if back else "")
         case "went_on":
-            return f" {_WENT_ON.get(str(data.get('how')), 'goes on')}"
+            return f" {_WENT_ON.get(str(data.get('how')), 'continues')}"
         case "kept":
-            return f" its {data.get('part')} is kept for going on"
+            return f" saved the {data.get('part')} for resuming"
         case "run_ended":
             why = f" ({data['message']})" if data.get("message") else ""
             return f" ended: {data.get('status')}" + (f", {event.outcome}" if event.outcome else "") + why
@@ -208,5 +208,5 @@ def moment_lines(moment: RunSnapshot, record: RunRecord | None = None) -> list[s
     lines = [f"after event {moment.seq}, at {moment.t:.3f} s: {moment.state}; running: {running}"]
     lines += [f"  {name} = {event.data.get('preview')}" for name, event in moment.variables.items()]
     if record is not None and record.status in _NO_END:
-        lines.append(f"  {_NO_END[record.status]}; grip run --resume {record.id} goes on with it")
+        lines.append(f"  {_NO_END[record.status]}; resume it with: grip run --resume {record.id}")
     return lines

@@ -180,7 +180,7 @@ def questions(
     nodes = {p: (part.manifest.id, part.manifest.implementation) for p, part in leaves.items() if part.manifest}
     if resume.at is None:
         found += [
-            Question("the world", lost, "it goes on all the same") for lost in parts_lost(nodes, events, robot, stays)
+            Question("the world", lost, "the run continues anyway") for lost in parts_lost(nodes, events, robot, stays)
         ]
     found += [Question(WORDS[part], why, ANEW) for part, why in (anew or {}).items()]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
@@ -314,7 +314,7 @@ def plan_resume(
             lost = unreadable(reader, happened, options.robot, stays)
     request = ResumeRequest(record.id, until, _read_results(parts, outcomes), values, agreed=agreed or bool(lost))
     asked = questions(parts, happened, request, options.mocks, options.robot, stays, lost)
-    notes = [f"{file} has changed since; the run goes on with the task as it was"] if changed else []
+    notes = [f"{file} has changed since; the run continues with the recorded task"] if changed else []
     return ResumePlan(file, replace(options, resume=request), asked, notes)
 
 

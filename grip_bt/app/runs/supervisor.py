@@ -197,7 +197,7 @@ class Supervisor:
                 return
             if self._run is not None and self._ended is None and self._pulse.count == count:
                 self._hold()
-                self._kill("stood still after it had acknowledged the stop")
+                self._kill("hung after it had acknowledged the stop")
                 return
         self._kill(f"did not end within {WIND_DOWN:g} s of the stop")
 
@@ -210,7 +210,7 @@ class Supervisor:
             self._hold_end.sendall(b"hold")
             said = self._hold_end.recv(1024).decode() or "the simulator has gone"
         except OSError:
-            said = f"the simulator has said nothing of it within {HOLD:g} s"
+            said = f"the simulator did not confirm it within {HOLD:g} s"
         self._held = {"robot": "" if said == "held" else said}
 
     def _kill(self, why: str) -> None:
@@ -235,7 +235,7 @@ class Supervisor:
             if self._silence is not None and still > self._silence and not self._why:
                 self._stood_still = True
                 self._hold()
-                self._kill(f"stood still for {self._silence:g} s, with code that lets no other run")
+                self._kill(f"stood still for {self._silence:g} s: its code blocks every other thread")
 
     def _read(self) -> None:
         with os.fdopen(self._event_end) as events:
@@ -268,7 +268,7 @@ class Supervisor:
             text += more
         else:
             if self._robot == "ros":
-                return {"robot": f"nobody has said within {REAPED:g} s whether it is at rest"}
+                return {"robot": f"nothing confirmed within {REAPED:g} s that it is at rest"}
         return {part: why for line in text.splitlines() for part, why in json.loads(line).items()}
 
     def _obituary(self, status: int) -> RunEnd:

@@ -76,7 +76,7 @@ class Verdict(Silent):
         counts = Counter(truth.values())
         self._values = {state: counts[state] for state in STATES} | {"objects": len(truth)}
         if self._compute is not None:
-            return "" if self._compute() else f"`{self._goal}` isn't so; {words(truth)}"
+            return "" if self._compute() else f"`{self._goal}` is false; {words(truth)}"
         if self._placed > counts["placed"]:
             return f"the task has placed {self._placed}, {counts['placed']} are in the crate; {words(truth)}"
         return ""
@@ -88,7 +88,7 @@ class Verdict(Silent):
             unknown = [name for name in parsed.names if name not in known]
             if unknown:
                 near, there = nearest(unknown[0], known), ", ".join(known)
-                raise DocumentError(f"{where}: nothing is known of {unknown[0]!r}{near} (available: {there})", file)
+                raise DocumentError(f"{where}: unknown name {unknown[0]!r}{near} (available: {there})", file)
             self._values = dict.fromkeys(known, 0)
             compute = condition_of(parsed, {name: partial(self._value, name) for name in parsed.names})
             compute()
