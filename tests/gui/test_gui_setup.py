@@ -403,7 +403,7 @@ def test_a_component_is_made_generated_and_offered_as_a_node(page: TestClient, p
     nodes = {node["id"] for node in page.get("/api/catalog").json()["nodes"]}
     assert "component/seer" in nodes
     again = look(page, outcomes="one,none", name="seer", create=True)
-    assert (again.status_code, "is there already" in again.json()["detail"]) == (400, True)
+    assert (again.status_code, "already exists" in again.json()["detail"]) == (400, True)
 
 
 def test_only_one_try_at_a_time_and_only_of_its_kind(page: TestClient) -> None:
