@@ -64,7 +64,7 @@ class AmbiguousNameError(UnknownNameError):
         more = ", ..." if len(allowed) > most else ""
         at = f"{where}: " if where else ""
         self.args = (
-            f"{at}{len(allowed)} {kind}s begin with {name!r}: {', '.join(allowed[:most])}{more}; give more of it",
+            f"{at}{len(allowed)} {kind}s begin with {name!r}: {', '.join(allowed[:most])}{more}; give more characters",
         )
 
 

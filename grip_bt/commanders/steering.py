@@ -190,7 +190,7 @@ def spliced(before: Trajectory, after: Trajectory, at: float) -> Trajectory:
         ValueError: the other one moves other joints, or begins elsewhere than the first one is at that moment.
     """
     if before.names != after.names:
-        raise ValueError(f"{after.names} can't go on with a motion of {before.names}")
+        raise ValueError(f"{after.names} can't continue with a motion of {before.names}")
     off = float(np.abs(before.at(at) - after.positions[0]).max())
     if off > 1e-3:
         raise ValueError(f"what goes on begins {off:.4f} rad away from where the motion is then")

@@ -22,7 +22,7 @@ from .runner import Runner, RunResult
 COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "stop")
 
 
-GONE = "whoever controlled the run has gone, without a stop"
+GONE = "the controlling process went away without a stop"
 
 
 class RunEnd(TypedDict, total=False):

@@ -154,7 +154,7 @@ class Journal:
             self._serve(database)
         except Exception as error:  # noqa: BLE001 - whoever flushes or closes is told
             self._error = error
-            _log.error("%s: couldn't be written, the run goes on without: %s", self.file, error)
+            _log.error("%s: couldn't be written, the run continues without it: %s", self.file, error)
         finally:
             self.writing = False
             database.close()

@@ -126,7 +126,7 @@ class Rows:
             self._database = sqlite3.connect(file, timeout=30, check_same_thread=False)
             self._database.text_factory = lambda text: text.decode(errors="replace")
         except sqlite3.OperationalError as error:
-            raise JournalError(f"{file}: can't be read: {error}; mend its rights, or name another file") from error
+            raise JournalError(f"{file}: can't be read: {error}; fix its permissions, or name another file") from error
         try:
             self._database.execute("PRAGMA query_only=ON")
             refuse_other_versions(self._database)

@@ -79,7 +79,7 @@ class ProjectFolder:
         if PurePosixPath(path).parts[0] != "tasks" or file.name.endswith(".layout.yaml"):
             raise OutsideProjectError(path, "isn't a place for a task")
         if file.exists():
-            raise DocumentError("a file of this name is there already; choose another name", path)
+            raise DocumentError("a file of this name already exists; choose another name", path)
         return file
 
     def settings_file(self, path: str) -> Path:

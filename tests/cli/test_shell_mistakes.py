@@ -107,7 +107,7 @@ def test_a_journal_that_may_not_be_read_is_one_sentence(project, monkeypatch, ca
 
     monkeypatch.setattr("grip_bt.runtime.journal_rows.sqlite3.connect", refused)
     assert main(["runs"]) == 1
-    assert "can't be read: unable to open database file; mend its rights" in capsys.readouterr().err
+    assert "can't be read: unable to open database file; fix its permissions" in capsys.readouterr().err
 
 
 def test_a_beginning_that_several_runs_have_is_no_unknown_run(project, capsys):
@@ -117,7 +117,7 @@ def test_a_beginning_that_several_runs_have_is_no_unknown_run(project, capsys):
     assert main(["runs", "20"]) == 1
     said = capsys.readouterr().err
     assert "2 runs begin with '20': 20" in said
-    assert said.endswith("; give more of it\n")
+    assert said.endswith("; give more characters\n")
 
 
 def test_two_tables_at_once_are_a_usage_error(project, capsys):

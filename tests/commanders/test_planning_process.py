@@ -194,7 +194,7 @@ def test_whoever_is_interested_is_told_of_a_death_and_of_no_other_end():
         operation.cancel()
         ended(operation)
     died = "process {} was ended by SIGKILL (Killed); process {} takes its place"
-    assert told == [died.format(*pids[:2]), died.format(*pids[1:]) + ", and makes its plan anew"]
+    assert told == [died.format(*pids[:2]), died.format(*pids[1:]) + ", and repeats the request"]
 
 
 def test_a_process_that_cannot_start_is_reported_not_started_for_ever(monkeypatch, capfd):

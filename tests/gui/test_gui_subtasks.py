@@ -47,7 +47,7 @@ def test_a_part_goes_to_a_file_and_the_inside_of_the_file_comes_back(page: TestC
 @pytest.mark.parametrize(
     ("file", "status", "reason"),
     [
-        (TINY, 404, "a file of this name is there already"),
+        (TINY, 404, "a file of this name already exists"),
         ("machine.yaml", 403, "isn't a place for a task"),
         ("../machine.yaml", 400, "isn't a task file of the project"),
         ("tasks/machine.layout.yaml", 403, "isn't a place for a task"),

@@ -162,7 +162,7 @@ class PlanningProcess:
         for job in lost:
             job.operation.fail(_lost(dead))
         if dead is not self._given_up and other != dead.pid:
-            again = ", and makes its plan anew" if wanted else ""
+            again = ", and repeats the request" if wanted else ""
             self._told(f"process {dead.pid} {how_ended(dead.returncode)}; process {other} takes its place{again}")
 
     def _lost_jobs(self) -> list[_Job]:

@@ -87,10 +87,10 @@ def _placed(command: Extract, task: Task, catalog: Catalog) -> tuple[PlacedNode,
     if file.is_absolute() or ".." in file.parts or file.suffix not in (".yaml", ".yml"):
         raise EditError(command.path, f"{command.file!r} isn't a task file of the project, such as `tasks/fetch.yaml`")
     if any(inside.manifest is None for inside in analysis.leaves if _below(inside.path, placed.path)):
-        raise EditError(command.path, "it has a node that the catalogue doesn't know; mend it first (`grip check`)")
+        raise EditError(command.path, "it has a node that the catalogue doesn't know; fix it first (`grip check`)")
     missing = [name for (path, _), name in DataFlow(analysis).missing.items() if _below(path, placed.path)]
     if missing:
-        raise EditError(command.path, f"{missing[0]!r} may be read in it before it is written; mend it first")
+        raise EditError(command.path, f"{missing[0]!r} may be read in it before it is written; fix that first")
     return placed, analysis
 
 

@@ -123,7 +123,7 @@ def _structure(part: Part, ticker: Part | None) -> Region | Stays:
         return Stays(f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can")
     if ticker is not None and successors(part):
         return Stays(ticked_by(ticker))
-    assert isinstance(part.node, StateMachine), "only machines are asked for"
+    assert isinstance(part.node, StateMachine), "only state machines were requested"
     arcs = {child.name: _arcs(part, index) for index, child in enumerate(part.children)}
     graph = flow_graph(part.node.initial, arcs)
     never = [name for name in arcs if name not in graph]
@@ -134,7 +134,7 @@ def _structure(part: Part, ticker: Part | None) -> Region | Stays:
         return _tangled(found, graph, part.node.initial, arcs)
     levels = depth(found)
     if levels > MAX_DEPTH:
-        return Stays(f"its structure has {levels} levels, which nobody can follow (at most {MAX_DEPTH} are made)")
+        return Stays(f"its structure has {levels} levels, which is unreadable (at most {MAX_DEPTH} are made)")
     return found
 
 

@@ -91,7 +91,7 @@ def ticked_by(ticker: Part) -> str:
     assert not isinstance(ticker.node, Leaf), "leaves interrupt nothing"
     return (
         f"it runs in {ticker.path} ({ticker.node.kind}), which may interrupt it at any tick, and a state machine takes"
-        " one transition a tick where a composite goes on at once"
+        " one transition a tick where a composite continues at once"
     )
 
 

@@ -147,7 +147,7 @@ _WHY: dict[type[Behaviour], str] = {
     decorators.SuccessIsRunning: f"SuccessIsRunning: {_RUNNING}",
     decorators.Condition: f"Condition: {_RUNNING}",
     decorators.OneShot: "OneShot: what it remembers outlives its container; no node of a task does that",
-    decorators.Count: "Count: nobody could read its counters; leave it out",
+    decorators.Count: "Count: its counters can't be read; leave it out",
     decorators.EternalGuard: "EternalGuard: its condition is a Python function; write a guard with an expression",
     decorators.StatusToBlackboard: f"StatusToBlackboard: {_BLACKBOARD}",
     decorators.ForEach: f"ForEach: {_BLACKBOARD}",

@@ -180,14 +180,14 @@ class ContainerProxy:
         children = self._container.get_children()
         if not all(state in children for state in command.initial_states):
             hooks.logerr(
-                f"Container {self._path!r} can't begin at {list(command.initial_states)}: it has {list(children)}"
+                f"Container {self._path!r} can't start at {list(command.initial_states)}: it has {list(children)}"
             )
             return
         data = self._messages.unpacked(command.local_data)
         userdata = UserData()
         if data not in _NO_DATA:
             if not settings.unpickle_userdata:
-                hooks.logerr(f"A command to begin at {list(command.initial_states)} was refused: {_REFUSED}")
+                hooks.logerr(f"A command to start at {list(command.initial_states)} was refused: {_REFUSED}")
                 return
             userdata._data = pickle.loads(data)
         self._container.set_initial_state(list(command.initial_states), userdata)

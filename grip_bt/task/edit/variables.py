@@ -41,8 +41,8 @@ class Declare(BaseCommand):
     def plan(self, edit: Edit) -> None:
         holder = _holder(edit, self.path)
         if self.name in declared_by(holder):
-            raise EditError(self.path, f"the variable {self.name!r} is there already")
-        place = edit.place(self.path)
+            raise EditError(self.path, f"the variable {self.name!r} already exists")
+        place = editing.place(self.path)
         value = file_data(self.variable)
         if "data" in edit.draft.mapping(place):
             edit.put((*place, "data"), self.name, value, self.index)

@@ -76,4 +76,4 @@ class Subtasks:
         number = "an error" if len(errors) == 1 else f"{len(errors)} errors"
         at = errors[0].path or "the task"
         message = f"{file} has {number}; {at}: {errors[0].message} [{errors[0].code}]"
-        return CheckedFile(face, "invalid-subtask", message, f"run `grip check {file}`, and mend it there")
+        return CheckedFile(face, "invalid-subtask", message, f"run `grip check {file}`, and fix it there")

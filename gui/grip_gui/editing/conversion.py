@@ -41,7 +41,7 @@ def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approx
         result = _converted(task, catalog, path, form, approximate)
         comparison = compare(task, result, catalog)
     except InvalidTaskError as error:
-        raise EditError(path, f"the task has errors, mend them first: {error.issues[0]}") from error
+        raise EditError(path, f"the task has errors, fix them first: {error.issues[0]}") from error
     except NodeError as error:
         raise EditError(path, f"the two forms can't be compared: {error}") from error
     kept = [str(note) for note in result.notes if not note.by_design]
@@ -74,7 +74,7 @@ def convert(sheet: Sheet, catalog: Catalog, wish: ConvertWish) -> None:
 
 def _task(sheet: Sheet) -> Task:
     if sheet.history is None or sheet.draft is not None:
-        raise EditError("", "the text isn't a task at the moment; mend it first")
+        raise EditError("", "the text isn't a valid task; fix it first")
     return sheet.history.document.task
 
 

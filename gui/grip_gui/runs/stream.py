@@ -122,7 +122,7 @@ class Viewer:
         except (WebSocketDisconnect, RuntimeError):
             raise  # the page has left
         except Exception:
-            log.exception("nothing more can be told to %s", self._socket.client)
+            log.exception("nothing more can be sent to %s", self._socket.client)
             await self._socket.close(code=1011)
 
     async def _send(self) -> None:
