@@ -178,6 +178,6 @@ def test_a_run_that_was_gone_on_with_says_so_and_what_ran_runs_on():
         moment.apply(each)
     assert (moment.state, moment.nodes["a"].phase, moment.nodes["a"].message) == ("running", "running", "")
     said = [line_of(each) for each in events]
-    assert said[1].endswith("a its scene is kept for going on")
+    assert said[1].endswith("a saved the scene for resuming")
     assert said[4].endswith("/ continues in another process; restored: scene")
     assert said[5].endswith("a is started again")
