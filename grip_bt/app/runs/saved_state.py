@@ -42,7 +42,7 @@ def changes(node: str, implementation: str) -> tuple[str, ...]:
 
 
 class _KeptState:
-    """Implements `runtime.keeping.Kept` for a part that tells by some value of its own whether it is as it was.
+    """Implements `runtime.observers.Kept` for a part that tells by some value of its own whether it is as it was.
 
     Args:
         version: returns that value; a look at it takes microseconds.
