@@ -42,7 +42,7 @@ class Declare(BaseCommand):
         holder = _holder(edit, self.path)
         if self.name in declared_by(holder):
             raise EditError(self.path, f"the variable {self.name!r} already exists")
-        place = editing.place(self.path)
+        place = edit.place(self.path)
         value = file_data(self.variable)
         if "data" in edit.draft.mapping(place):
             edit.put((*place, "data"), self.name, value, self.index)
