@@ -15,8 +15,7 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
-from grip_bt.formats.generated_files import generated_by, write_generated
-from grip_bt.formats.imported import Imported, Request
+from grip_bt.formats.imported import Imported, Request, generated_by, write_generated
 from grip_bt.task import Task, dumps
 from grip_bt.task.document import read
 from grip_bt.task.validation import validate

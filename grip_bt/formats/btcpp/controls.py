@@ -6,7 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from .blackboard import key_of
+from grip_bt.formats.btcpp.drafts import key_of
+
 from .drafts import (
     FAIL,
     SKIPPED,

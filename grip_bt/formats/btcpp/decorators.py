@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .blackboard import key_of
+from grip_bt.formats.btcpp.drafts import key_of
+
 from .controls import Reader
 from .drafts import (
     FAIL,

@@ -1,17 +1,19 @@
-"""Nodes of a task under construction, as the keys of a file; and what SKIPPED becomes.
+"""A task under construction: its nodes, what SKIPPED becomes, and which variable a blackboard key is.
 
 A node that BT.CPP may skip has the outcome `skipped`. It means success in a sequence and failure in a fallback, so that
-both go on to the next child; every other container hands it up by `exits`.
+both go on to the next child; every other container hands it up by `exits`. Each sub-tree has a blackboard of its own,
+made once and kept for the whole run.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
-from grip_bt.formats.names import distinct
+from grip_bt.formats.names import distinct, free
 from grip_bt.task.catalog import Catalog
 
 Keys = dict[str, Any]
@@ -118,3 +120,134 @@ def sequence_of(children: list[NodeDraft], name: str) -> NodeDraft:
     made = container("sequence", named(children))
     made.name = name
     return made
+
+
+_WRONG = re.compile(r"[^A-Za-z0-9_]+")
+_KEY = re.compile(r"\{([^{}]*)\}")
+_UNSET = object()
+_TYPES = {
+    **dict.fromkeys(("int", "unsigned", "unsigned int", "long", "short", "int8_t", "int16_t", "int32_t"), "int"),
+    **dict.fromkeys(("int64_t", "uint8_t", "uint16_t", "uint32_t", "uint64_t", "size_t", "unsigned short"), "int"),
+    **dict.fromkeys(("unsigned long", "long long", "unsigned char", "signed char"), "int"),
+    **dict.fromkeys(("double", "float"), "float"),
+    "bool": "bool",
+    **dict.fromkeys(("string", "std::string", "BT::StringView", "std::string_view"), "str"),
+}
+
+
+def type_named(cpp: str) -> str:
+    """Return the type that a port's C++ type is here; `Any` for every other."""
+    text = cpp.strip().removeprefix("const ").rstrip("& ").removeprefix("std::__cxx11::")
+    text = (
+        "std::string" if text.startswith(("basic_string", "std::basic_string", "std::__cxx11::basic_string")) else text
+    )
+    text = text if text in _TYPES else text.removeprefix("std::")
+    return _TYPES.get(text, "Any")
+
+
+def key_of(text: str, port: str) -> str | None:
+    """Return the key that an attribute points to; None for a literal. `{=}` is the key of the port's own name."""
+    found = _KEY.fullmatch(text.strip())
+    if found is None:
+        return None
+    return port if found.group(1) == "=" else found.group(1)
+
+
+@dataclass
+class Variable:
+    """One blackboard entry.
+
+    Attributes:
+        written: types of what writes it.
+        read: types of the ports that read it.
+        initial: the text that it holds from the beginning.
+        texts: texts are written to it, which become what its readers want.
+        known: every port that it is bound to says whether it is read or written.
+    """
+
+    written: list[str] = field(default_factory=list)
+    read: list[str] = field(default_factory=list)
+    initial: Any = _UNSET
+    texts: bool = False
+    known: bool = True
+
+    @property
+    def constant(self) -> bool:
+        """Whether it holds one text for ever."""
+        return self.has_initial and not self.written and not self.texts
+
+    @property
+    def has_initial(self) -> bool:
+        """Whether it holds something from the beginning."""
+        return self.initial is not _UNSET
+
+    @property
+    def type(self) -> str:
+        """The type that all who write it agree on, or else all who read it; `Any` where they don't."""
+        for types in (self.written, self.read, ["str"] if self.has_initial or self.texts else []):
+            said = {each for each in types if each != "Any"}
+            if said == {"int", "float"}:
+                return "float"
+            if said:
+                return said.pop() if len(said) == 1 else "Any"
+        return "Any"
+
+
+@dataclass
+class Variables:
+    """The variables of a task by name, in the order in which they were met.
+
+    Attributes:
+        before: what an earlier reading of the file has found out about them.
+    """
+
+    before: dict[str, Variable] = field(default_factory=dict)
+    every: dict[str, Variable] = field(default_factory=dict)
+    constants: dict[tuple[str, str, str], str] = field(default_factory=dict)
+
+    def constant(self, wanted: str, type_name: str, text: str) -> str:
+        """Return the name of a variable that holds a literal and is never written."""
+        said = (wanted, type_name, text)
+        if said not in self.constants:
+            name = self.constants[said] = self.new(wanted)
+            self.every[name].initial, self.every[name].read = text, [type_name]
+        return self.constants[said]
+
+    def new(self, wanted: str) -> str:
+        """Declare a variable; return its name, which is free."""
+        text = _WRONG.sub("_", wanted).strip("_") or "value"
+        base = text if re.match(r"[A-Za-z_]", text) else f"v_{text}"
+        name = free(base, {*self.every, "true", "false", "null", "None", "True", "False"})
+        self.every[name] = self.before.get(name) or Variable()
+        return name
+
+
+class Board:
+    """The blackboard of one sub-tree.
+
+    Args:
+        variables: those of the task.
+        space: the sub-tree's name, for the names of its variables; empty for the main tree.
+        parent: the board around it.
+        auto: keys that aren't remapped are the parent's.
+    """
+
+    def __init__(self, variables: Variables, space: str = "", parent: Board | None = None, auto: bool = False):
+        self.variables, self.space, self.parent, self.auto = variables, space, parent, auto
+        self.names: dict[str, str] = {}
+
+    @property
+    def root(self) -> Board:
+        """The main tree's board."""
+        return self if self.parent is None else self.parent.root
+
+    def variable(self, key: str) -> str:
+        """Return the name of a key's variable; `@key` is the main tree's."""
+        if key.startswith("@"):
+            return self.root.variable(key[1:])
+        if key not in self.names:
+            if self.auto and self.parent is not None and not key.startswith("_"):
+                self.names[key] = self.parent.variable(key)
+            else:
+                self.names[key] = self.variables.new(f"{self.space}_{key}" if self.space else key)
+        return self.names[key]

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import NoReturn, TypeVar
 
 from grip_bt.base.errors import ExpressionError
+from grip_bt.formats.btcpp.drafts import Board, key_of
 from grip_bt.formats.imported import Issues
 from grip_bt.formats.xml_trees import Element
 
-from .blackboard import Board, key_of
 from .drafts import SUCCEED, NodeDraft
 from .expressions import Scripts
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from grip_bt.formats.btcpp.drafts import Board
+
 from . import script as s
-from .blackboard import Board
 from .drafts import NodeDraft, SkipHandling, container, sequence_of, set_variable, switch
 
 EPSILON = 1.1920928955078125e-07

@@ -16,6 +16,7 @@ from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.issue import Issue
+from grip_bt.formats.btcpp.drafts import Board, Variables, key_of
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
 from grip_bt.formats.xml_trees import MOST_NODES, Element
@@ -23,7 +24,6 @@ from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
 
-from .blackboard import Board, Variables, key_of
 from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
 from .document import Document, Model

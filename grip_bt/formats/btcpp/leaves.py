@@ -10,10 +10,10 @@ from typing import Any
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.formats.btcpp.drafts import Board, key_of, type_named
 from grip_bt.task.catalog import Catalog, Manifest, parse_type
 from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
 
-from .blackboard import Board, key_of, type_named
 from .document import Model, Port
 from .drafts import Keys
 

@@ -8,8 +8,8 @@ import re
 from collections.abc import Callable, Mapping
 
 from grip_bt.base.expression import CONSTANTS, parse_expression
+from grip_bt.formats.btcpp.drafts import key_of
 
-from .blackboard import key_of
 from .leaves import value_of_text
 
 _WRONG = re.compile("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

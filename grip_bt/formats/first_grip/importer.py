@@ -10,8 +10,7 @@ from pydantic import ValidationError
 
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import parse, read_file, to_data
-from grip_bt.formats.generated_files import manifests_text
-from grip_bt.formats.imported import Imported, Issues
+from grip_bt.formats.imported import Imported, Issues, manifests_text
 from grip_bt.formats.names import free, key_of
 from grip_bt.task import FrozenDict, Task
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter

@@ -13,8 +13,7 @@ from ruamel.yaml import YAML
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.yaml.tree import parse, read_file, to_data
-from grip_bt.formats.generated_files import generated_by
-from grip_bt.formats.imported import Issues
+from grip_bt.formats.imported import Issues, generated_by
 from grip_bt.formats.names import key_of
 
 from .settings import Key, Refused

@@ -10,11 +10,10 @@ from xml.sax.saxutils import quoteattr
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.formats.expressible import require_expressible
+from grip_bt.formats.pytrees.xml_values import to_text
 from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
-
-from .xml_values import to_text
 
 _TARGET = "py_trees' XML"
 _PLAIN = {"success": "success", "failure": "failure"}

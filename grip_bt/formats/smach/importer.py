@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.formats.generated_files import write_generated
+from grip_bt.formats.imported import write_generated
 from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import Task, dumps

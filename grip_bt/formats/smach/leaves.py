@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grip_bt.formats.generated_files import generated_by, manifests_text
+from grip_bt.formats.imported import generated_by, manifests_text
 from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Meaning

@@ -6,10 +6,10 @@ from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part
 from grip_bt.formats.expressible import require_expressible
 from grip_bt.formats.python_source import Code, Items, call
+from grip_bt.formats.standalone.plan import TARGET
 from grip_bt.task import model
 from grip_bt.task.edges import Edges
 
-from .kind_source import TARGET
 from .leaves import function_of, value_of
 from .plan import Plan, is_fresh
 

@@ -15,11 +15,11 @@ from grip_bt.base.expression import CONSTANTS, parse_expression
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.formats.python_source import WIDTH, Code, Items, call, statement
+from grip_bt.formats.standalone.plan import TARGET
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
 from grip_bt.task.catalog.source_code import line_of, source_of
 
-from .kind_source import TARGET
 from .plan import Plan
 
 _EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
