@@ -31,4 +31,5 @@ def require_expressible(
         if name in fields or name in common:
             continue
         if getattr(node, name) != info.get_default(call_default_factory=True):
-            raise NotExpressibleError(path, f"`{info.alias or name}` of a {kind}", target)
+            said = name if info.alias in (None, "*") else info.alias  # `*`: free data, whatever it is called
+            raise NotExpressibleError(path, f"`{said}` of a {kind}", target)
