@@ -1,4 +1,4 @@
-"""A dict that can't be changed, so that a task graph is a value: safe to share, to compare and to keep in a history."""
+"""A dict that can't be changed, so that task graphs and robots are values: safe to share, to compare, to keep."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class FrozenDict(dict[K, V]):
     """An ordered mapping whose methods that would change it raise TypeError; pydantic fields may be of this type."""
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError("a task graph is a value and can't be changed; edit commands return a new one")
+        raise TypeError("this mapping is a value and can't be changed; make a new one")
 
     __setitem__ = __delitem__ = clear = pop = popitem = setdefault = update = __ior__ = _refuse
 

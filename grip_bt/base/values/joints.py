@@ -121,20 +121,7 @@ class Trajectory(ComparesArrays):
 
     def at(self, time: float) -> Array:
         """Return the positions at `time` [s], shape (n,), as `sampled` interpolates."""
-        if self.accelerations is not None:
-            return self.sampled(np.array([time]))[0][0]
-        row = int(self.times.searchsorted(time, side="right")) - 1
-        if row < 0 or row >= len(self.times) - 1:
-            return np.array(self.positions[max(row, 0)])
-        span = self.times[row + 1] - self.times[row]
-        part = (time - self.times[row]) / span
-        begin, way = self.positions[row], self.positions[row + 1] - self.positions[row]
-        if self.velocities is None:
-            there: Array = begin + part * way
-        else:
-            first, last = self.velocities[row] * span, self.velocities[row + 1] * span
-            there = begin + part * (first + part * (3 * way - 2 * first - last + part * (first + last - 2 * way)))
-        return there
+        return self.sampled(np.array([time]))[0][0]
 
     def sampled(self, times: Array) -> tuple[Array, Array, Array]:
         """Return positions, velocities and accelerations at times, each of shape (m, n).

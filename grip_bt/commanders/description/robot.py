@@ -5,9 +5,9 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from types import MappingProxyType
 
 from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.values import JointState, Pose
 
 RESTING = ("home", "open", "ready", "default")
@@ -145,10 +145,6 @@ class RobotDescription:
         for f in fields(self):
             object.__setattr__(self, f.name, _read_only(getattr(self, f.name)))
 
-    def __reduce__(self) -> tuple[object, ...]:
-        """Send read-only mappings as plain ones: those can't be pickled."""
-        return type(self), tuple(_plain(getattr(self, f.name)) for f in fields(self))
-
     @property
     def joints(self) -> tuple[str, ...]:
         """All joints of all groups, each once."""
@@ -206,8 +202,4 @@ class RobotDescription:
 
 
 def _read_only(value: object) -> object:
-    return MappingProxyType({k: _read_only(v) for k, v in value.items()}) if isinstance(value, Mapping) else value
-
-
-def _plain(value: object) -> object:
-    return {k: _plain(v) for k, v in value.items()} if isinstance(value, Mapping) else value
+    return FrozenDict({k: _read_only(v) for k, v in value.items()}) if isinstance(value, Mapping) else value
