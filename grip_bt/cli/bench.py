@@ -21,8 +21,8 @@ from grip_bt.app.campaign import (
     read_campaign,
     summary,
 )
+from grip_bt.app.campaign.file import TrialRow
 from grip_bt.app.campaign.report import reason
-from grip_bt.app.campaign.results import TrialRow
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError
 

@@ -1,12 +1,118 @@
-"""`grip doctor`: whether everything is installed, and the command that fixes what isn't."""
+"""`grip doctor`: what this machine can do; each finding names the part, its state, and the command that fixes it."""
 
 from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import asdict
+import platform
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from typing import Literal
 
-from grip_bt.app.project.doctor import Finding, examine
+from grip_bt.base.interpreter import python_command
+from grip_bt.ros.environment import environment
+
+_INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One part of the set-up.
+
+    Attributes:
+        part: what was examined.
+        state: `ok`, `missing` or `broken`.
+        detail: a line for people.
+        remedy: the command that mends it.
+        needed: whether the demo needs it.
+    """
+
+    part: str
+    state: Literal["ok", "missing", "broken"]
+    detail: str
+    remedy: str = ""
+    needed: bool = True
+
+
+def examine() -> list[Finding]:
+    """Examine everything that GRIP uses; each part in its own way, none stops the others."""
+    return [check() for check in _CHECKS]
+
+
+def _python() -> Finding:
+    found = f"Python {platform.python_version()} ({sys.executable})"
+    fits = (3, 11) <= sys.version_info[:2] <= (3, 12)
+    return Finding("python", "ok" if fits else "broken", found, "use Python 3.11 or 3.12: make PYTHON=python3.12")
+
+
+def _imports(part: str, extra: str, modules: dict[str, str], needed: bool = True) -> Finding:
+    """Import in a fresh interpreter, so that a library that crashes is a finding and not the end of us."""
+    code = "import " + ", ".join(modules)
+    done = subprocess.run(python_command("-W", "ignore", "-c", code), capture_output=True, text=True, timeout=120)
+    if done.returncode == 0:
+        return Finding(part, "ok", ", ".join(f"{d} {_version(d)}" for d in modules.values()), needed=needed)
+    reason = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]
+    state: Literal["missing", "broken"] = "missing" if "ModuleNotFoundError" in reason else "broken"
+    return Finding(part, state, reason, _INSTALL.format(extra=extra), needed)
+
+
+def _version(distribution: str) -> str:
+    try:
+        return version(distribution)
+    except PackageNotFoundError:
+        return "(not a package)"
+
+
+def _core() -> Finding:
+    return _imports(
+        "core",
+        "all",
+        {"py_trees": "py_trees", "pydantic": "pydantic", "networkx": "networkx", "cv2": "opencv-python-headless"},
+    )
+
+
+def _motion() -> Finding:
+    return _imports("motion", "motion", {"pinocchio": "pin", "coal": "coal", "ompl.base": "ompl", "toppra": "toppra"})
+
+
+def _simulator() -> Finding:
+    return _imports("simulator", "sim", {"sapien": "sapien"})
+
+
+def _rendering() -> Finding:
+    if find_spec("sapien") is None:
+        return Finding("camera", "missing", "no module 'sapien'", _INSTALL.format(extra="sim"), needed=False)
+    from grip_sim import render_support
+
+    return Finding("camera", "ok", render_support(), needed=False)
+
+
+def _ros() -> Finding:
+
+    found = environment()
+    state: Literal["ok", "missing", "broken"] = "ok" if found.kind in ("wheels", "sourced") else "missing"
+    if found.kind == "mixed":
+        state = "broken"
+    return Finding("ros", state, found.detail, found.remedy)
+
+
+def _compiler() -> Finding:
+    found = shutil.which("g++") and shutil.which("gcc")
+    remedy = "sudo apt-get install g++ python3-dev"
+    return Finding("compiler", "ok" if found else "missing", found or "no gcc/g++ to build ROS interfaces with", remedy)
+
+
+def _web() -> Finding:
+    return _imports("editor", "gui", {"fastapi": "fastapi", "uvicorn": "uvicorn"}, needed=False)
+
+
+_CHECKS: tuple[Callable[[], Finding], ...] = (_python, _core, _motion, _simulator, _rendering, _ros, _compiler, _web)
+
 
 _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 

@@ -12,8 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grip_bt.app.project.config import FILE_NAME
-from grip_bt.app.project.folder import Project, find_project
+from grip_bt.app.project.folder import FILE_NAME, Project, find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.app.project.launching import launch_file_of, project_members
 from grip_bt.app.wiring.parts import load_part

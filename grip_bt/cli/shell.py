@@ -40,7 +40,13 @@ VERBS = {
     "doctor": "check the installation, and say how to fix it",
 }
 """What each does, for the list of them; its module is loaded when the verb is named."""
-_MODULES = {"import": "import_", "interfaces": "component", "sim": "launch", "replay": "runs", "capsule": "runs"}
+_MODULES = {
+    "import": "import_",
+    **dict.fromkeys(("new", "edit", "fmt"), "project"),
+    **dict.fromkeys(("replay", "capsule"), "runs"),
+    "interfaces": "component",
+    "sim": "launch",
+}
 """Where it isn't the module of the verb's own name."""
 
 

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.app.campaign import as_csv, as_text, begin, check, head_of, read, read_campaign, summary
-from grip_bt.app.campaign.results import Results
+from grip_bt.app.campaign.file import Results
 from grip_bt.app.campaign.trials import judged
 from grip_bt.base.errors import CampaignError, DocumentError, InvalidTaskError
 from grip_bt.cli.__main__ import main

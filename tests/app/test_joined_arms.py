@@ -8,9 +8,8 @@ from types import SimpleNamespace
 import pytest
 from smally_project import robot_files
 
-from grip_bt.app.project.config import ArmConfig
 from grip_bt.app.project.faults import check, faults_of_parts, jerks_of_arms
-from grip_bt.app.project.folder import find_project
+from grip_bt.app.project.folder import ArmConfig, find_project
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError
 from grip_bt.cli.__main__ import main

@@ -138,7 +138,7 @@ def test_nothing_else_starts_this_python() -> None:
     known = {
         "grip_bt/base/interpreter.py",
         "grip_bt/ros/process.py",
-        "grip_bt/app/project/doctor.py",
+        "grip_bt/cli/doctor.py",
     }
     rooms = [ROOT / "grip_bt", ROOT / "sim", ROOT / "gui" / "grip_gui"]
     found = {

@@ -8,8 +8,7 @@ import pickle
 import pytest
 from robot_files import description_package, moveit_package
 
-from grip_bt.app.project.config import ArmConfig
-from grip_bt.app.project.folder import find_project
+from grip_bt.app.project.folder import ArmConfig, find_project
 from grip_bt.app.wiring.planners import planners_in_force, settings_of
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.__main__ import main

@@ -3,7 +3,7 @@ import pytest
 import yaml
 from robot_files import JOINTS, SRDF, description_package, moveit_package, urdf
 
-from grip_bt.app.project.config import ProjectFile
+from grip_bt.app.project.folder import ProjectFile
 from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig

@@ -15,7 +15,7 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-from .results import Plain, Results, TrialRow
+from grip_bt.app.campaign.file import Plain, Results, TrialRow
 
 _CONFIDENCE = 0.95
 

@@ -10,8 +10,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.campaign.file import Campaign
-from grip_bt.app.campaign.results import Plain, TrialRow
+from grip_bt.app.campaign.file import Campaign, Plain, TrialRow
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 
+from grip_bt.app.project.folder import ARCHIVE, MESSAGES
 from grip_bt.app.project.needs import Packages, components_in_need, frames_in_doubt, packages_here, sensors_in_need
 from grip_bt.base.errors import (
     DocumentError,
@@ -23,7 +24,6 @@ from grip_bt.task.catalog import AllowedImports, Catalog, TaskFolder, find_manif
 from grip_bt.task.catalog.project_parts import NO_CONTROLLER, UNFIT_PROJECT, PartNames, Problem, ProjectParts
 from grip_bt.task.catalog.sensors import sensor_manifest
 
-from .config import ARCHIVE, MESSAGES
 from .faults import TAUGHT, common_states, faults_of_arm, faults_of_camera, faults_of_hand, faults_of_world
 from .folder import Project, find_project
 

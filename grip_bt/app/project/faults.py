@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.app.project.folder import ArmConfig
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.files import FileCache, note
@@ -17,7 +18,6 @@ from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 from grip_sim.specs import WorldSpec
 
-from .config import ArmConfig
 from .folder import Project
 
 TAUGHT = "taught.yaml"

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.app.project.folder import ArmConfig
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Pose
@@ -26,7 +27,6 @@ from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.scene_state import HandMount
 from grip_bt.commanders.taught import TaughtStates
 
-from ..project.config import ArmConfig
 from ..project.faults import TAUGHT, check, common_states, faults_of_parts
 from ..project.folder import Project
 from .parts import Opening, Resources

@@ -9,13 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import ARCHIVE, MESSAGES
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.message_store import LocalMessages, MessageLibrary, load, save
 from grip_bt.base.ports import Messages
 from grip_bt.runtime import TreeRun
 from grip_bt.runtime.value_codec import decode, encode
 
-from ..project.config import ARCHIVE, MESSAGES
 from ..project.folder import Project, find_project
 from .fake import fake_components, fake_ros
 from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_part

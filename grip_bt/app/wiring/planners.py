@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from grip_bt.app.project.folder import ArmConfig
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Plan
 from grip_bt.commanders.description.robot import RobotDescription
@@ -23,7 +24,6 @@ from grip_bt.commanders.planning.requests import (
 from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
-from ..project.config import ArmConfig
 from ..project.faults import check, faults_of_fields, field_of
 from ..project.folder import Project
 from .parts import Opening, load_part

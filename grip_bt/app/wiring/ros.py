@@ -6,8 +6,7 @@ import time
 from collections.abc import Collection
 from contextlib import ExitStack
 
-from grip_bt.app.project.config import ArmConfig
-from grip_bt.app.project.folder import Project
+from grip_bt.app.project.folder import ArmConfig, Project
 from grip_bt.app.project.needs import robot_frames
 from grip_bt.app.wiring.parts import Opening, Resources
 from grip_bt.app.wiring.progress import Progress

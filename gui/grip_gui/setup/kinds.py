@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from grip_bt.app.project.config import ProjectFile
+from grip_bt.app.project.folder import ProjectFile
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.message_store.files import read_joint_states, read_poses, read_trajectories
 from grip_bt.base.yaml.models import Diagnostic, check_model

@@ -6,9 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from grip_bt.app.project.config import ProjectFile
 from grip_bt.app.project.faults import WORLDS
-from grip_bt.app.project.folder import find_project
+from grip_bt.app.project.folder import ProjectFile, find_project
 from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
