@@ -186,7 +186,9 @@ class HandCommander:
         """Return the posture that brings fingertips, or other links, to positions; see `ports.Hand`."""
         for name, position in targets.items():
             if len(position) != 3 or not np.isfinite(position).all():
-                raise ValueError(f"hand {self._name!r}: {name!r} goes to 3 lengths [m], not to {list(position)}")
+                raise ValueError(
+                    f"hand {self._name!r}: {name!r} goes to a position of 3 finite numbers [m], not to {list(position)}"
+                )
         if self._reach is None:
             raise ValueError(f"hand {self._name!r}: its geometry isn't known, so its fingertips can't be placed")
         return self._reach(targets, self._port.state(), frame)

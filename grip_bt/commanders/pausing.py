@@ -56,7 +56,7 @@ def rest_of(
     nearest = int((away + _DOUBT * np.abs(times - passed)).argmin())
     if away[nearest] > ASIDE:
         raise ExecutionAbortedError(
-            f"the joints were moved while the motion was held: they are {away[nearest]:.3f} off its path",
+            f"the joints moved during the pause: they are {away[nearest]:.3f} off its path",
             error=float(away[nearest]),
         )
     begin = float(times[nearest])
@@ -308,7 +308,7 @@ class PausableExecutor:
         try:
             measured = self._executor.state().ordered(trajectory.names)
         except ExpectedError as error:
-            raise ExecutionAbortedError(f"the motion was held, and {error.message}", cause=error.code) from None
+            raise ExecutionAbortedError(f"the motion was paused, and {error.message}", cause=error.code) from None
         names = trajectory.names
         accelerations, jerks = accelerations_of(names, self._accelerations), jerks_of(names, self._jerks)
         return rest_of(trajectory, measured, passed, accelerations, jerks)

@@ -126,7 +126,7 @@ class PlanningScene:
         with self._lock:
             item = self._snapshot.objects.get(name)
             if item is not None and item.fixed:
-                raise ValueError(f"scene object {name!r} is part of the room and stays")
+                raise ValueError(f"scene object {name!r} is a static object of the room and stays")
             self._snapshot = self._snapshot.without([name])
 
     def names(self) -> tuple[str, ...]:
@@ -154,7 +154,7 @@ class PlanningScene:
         with self._lock:
             item = self._object(self._snapshot, name)
             if item.fixed:
-                raise ValueError(f"scene object {name!r} is part of the room and can't be attached")
+                raise ValueError(f"scene object {name!r} is a static object of the room and can't be attached")
             if item.hand != hand:
                 self._snapshot = self._detached(self._snapshot, name).attaching(name, hand, grasp)
 
@@ -190,7 +190,7 @@ class PlanningScene:
 
     def _refuse_fixed(self, name: str) -> None:
         if self.fixed(name):
-            raise ValueError(f"scene object {name!r} is part of the room; choose another name")
+            raise ValueError(f"scene object {name!r} is a static object of the room; choose another name")
 
     def _detached(self, snapshot: SceneSnapshot, name: str) -> SceneSnapshot:
         item = snapshot.objects.get(name)

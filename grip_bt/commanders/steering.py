@@ -193,7 +193,7 @@ def spliced(before: Trajectory, after: Trajectory, at: float) -> Trajectory:
         raise ValueError(f"{after.names} can't continue with a motion of {before.names}")
     off = float(np.abs(before.at(at) - after.positions[0]).max())
     if off > 1e-3:
-        raise ValueError(f"what goes on begins {off:.4f} rad away from where the motion is then")
+        raise ValueError(f"the new tail starts {off:.4f} rad away from the motion")
     kept = before.times < at - 1e-6
     both = before.velocities is not None and after.velocities is not None
     return Trajectory(

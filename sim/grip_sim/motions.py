@@ -127,7 +127,7 @@ class Follow:
             return False
         off = np.abs(path.at(at - since) - positions[0]).max()
         if off > 1e-3:
-            raise ValueError(f"what goes on begins {off:.4f} rad away from where the motion is then")
+            raise ValueError(f"the new tail starts {off:.4f} rad away from the motion")
         old = path.times + since
         kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
         if path.velocities is None:  # its speed jumps at its points: nothing goes on smoothly from there

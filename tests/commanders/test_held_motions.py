@@ -84,7 +84,7 @@ def test_joints_that_were_moved_meanwhile_end_the_motion():
     clock.advance(2.0)
     fake._position = fake._position + 5 * ASIDE
     held.resume()
-    with pytest.raises(ExecutionAbortedError, match="the joints were moved while the motion was held: they are 0."):
+    with pytest.raises(ExecutionAbortedError, match="the joints moved during the pause: they are 0."):
         operation.result()
 
 
@@ -102,7 +102,7 @@ def test_joints_of_which_nothing_is_known_any_more_end_the_motion(monkeypatch: p
 
     monkeypatch.setattr(fake, "state", nothing)
     held.resume()
-    with pytest.raises(ExecutionAbortedError, match="the motion was held, and /joint_states: nothing about a"):
+    with pytest.raises(ExecutionAbortedError, match="the motion was paused, and /joint_states: nothing about a"):
         operation.result()
 
 

@@ -193,7 +193,7 @@ def test_whoever_is_interested_is_told_of_a_death_and_of_no_other_end():
         pids.append(process.pid)
         operation.cancel()
         ended(operation)
-    died = "process {} was ended by SIGKILL (Killed); process {} takes its place"
+    died = "process {} was ended by SIGKILL (Killed); process {} replaces it"
     assert told == [died.format(*pids[:2]), died.format(*pids[1:]) + ", and repeats the request"]
 
 

@@ -164,7 +164,7 @@ def test_a_scene_loads_files_of_its_project(tmp_path):
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts" / "corner.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
     scene = PlanningScene({}, room=parse_scene(OLD), folder=tmp_path)
-    with pytest.raises(ValueError, match="part of the room"):
+    with pytest.raises(ValueError, match="static object of the room"):
         scene.load("room.scene")  # its can has the name of the room's
     scene = PlanningScene({}, folder=tmp_path)
     assert scene.load("room.scene") == ("table top", "table top.2", "can")

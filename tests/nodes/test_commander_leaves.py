@@ -423,7 +423,7 @@ def test_fingertips_are_said_once(cell):
 
 
 def test_a_hand_refuses_positions_that_are_none(cell):
-    with pytest.raises(ValueError, match="3 lengths"):
+    with pytest.raises(ValueError, match="3 finite numbers"):
         cell.hand.fingertip_posture({"thumb": [0.0, float("nan"), 0.0]})
     with pytest.raises(ValueError, match="geometry isn't known"):
         cell.hand.fingertip_posture({"thumb": [0.0, 0.0, 0.0]})

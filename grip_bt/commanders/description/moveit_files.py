@@ -118,7 +118,9 @@ def scaling(path: Path) -> dict[str, float]:
         if key in data:
             found[kind] = reading.number(data[key], key)
             if not 0 < found[kind] <= 1:
-                raise DocumentError(f"{key} is a part of the limits, in (0, 1], not {data[key]!r}", str(path))
+                raise DocumentError(
+                    f"{key} is a fraction of the limits: above 0, at most 1, not {data[key]!r}", str(path)
+                )
     return found
 
 

@@ -81,7 +81,7 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     positions[:, columns] = given.positions
     for moment, row in zip(given.times, positions, strict=True):
         if not chain.within_limits(row):
-            raise out_of_limits(chain, row, f"{moment:.2f} s after its beginning, the trajectory is")
+            raise out_of_limits(chain, row, f"{moment:.2f} s into the trajectory, it is")
     checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
     if met := checker.pairs(positions[0]):
         raise PathInvalidError(f"the trajectory starts in collision: {touching(met)}", pairs=met, time=0.0)
@@ -99,7 +99,7 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     refuse_beyond_limits(whole, chain.limits)
     if touched := first_touch(checker, whole):
         at, pairs = touched
-        raise PathInvalidError(f"after {at:.1f} s of the trajectory, {touching(pairs)}", pairs=pairs, time=at)
+        raise PathInvalidError(f"{at:.1f} s into the trajectory, {touching(pairs)}", pairs=pairs, time=at)
     return whole
 
 

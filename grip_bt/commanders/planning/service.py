@@ -163,7 +163,7 @@ class PlanningProcess:
             job.operation.fail(_lost(dead))
         if dead is not self._given_up and other != dead.pid:
             again = ", and repeats the request" if wanted else ""
-            self._told(f"process {dead.pid} {how_ended(dead.returncode)}; process {other} takes its place{again}")
+            self._told(f"process {dead.pid} {how_ended(dead.returncode)}; process {other} replaces it{again}")
 
     def _lost_jobs(self) -> list[_Job]:
         """Take out the jobs that won't be sent again: the one that two children died over, or all if none can start."""

@@ -45,7 +45,7 @@ def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:
     step = steered(chain.joints, start, begin, wanted, hardest, request.hold, sharpest)
     for row in step.positions:
         if not chain.within_limits(row, slack=1e-3):
-            raise out_of_limits(chain, row, "going on, the arm would be")
+            raise out_of_limits(chain, row, "the next steering step would be")
     checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
     if touched := first_touch(checker, step):
         raise PathInvalidError(f"the steering step would collide: {touching(touched[1])}", pairs=touched[1])

@@ -65,7 +65,7 @@ def refuse_beyond_limits(trajectory: Trajectory, limits: Limits) -> None:
             if remedy == slower:
                 remedy = slower.format(np.ceil(longer(trajectory, fastest, hardest) * 1000) / 1000)
             raise OutOfLimitsError(
-                f"{at[row]:.2f} s after its beginning, the trajectory is out of limits: {what} of {name} = {value:.3f} "
+                f"{at[row]:.2f} s into the trajectory, it is out of limits: {what} of {name} = {value:.3f} "
                 f"(allowed {low[joint]:.3f} .. {high[joint]:.3f}){remedy}",
                 joints=(name,),
                 time=float(at[row]),
