@@ -252,14 +252,14 @@ def served() -> Iterator[Wire]:
 
     from grip_bt.commanders.description.load import build_robot
     from grip_bt.ros.environment import free_domain
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
     limits = build_robot("panda_allegro").acceleration_limits
     away = np.array([0.5, 0, 0.2, 0, 0, 0, 0.4])
     with tempfile.TemporaryDirectory() as folder, free_domain() as domain:
         with simulated_robot(Path(folder), domain):
             braking = np.array([limits[name] for name in ARM])
-            yield Wire(ARM_ACTION, "trajectory", ARM, braking, away, domain, list(provide("control_msgs")))
+            yield Wire(ARM_ACTION, "trajectory", ARM, braking, away, domain, list(ensure_package("control_msgs")))
 
 
 class Servers:
@@ -283,14 +283,14 @@ class Servers:
         from ros_arm_rigs import model
         from ros_rigs import NAMES, THEIRS
 
-        from grip_bt.ros.interfaces.build import provide
+        from grip_bt.ros.interfaces.build import ensure_package
 
         if name == "plain_served":
             return self._stack.enter_context(served())
         moveit = name == "plain_move_group"
         bus, _ = self.get("ros_move_group" if moveit else "ros_robot")
         domain = bus.node.context.get_domain_id()
-        overlays = list(provide("moveit_msgs" if moveit else "control_msgs"))
+        overlays = list(ensure_package("moveit_msgs" if moveit else "control_msgs"))
         action, kind, names, away = {
             "plain_trajectory": ("/arm/follow_joint_trajectory", "trajectory", NAMES, (0.5, 0.4)),
             "plain_gripper": ("/claw/gripper_cmd", "gripper", ("claw",), (-1.0,)),

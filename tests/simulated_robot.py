@@ -41,10 +41,10 @@ def simulated_robot(folder: Path, domain: int, *options: str) -> Iterator[World]
         domain: the DDS domain.
         options: of `grip sim`.
     """
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
     from grip_bt.ros.process import child_environment
 
-    provide("control_msgs")
+    ensure_package("control_msgs")
     (folder / "grip.yaml").write_text(PROJECT)
     log = folder / "sim.txt"
     command = [sys.executable, "-m", "grip_bt.cli", "sim", "table", *options]

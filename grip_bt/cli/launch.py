@@ -120,7 +120,7 @@ def _write(args: argparse.Namespace) -> int:
 
 def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: Path, follow: bool) -> int:
     stopped: list[int] = []
-    group = ProcessGroup(members, logs, told=_tell, events=events)
+    group = ProcessGroup(members, logs, on_change=_tell, events=events)
 
     def stop(number: int, frame: object) -> None:
         stopped.append(number)

@@ -38,10 +38,10 @@ def render(
         ContractError: the interface doesn't keep the component contract.
     """
     check_contract(component, interface, fields_of)
-    manifest = face(component, interface)
+    manifest = component_manifest(component, interface)
     meaning = {
         "words": _words(component),
-        "tried": default_outcome(component, interface) if component.rules else None,
+        "tried": default_case(component, interface) if component.rules else None,
         "rule_names": sorted({n for rule in component.rules.values() for n in parse_expression(rule).names}),
         "component": component,
         "interface": interface,
@@ -108,7 +108,7 @@ def class_name(component: ComponentFile) -> str:
     return "".join(part[:1].upper() + part[1:] for part in component.name.split("_"))
 
 
-def face(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
+def component_manifest(component: ComponentFile, interface: InterfaceSpec) -> Manifest:
     """Return the manifest of a component's node."""
     outcomes: dict[str, Meaning] = {**component.meanings(), "failure": "failure"}
     fields = {f.name: f for f in interface.request}
@@ -168,7 +168,7 @@ def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[st
     return {port: _default(fields[at]) for port, at in ports.items() if at in fields and _known(fields[at])}
 
 
-def default_outcome(component: ComponentFile, interface: InterfaceSpec) -> tuple[dict[str, Any], str | None] | None:
+def default_case(component: ComponentFile, interface: InterfaceSpec) -> tuple[dict[str, Any], str | None] | None:
     """Return an empty answer and the outcome that the rules give it, None for none of them.
 
     Returns:

@@ -26,7 +26,7 @@ from grip_bt.base.values import DepthImage, Image, JointState, Pose, RgbdFrame, 
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.convert_geometry import header, seconds
 from grip_bt.ros.convert_perception import camera_to_message, cloud_to_message, depth_to_message, image_to_message
-from grip_bt.ros.interfaces.build import provide
+from grip_bt.ros.interfaces.build import ensure_package
 
 from .client.types import Message, load_type
 
@@ -169,7 +169,7 @@ class TrajectoryActionServer:
     """
 
     def __init__(self, bus: Bus, action: str, executor: Executor):
-        provide("control_msgs")
+        ensure_package("control_msgs")
         self.action, self._bus, self._executor = action, bus, executor
         self._type = load_type(ACTION)
         self._lock = threading.Lock()

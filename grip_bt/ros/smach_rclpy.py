@@ -25,7 +25,7 @@ from .client.bus import Bus
 from .client.goal import GoalEnd
 from .client.graph import topics
 from .client.types import InterfaceType, Message, type_name
-from .interfaces.build import provide
+from .interfaces.build import ensure_package
 from .smach_server import Shutdown, SimpleServer, ended
 
 SLICE = 0.1
@@ -130,7 +130,7 @@ class RclpyConnection:
             MissingPartError: it has to be built and there is no compiler.
         """
         if self._messages is None:
-            provide("smach_msgs", self._cache)
+            ensure_package("smach_msgs", self._cache)
             messages, clock = importlib.import_module("smach_msgs.msg"), self._bus.node.get_clock()
             self._messages = SimpleNamespace(
                 Status=messages.SmachContainerStatus,

@@ -6,7 +6,7 @@ import pytest
 
 from grip_bt.base.errors import ContractError
 from grip_bt.codegen import check_contract
-from grip_bt.codegen.render import face
+from grip_bt.codegen.render import component_manifest
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
@@ -70,7 +70,7 @@ def test_an_outcome_called_failure_can_not_mean_success():
 def test_every_other_field_becomes_a_port():
     request = (CLOUD, FieldSpec("limit", "uint8", doc="at most"), FieldSpec("names", "string", array=True))
     response = (OUTCOME, RETURNED, FieldSpec("took", "float64"))
-    made = face(
+    made = component_manifest(
         component(ports={"returned_object": "list[Grasp]"}, meaning={"none": "failure"}), interface(request, response)
     )
     assert {name: (p.type, p.required) for name, p in made.inputs.items()} == {

@@ -28,9 +28,9 @@ def move_group() -> Iterator[tuple[Any, Any]]:
     from patient_bus import PatientBus, joints_of
 
     from grip_bt.ros.environment import free_domain
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    messages = provide("moveit_msgs")
+    messages = ensure_package("moveit_msgs")
     with (
         free_domain() as domain,
         serving(SERVERS / "move_group_server.py", ROBOT, domain=domain, overlays=messages),

@@ -35,9 +35,9 @@ def controllers() -> Iterator[tuple[Any, Any]]:
     from patient_bus import PatientBus, joints_of
 
     from grip_bt.ros.environment import free_domain
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    messages = [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    messages = [*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
     panda = build_robot("panda_allegro").named_state("arm", "home").as_mapping()
     joints = json.dumps({**SIDES, "panda": panda})
     with (

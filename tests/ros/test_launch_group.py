@@ -77,7 +77,7 @@ def test_each_starts_when_those_before_it_are_ready(tmp_path):
     )
     second = member(tmp_path, "second", SLEEP)
     told = []
-    with ProcessGroup([first, second], tmp_path / "logs", told=lambda *event: told.append(event[:2])) as group:
+    with ProcessGroup([first, second], tmp_path / "logs", on_change=lambda *event: told.append(event[:2])) as group:
         group.start()
         assert told == [("first", "starting"), ("first", "ready"), ("second", "starting"), ("second", "ready")]
         assert (tmp_path / "logs" / "first.log").read_text() == "serving now\n"
@@ -126,7 +126,7 @@ def test_one_is_started_again_as_often_as_it_may_each_time_with_a_log(tmp_path):
     code = "import sys; print('again'); sys.exit(3)"
     restarted = member(tmp_path, "it", code, restart="on_failure", restarts=2, restart_delay=0.05)
     told = []
-    group = ProcessGroup([restarted], tmp_path / "logs", told=lambda *event: told.append(event[1]))
+    group = ProcessGroup([restarted], tmp_path / "logs", on_change=lambda *event: told.append(event[1]))
     group.start()
     assert "after 3 starts" in group.run()
     assert told.count("restarting") == 2
@@ -205,7 +205,7 @@ time.sleep(600)
             silent.set()
 
     server = member(tmp_path, "server", code, ready=Ready(service="/ready_at_last", within=PATIENCE))
-    with ProcessGroup([server], tmp_path / "logs", domain_id=domain, told=tell) as group:
+    with ProcessGroup([server], tmp_path / "logs", domain_id=domain, on_change=tell) as group:
         group.start()
         assert [state for state, _ in told] == ["starting", "ready"]
         watcher = threading.Thread(target=group.run)
@@ -228,7 +228,7 @@ def test_what_a_timer_holds_back_comes_in_its_time_and_keeps_nobody_waiting(tmp_
         if told[-1] in (("launch", "says", "hello"), ("late", "starting"), ("launch", "says", "meanwhile")):
             ahead.skip(1000)  # what comes next is due now, and nothing else
 
-    group = ProcessGroup([late, first], tmp_path / "logs", told=tell, events=events)
+    group = ProcessGroup([late, first], tmp_path / "logs", on_change=tell, events=events)
     group.start()
     assert group.states() == {"late": "waiting", "first": "ready"}
     assert group.run() == ""
@@ -244,7 +244,9 @@ def test_what_a_timer_holds_back_comes_in_its_time_and_keeps_nobody_waiting(tmp_
 
 def test_a_file_of_messages_alone_runs_until_the_last_of_them(tmp_path):
     told = []
-    group = ProcessGroup([], tmp_path / "logs", told=lambda *event: told.append(event), events=[LaunchEvent("a", 0.3)])
+    group = ProcessGroup(
+        [], tmp_path / "logs", on_change=lambda *event: told.append(event), events=[LaunchEvent("a", 0.3)]
+    )
     group.start()
     assert group.run() == ""
     assert told == [("launch", "says", "a")]

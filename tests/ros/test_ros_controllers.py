@@ -22,9 +22,9 @@ NAMES = ("joint_a", "joint_b")
 @pytest.fixture(scope="session")
 def messages(interface_cache):
     """Return the prefixes of the message packages, built and active here."""
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    return [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    return [*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
 
 
 @pytest.fixture

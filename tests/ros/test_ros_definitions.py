@@ -11,7 +11,7 @@ import pytest
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
 from grip_bt.ros.interfaces import InterfaceBuildError, build_interfaces, read_package
-from grip_bt.ros.interfaces.build import FOLDER, NEEDS, provide
+from grip_bt.ros.interfaces.build import DEPENDENCIES, FOLDER, ensure_package
 from grip_bt.ros.interfaces.compiler import compilers
 from grip_bt.ros.interfaces.generate import hash_types
 from grip_bt.ros.interfaces.packages import search_path
@@ -54,7 +54,7 @@ def test_definitions_of_the_wheels_get_the_hashes_that_the_wheels_have(tmp_path,
 
 def hashed_here(name: str, folder: Path, share: Path) -> dict[str, str]:
     """Return the hashes of a package of ours, after laying what it needs of ours out as an installed prefix."""
-    for needed in NEEDS[name]:
+    for needed in DEPENDENCIES[name]:
         hashed_here(needed, folder, share)
     hash_types(read_package(FOLDER / name), folder / name, [share.parent, *search_path()])
     for kind in ("idl", "hash"):
@@ -62,7 +62,7 @@ def hashed_here(name: str, folder: Path, share: Path) -> dict[str, str]:
     return hashes(folder / name / "hash")
 
 
-@pytest.mark.parametrize("name", [n for n in NEEDS if n not in ("grip_msgs",)])
+@pytest.mark.parametrize("name", [n for n in DEPENDENCIES if n not in ("grip_msgs",)])
 def test_a_package_that_is_written_here_can_be_generated_and_has_the_documented_hashes(tmp_path, name):
     package = read_package(FOLDER / name)
     ours = hashed_here(name, tmp_path, tmp_path / "prefix" / "share")
@@ -73,12 +73,12 @@ def test_a_package_that_is_written_here_can_be_generated_and_has_the_documented_
 
 def test_a_definition_that_is_not_here_is_named():
     with pytest.raises(UnknownNameError, match="did you mean 'control_msgs'"):
-        provide("control_msg")
+        ensure_package("control_msg")
 
 
 def test_what_is_installed_is_taken_as_it_is(monkeypatch):
-    monkeypatch.setitem(NEEDS, "std_msgs", ())
-    assert provide("std_msgs") == []
+    monkeypatch.setitem(DEPENDENCIES, "std_msgs", ())
+    assert ensure_package("std_msgs") == []
 
 
 @pytest.fixture

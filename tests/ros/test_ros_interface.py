@@ -227,9 +227,9 @@ def test_frames_come_from_tf_where_it_is_there(tmp_path, interface_cache, bus):
 
 @pytest.fixture(scope="session")
 def tf_messages():
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    return provide("tf2_msgs")
+    return ensure_package("tf2_msgs")
 
 
 def stamped(child: str, time: float, pose: Pose):

@@ -48,13 +48,13 @@ root:
 @pytest.mark.slow
 def test_one_plan_goes_to_the_controllers_of_both_arms(tmp_path, domain, start_server):
     from grip_bt.commanders.description.load import build_robot
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
     from grip_bt.ros.process import child_environment
     from grip_bt.runtime import JournalReader
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
     (tmp_path / "both.yaml").write_text(TASK)
-    prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    prefixes = [*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
     sides = {side: {f"{side}_{joint}": at for joint, at in zip(ARM, AWAY, strict=True)} for side in ("left", "right")}
     start_server("controller_server.py", json.dumps(sides), overlays=prefixes)
     command = [sys.executable, "-m", "grip_bt.cli", "run", str(tmp_path / "both.yaml"), "--robot", "ros"]

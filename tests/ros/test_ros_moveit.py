@@ -54,9 +54,9 @@ def model(robot):
 @pytest.fixture(scope="module")
 def start_move_group(own_domain):
     """Return a function that starts the stand-in."""
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    prefixes = provide("moveit_msgs")
+    prefixes = ensure_package("moveit_msgs")
     with servers(own_domain) as start:
         yield partial(start, "move_group_server.py", ROBOT, overlays=prefixes)
 
@@ -322,10 +322,10 @@ def test_an_error_code_is_a_failure_with_a_name_and_moveits_words(planning, robo
 
 def test_every_code_of_moveit_has_a_meaning():
     from grip_bt.ros.client.types import load_type
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
     from grip_bt.ros.moveit.client import FAILURES, name_of
 
-    provide("moveit_msgs")
+    ensure_package("moveit_msgs")
     codes = load_type("moveit_msgs/msg/MoveItErrorCodes")
     names = {n for n in dir(type(codes)) if n.isupper() and isinstance(getattr(codes, n), int)}
     assert {"SUCCESS", "NO_IK_SOLUTION"} < names

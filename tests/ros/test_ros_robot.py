@@ -46,13 +46,13 @@ root:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_runs_on_controllers_of_another_process(tmp_path, domain, start_server):
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
     from grip_bt.ros.process import child_environment
 
     by_topic = PROJECT.replace("trajectory: /allegro/follow_joint_trajectory", "topic: /allegro/joint_trajectory")
     (tmp_path / "grip.yaml").write_text(by_topic)
     (tmp_path / "task.yaml").write_text(TASK)
-    prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    prefixes = [*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
     away = {name: angle + 0.1 for name, angle in HOME.items()}
     fingers = {f"hand_joint_{i}.0": 0.0 for i in range(16)} | {"hand_joint_12.0": 1.3}
     start_server("controller_server.py", json.dumps({"ur": away, "allegro": fingers}), overlays=prefixes)
@@ -69,11 +69,11 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     from grip_bt.base.values import JointState, Pose
     from grip_bt.commanders.description.load import build_robot
     from grip_bt.commanders.kinematics.model import RobotModel
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "grip.yaml").write_text(PROJECT)
-    prefixes = [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    prefixes = [*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
     fingers = {f"hand_joint_{i}.0": 0.0 for i in range(16)} | {"hand_joint_12.0": 1.3}
     start_server("controller_server.py", json.dumps({"ur": HOME, "allegro": fingers}), overlays=prefixes)
     found = {}
@@ -172,11 +172,11 @@ ros:
 @pytest.mark.ros
 @pytest.mark.slow
 def test_a_task_is_planned_and_executed_by_move_group(tmp_path, domain, start_server):
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "task.yaml").write_text(TASK.replace("    open: {node: hand/open}\n", ""))
-    start_server("move_group_server.py", "ur5_allegro", overlays=provide("moveit_msgs"))
+    start_server("move_group_server.py", "ur5_allegro", overlays=ensure_package("moveit_msgs"))
 
     def run(project: str) -> subprocess.CompletedProcess[str]:
         (tmp_path / "grip.yaml").write_text(project)

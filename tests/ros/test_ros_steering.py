@@ -26,9 +26,11 @@ HOLD = 1.0
 def states(bus, start_server):
     from patient_bus import joints_of
 
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    start_server("controller_server.py", overlays=[*provide("control_msgs"), *provide("controller_manager_msgs")])
+    start_server(
+        "controller_server.py", overlays=[*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
+    )
     return joints_of(bus, NAMES)
 
 

@@ -26,9 +26,9 @@ def sides(bus, start_server):
     from patient_bus import joints_of
 
     from grip_bt.ros.controllers import TrajectoryExecutor
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    overlays = [*provide("control_msgs"), *provide("controller_manager_msgs")]
+    overlays = [*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
     processes = {
         side: start_server("controller_server.py", json.dumps({side: {joint: 0.0}}), overlays=overlays)
         for side, joint in SIDES.items()

@@ -27,9 +27,11 @@ NAMES = ("joint_a", "joint_b")
 def states(bus, start_server, interface_cache):
     from patient_bus import joints_of
 
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    start_server("controller_server.py", overlays=[*provide("control_msgs"), *provide("controller_manager_msgs")])
+    start_server(
+        "controller_server.py", overlays=[*ensure_package("control_msgs"), *ensure_package("controller_manager_msgs")]
+    )
     made = joints_of(bus, (*NAMES, "finger"))
     until(lambda: np.abs(ended(made.fresh(NAMES)).position).max() < 1e-6)
     return made

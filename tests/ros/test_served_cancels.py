@@ -16,9 +16,9 @@ LONG = 20.0
 
 @pytest.fixture(scope="module")
 def client(own_domain, tmp_path_factory) -> Iterator[PlainClient]:
-    from grip_bt.ros.interfaces.build import provide
+    from grip_bt.ros.interfaces.build import ensure_package
 
-    overlays = provide("control_msgs")
+    overlays = ensure_package("control_msgs")
     with (
         simulated_robot(tmp_path_factory.mktemp("sim"), own_domain),
         plain_client(ARM_ACTION, "trajectory", ARM, own_domain, overlays) as made,

@@ -12,7 +12,7 @@ from pathlib import Path
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError, nearest
 from grip_bt.ros.frames import FrameTree
-from grip_bt.ros.interfaces.build import FOLDER, NEEDS
+from grip_bt.ros.interfaces.build import DEPENDENCIES, FOLDER
 from grip_bt.ros.interfaces.packages import (
     PackageError,
     executable_of,
@@ -41,7 +41,7 @@ def packages_here(project: Project) -> Packages | None:
         found.setdefault(_name_in(path), []).append(path.parent)
     for package in interface_packages(search_path()):
         found.setdefault(package, []).extend(prefix / "share" / package for prefix in search_path())
-    for package in NEEDS:
+    for package in DEPENDENCIES:
         found.setdefault(package, [FOLDER / package])
     return {package: cache(partial(_types_in, homes)) for package, homes in found.items()}
 

@@ -18,7 +18,7 @@ from grip_bt.ros.components import start_components
 from grip_bt.ros.environment import own_domain
 from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosClock, RosInterface
-from grip_bt.ros.interfaces.build import provide
+from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.messages.client import RosMessages
 from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
@@ -111,7 +111,7 @@ def _starts(start: Start | None) -> bool:
 def provide_frames(progress: Progress) -> None:
     """Have the messages of TF, built where they aren't installed; without them only fixed frames are known."""
     try:
-        built = provide("tf2_msgs")
+        built = ensure_package("tf2_msgs")
         progress("frames", f"tf2_msgs, built in {built[0]}" if built else "tf2_msgs, as installed")
     except GripError as error:
         progress("frames", f"only those that never move: {error}")

@@ -24,7 +24,7 @@ from grip_bt.ros.controllers import (
 )
 from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosInterface
-from grip_bt.ros.interfaces.build import provide
+from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.moveit import MoveGroupExecutor
 from grip_bt.ros.sensing import RosCamera, unnamed_camera
 from grip_bt.ros.transforms import Transforms
@@ -142,7 +142,7 @@ def _provide_interfaces(settings: RosRobotConfig, progress: Progress) -> None:
     for package in (name for name, is_needed in needed.items() if is_needed):
         words = f"{package} is being built, once; up to a minute"
         with report_if_slow(progress, "interfaces", partial(str, words)):
-            provide(package)
+            ensure_package(package)
 
 
 def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ...]:

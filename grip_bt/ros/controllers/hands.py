@@ -16,7 +16,7 @@ from grip_bt.commanders.trajectory.splines import eased, slowed
 from ..client.bus import Bus
 from ..client.goal import GoalEnd
 from ..client.types import load_type
-from ..interfaces.build import provide
+from ..interfaces.build import ensure_package
 from .joint_states import JointStates
 from .motion import Motion, measured
 from .trajectory import LATE, as_motion
@@ -40,7 +40,7 @@ class GripperHand:
     """
 
     def __init__(self, bus: Bus, action: str, joint: str, states: JointStates, wait: float = 5.0):
-        provide("control_msgs")
+        ensure_package("control_msgs")
         self._type = load_type(ACTION)
         self._client, self._wait = bus.action(self._type, action), wait
         self._action, self._joint, self._states = action, joint, states

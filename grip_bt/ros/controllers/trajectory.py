@@ -23,7 +23,7 @@ from grip_bt.ros.controllers.following import Following
 from grip_bt.ros.controllers.joint_states import JointStates
 from grip_bt.ros.controllers.motion import RosExecutor
 from grip_bt.ros.convert_geometry import trajectory_to_message
-from grip_bt.ros.interfaces.build import provide
+from grip_bt.ros.interfaces.build import ensure_package
 
 from ..client.types import InterfaceType, Message, load_type
 
@@ -57,7 +57,7 @@ class TrajectoryExecutor(RosExecutor):
         wait: float = 5.0,
     ):
         super().__init__(names, states)
-        provide("control_msgs")
+        ensure_package("control_msgs")
         self._type = load_type(ACTION)
         self._client, self._wait = bus.action(self._type, action), wait
         self._action, self._goal_time = action, goal_time
@@ -168,7 +168,7 @@ class ControllerManager:
     """
 
     def __init__(self, bus: Bus, name: str = "/controller_manager", wait: float = 5.0):
-        provide("controller_manager_msgs")
+        ensure_package("controller_manager_msgs")
         self._bus, self._name, self._wait = bus, name, wait
 
     def states(self) -> Operation[dict[str, str]]:

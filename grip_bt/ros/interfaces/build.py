@@ -167,7 +167,7 @@ def _locked(file: Path) -> Iterator[None]:
 
 
 FOLDER = Path(__file__).parents[1] / "definitions"
-NEEDS: dict[str, tuple[str, ...]] = {
+DEPENDENCIES: dict[str, tuple[str, ...]] = {
     "grip_msgs": (),
     "control_msgs": (),
     "controller_manager_msgs": (),
@@ -182,11 +182,11 @@ _lock = threading.Lock()
 _provided: dict[str, list[Path]] = {}
 
 
-def provide(package: str, cache: Path | None = None) -> list[Path]:
+def ensure_package(package: str, cache: Path | None = None) -> list[Path]:
     """Make a package importable: as it is installed, else built from its definition, which takes some seconds once.
 
     Args:
-        package: one of `NEEDS`.
+        package: one of `DEPENDENCIES`.
         cache: where built packages are kept; the user's cache by default.
 
     Returns:
@@ -197,15 +197,15 @@ def provide(package: str, cache: Path | None = None) -> list[Path]:
         MissingPartError: no compiler, or no generators.
         InterfaceBuildError: the compiler failed.
     """
-    if package not in NEEDS:
-        raise UnknownNameError("interface definition", package, NEEDS)
+    if package not in DEPENDENCIES:
+        raise UnknownNameError("interface definition", package, DEPENDENCIES)
     with _lock:
         if package in _provided:
             return list(_provided[package])
         if importlib.util.find_spec(package) is not None:
             return []
         prefixes: list[Path] = []
-        for name in (*NEEDS[package], package):
+        for name in (*DEPENDENCIES[package], package):
             if name in _provided:
                 prefixes = [*_provided[name], *prefixes]
             elif importlib.util.find_spec(name) is None:

@@ -97,8 +97,8 @@ class StartError(GripError):
     """A process of a group didn't become ready, or ended before; with the end of its log."""
 
 
-Told = Callable[[str, State, str], None]
-"""Told `(name, state, detail)`."""
+Listener = Callable[[str, State, str], None]
+"""Listener `(name, state, detail)`."""
 
 
 class ProcessGroup:
@@ -108,7 +108,7 @@ class ProcessGroup:
         members: the processes, in the order in which they are started; each waits until those before it are ready.
         logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
-        told: told of every change, and, as `says` of `launch`, of the events.
+        on_change: told of every change, and, as `says` of `launch`, of the events.
         events: what happens beside processes.
     """
 
@@ -117,11 +117,11 @@ class ProcessGroup:
         members: Sequence[Member],
         logs: Path,
         domain_id: int | None = None,
-        told: Told = lambda name, state, detail: None,
+        on_change: Listener = lambda name, state, detail: None,
         events: Sequence[LaunchEvent] = (),
     ):
         self._all = {member.name: _Running(member) for member in members}
-        self._logs, self._told = logs, told
+        self._logs, self._on_change = logs, on_change
         self._events = sorted(events, key=lambda event: event.after)
         self._began = 0.0
         self._watch = GraphWatch(domain_id)
@@ -193,7 +193,7 @@ class ProcessGroup:
                 process.stop()
             for running in self._all.values():
                 if running.state not in ("ended", "failed", "stopped", "waiting"):
-                    self._say(running, "stopped", "")
+                    self._set_state(running, "stopped", "")
             self._watch.close()
 
     def ask_to_stop(self) -> None:
@@ -209,7 +209,7 @@ class ProcessGroup:
     def _tell_events(self) -> bool:
         while self._events and time.monotonic() >= self._began + self._events[0].after:
             event = self._events.pop(0)
-            self._told("launch", "says", event.text)
+            self._on_change("launch", "says", event.text)
             if event.ends:
                 return True
         return False
@@ -227,9 +227,9 @@ class ProcessGroup:
             running.process = Process(member.name, member.command, member.folder, member.env, log)
         running.logs.append(log)
         running.began = running.seen = time.monotonic()
-        self._say(running, "starting", f"process {running.process.pid}, log {log}")
+        self._set_state(running, "starting", f"process {running.process.pid}, log {log}")
         if member.ready is None:
-            self._say(running, "ready", "")
+            self._set_state(running, "ready", "")
 
     def _until_ready(self, running: _Running) -> None:
         ready = running.member.ready
@@ -255,7 +255,7 @@ class ProcessGroup:
         elif not process.alive:
             self._ended(running, process)
         elif running.state == "starting" and self._is_ready(running):
-            self._say(running, "ready", f"after {now - running.began:.1f} s")
+            self._set_state(running, "ready", f"after {now - running.began:.1f} s")
         elif running.state in ("ready", "silent"):
             self._check_health(running, now)
 
@@ -275,9 +275,9 @@ class ProcessGroup:
         if self._watch.sees(ready):
             running.seen = now
             if running.state == "silent":
-                self._say(running, "ready", "again")
+                self._set_state(running, "ready", "again")
         elif running.state == "ready" and now > running.seen + SILENCE:
-            self._say(running, "silent", f"{ready} disappeared; the process is still running")
+            self._set_state(running, "silent", f"{ready} disappeared; the process is still running")
             if running.member.restart != "never" and running.process is not None:
                 running.process.ask_to_stop()
 
@@ -288,18 +288,18 @@ class ProcessGroup:
         )
         if wanted and running.starts <= member.restarts and not self._stopping.is_set():
             running.again_at = time.monotonic() + member.restart_delay
-            self._say(running, "restarting", f"ended with status {status}; start {running.starts + 1}")
+            self._set_state(running, "restarting", f"ended with status {status}; start {running.starts + 1}")
         elif status == 0 and not wanted and running.state != "starting":
             running.why = f"{member.name}: ended"
-            self._say(running, "ended", "with status 0")
+            self._set_state(running, "ended", "with status 0")
         else:
             times = f" after {running.starts} starts" if running.starts > 1 else ""
             running.why = f"{process.describe_end()}{times}"
-            self._say(running, "failed", running.why)
+            self._set_state(running, "failed", running.why)
 
-    def _say(self, running: _Running, state: State, detail: str) -> None:
+    def _set_state(self, running: _Running, state: State, detail: str) -> None:
         running.state = state
-        self._told(running.member.name, state, detail)
+        self._on_change(running.member.name, state, detail)
 
 
 def _file_name(name: str) -> str:

@@ -15,7 +15,7 @@ from ..client.topic import Received
 from ..client.types import ConversionError, Message, load_type
 from ..convert_geometry import seconds
 from ..interface import BadRequestError
-from ..interfaces.build import provide
+from ..interfaces.build import ensure_package
 from .wire import CHANGES, PREFIX, RawMessage, message_of, pack, unpack
 
 T = TypeVar("T")
@@ -34,7 +34,7 @@ class RosMessages:
     """
 
     def __init__(self, bus: Bus, prefix: str = PREFIX, timeout: float = 10.0, wait: float = 5.0):
-        provide("grip_msgs")
+        ensure_package("grip_msgs")
         self._bus, self._prefix, self._timeout, self._wait = bus, prefix, timeout, wait
 
     def put(self, store: str, name: str, value: object, provenance: str = "") -> Operation[None]:

@@ -17,7 +17,7 @@ from grip_bt.base.message_store import Change, Entry, MessageLibrary, MessageSto
 from ..client.bus import Bus
 from ..client.types import Message, load_type
 from ..convert_geometry import seconds
-from ..interfaces.build import provide
+from ..interfaces.build import ensure_package
 from .wire import CHANGES, MESSAGES, PREFIX, RawMessage, message_of, pack
 
 _DEPTH = 100
@@ -45,7 +45,7 @@ class MessageServer:
     """
 
     def __init__(self, bus: Bus, folder: Path | None = None, archive: Path | None = None, prefix: str = PREFIX):
-        provide("grip_msgs")
+        ensure_package("grip_msgs")
         self._publisher: Publisher | None = None
         self._bus, self._folder, self._archive = bus, folder, archive
         self._types = dict(MESSAGES)

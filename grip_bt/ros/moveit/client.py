@@ -38,7 +38,7 @@ from ..client.types import Message, load_type
 from ..controllers import JointStates, RosExecutor
 from ..controllers.trajectory import LATE, follow_goal
 from ..convert_geometry import trajectory_to_message
-from ..interfaces.build import provide
+from ..interfaces.build import ensure_package
 
 T = TypeVar("T")
 ANSWER = 10.0
@@ -62,7 +62,7 @@ class MoveGroup:
     """
 
     def __init__(self, bus: Bus, namespace: str = "", wait: float = 10.0):
-        provide("moveit_msgs")
+        ensure_package("moveit_msgs")
         self.name = f"{namespace}/move_group"
         self._bus, self._namespace, self._wait = bus, namespace, wait
         self._scene = self._service("ApplyPlanningScene", "apply_planning_scene")
@@ -245,7 +245,7 @@ class MoveGroupExecutor(RosExecutor):
 
     def __init__(self, bus: Bus, action: str, names: Sequence[str], states: JointStates, wait: float = 5.0):
         super().__init__(names, states)
-        provide("moveit_msgs")
+        ensure_package("moveit_msgs")
         self._type = load_type("moveit_msgs/action/ExecuteTrajectory")
         self._client, self._wait = bus.action(self._type, action), wait
         self._action = action
