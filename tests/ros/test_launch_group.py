@@ -214,7 +214,7 @@ time.sleep(600)
         assert silent.wait(PATIENCE), told
         group.ask_to_stop()
         watcher.join(PATIENCE)
-    assert "/ready_at_last is gone" in told[2][1]
+    assert "/ready_at_last disappeared" in told[2][1]
 
 
 def test_what_a_timer_holds_back_comes_in_its_time_and_keeps_nobody_waiting(tmp_path, ahead):

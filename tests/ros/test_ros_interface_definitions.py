@@ -101,8 +101,8 @@ def test_what_is_wrong_is_told_with_its_line(text, line, told):
         ("sensor_msgs/Imagee input", "did you mean 'Image'"),
         ("Graps input", "did you mean 'Grasp'"),
         ("int32 class", "field 'class': it is a keyword of C\\+\\+; rename it, for example to 'class_value'"),
-        ("int32 default", "a word of C can't name a field"),
-        ("int32 in", "a word of Python can't name a field"),
+        ("int32 default", "it is a keyword of C"),
+        ("int32 in", "it is a keyword of Python"),
         ("duration input", "'duration' is of ROS 1; ROS 2 has builtin_interfaces/Duration"),
     ],
 )

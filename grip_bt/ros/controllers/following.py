@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from grip_bt.base.failures import ExecutionAbortedError
 from grip_bt.base.operation import Operation
@@ -315,14 +316,11 @@ def extremes(begin: JointSamples, end: Array, speed: Array, duration: float) -> 
 
 def _underway(begin: JointSamples, end: Array, speed: Array, time: float, duration: float) -> JointSamples:
     """Return places on the cubics, by the time that the goal says."""
-    part = _WAY[:, None, None]
-    mean = (end - begin.positions) / duration
-    b, c = 3 * mean - 2 * begin.velocities - speed, begin.velocities + speed - 2 * mean
-    positions = begin.positions + duration * (part * begin.velocities + part**2 * b + part**3 * c)
-    velocities = begin.velocities + 2 * part * b + 3 * part**2 * c
-    times = np.repeat(time + _WAY * duration, len(begin.times))
-    shape = (len(times), begin.positions.shape[1])
-    return JointSamples(times, positions.reshape(shape), velocities.reshape(shape))
+    ends = np.broadcast_to(end, begin.positions.shape), np.broadcast_to(speed, begin.velocities.shape)
+    path = CubicHermiteSpline([0.0, duration], (begin.positions, ends[0]), (begin.velocities, ends[1]))
+    at, shape = _WAY * duration, (-1, begin.positions.shape[1])
+    times = np.repeat(time + at, len(begin.times))
+    return JointSamples(times, path(at).reshape(shape), path(at, nu=1).reshape(shape))
 
 
 def _aside(positions: Array, trajectory: Trajectory, time: float) -> Array:

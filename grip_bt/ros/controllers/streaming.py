@@ -164,12 +164,7 @@ class TopicMotionExecutor(RosExecutor):
 class StreamedExecutor(TopicMotionExecutor):
     """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint group position controller.
 
-    Args:
-        bus: the connection to ROS.
-        topic: the controller's, such as `/arm_position_controller/commands`.
-        names: its joints, in its order.
-        states: where they are measured.
-        accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
+    Args: as of `TopicMotionExecutor`, and
         rate: set-points a second.
         jerks: joint -> limit, for braking too; any where it names none.
     """
