@@ -187,7 +187,7 @@ def _while_do_else(here: ElementReader) -> NodeDraft:
     if condition.skips:
         here.reading.refuse(here.element.children[0], "a condition that may be skipped is no condition")
     if not condition.instant:
-        here.note("changed", "its condition is taken to end in the tick in which it begins")
+        here.note("changed", "its condition is assumed to end in the tick in which it begins")
     if len(children) == 2:
         parts = named(children)
         up = SkipHandling.of(here.meaning, {list(parts)[1]: children[1]})

@@ -138,7 +138,7 @@ def _loop(type_name: str) -> Reader:
         text = here.attributes.get("queue", "")
         if key_of(text, "queue") is not None:
             here.refuse(
-                f"the queue {text} is taken apart on the blackboard, item by item; write it as a literal, or"
+                f"the queue {text} is consumed on the blackboard item by item; write it as a literal, or"
                 " use `for_each` over a list",
             )
         key = key_of(here.attributes.get("value", "{=}"), "value")
@@ -188,7 +188,7 @@ _NO_MATTER = ("_uid", "_fullpath", "_autoremap", "_description")
 
 
 def check_attributes(here: ElementReader) -> None:
-    """Refuse attributes that have no equal."""
+    """Refuse attributes that have no equivalent."""
     for name in here.attributes:
         if name == "_onHalted":
             here.refuse(
@@ -309,4 +309,4 @@ REFUSED = {
     "RetryUntilSuccesful": "belongs to BehaviorTree.CPP 3; use <RetryUntilSuccessful>",
     "SubTreePlus": 'belongs to BehaviorTree.CPP 3; use <SubTree _autoremap="true">',
 }
-"""Tag -> why it has no equal, and what to do."""
+"""Tag -> why it has no equivalent, and what to do."""

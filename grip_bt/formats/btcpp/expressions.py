@@ -20,7 +20,7 @@ _FLIPPED = {"==": "==", "!=": "!="}
 
 
 class Inexact(ValueError):
-    """An expression has no exact equal; the message says which part, and what to do."""
+    """An expression has no exact equivalent; the message says which part, and what to do."""
 
 
 @dataclass(frozen=True)
@@ -220,7 +220,7 @@ class Scripts:
 
         Raises:
             ScriptError: it isn't a script.
-            Inexact: it has no exact equal.
+            Inexact: it has no exact equivalent.
         """
         statements = s.parse_script(text)
         if len(statements) != 1:
@@ -232,7 +232,7 @@ class Scripts:
 
         Raises:
             ScriptError: it isn't a script.
-            Inexact: it has no exact equal.
+            Inexact: it has no exact equivalent.
         """
         made = []
         for statement in s.parse_script(text):

@@ -1,4 +1,4 @@
-"""BehaviorTree.CPP 4's XML -> task. Sub-trees are put in where they are used; what has no exact equal is refused.
+"""BehaviorTree.CPP 4's XML -> task. Sub-trees are put in where they are used; what has no exact equivalent is refused.
 
 The file is read several times: first to learn which type each blackboard entry has and which ports have literals, then,
 with that known, to write the task.

@@ -115,7 +115,7 @@ class UnknownNodeType:
                 outputs[port] = OutputPort(type=use.type, doc=doc)
         return Manifest(
             id=self.id,
-            doc=f"{self.name} of BehaviorTree.CPP; its code is to be provided.",
+            doc=f"{self.name} of BehaviorTree.CPP; its code has to be written.",
             implementation=f"leaf.py:{_class(self.name)}",
             parameters=FrozenDict(parameters),
             inputs=FrozenDict(inputs),

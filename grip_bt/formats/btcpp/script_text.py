@@ -90,7 +90,7 @@ class _Writer:
                 return f"{self.inside(left)} {_ARITHMETIC[type(op)]} {self.inside(right)}"
             case ast.Compare(left=left, ops=ops, comparators=others) if all(type(op) in _COMPARISONS for op in ops):
                 return self.comparison([left, *others], [_COMPARISONS[type(op)] for op in ops])
-        raise ValueError(f"`{ast.unparse(node)}` has no equal")
+        raise ValueError(f"`{ast.unparse(node)}` has no equivalent")
 
     def comparison(self, operands: list[ast.expr], signs: list[str]) -> str:
         for sign in signs:

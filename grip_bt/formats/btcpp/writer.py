@@ -39,7 +39,7 @@ _KEYS: dict[type, set[str]] = {
     model.Invert: set(),
     model.Force: {"as_"},
 }
-"""The kinds that have an equal, and what it can say of them."""
+"""The kinds that have an equivalent, and what it can say of them."""
 
 
 def to_xml(task: model.Task, catalog: Catalog) -> str:

@@ -122,9 +122,7 @@ def _nodes(unknown: Mapping[str, GripState]) -> dict[str, str]:
         )
         manifests.append(manifest)
         classes.append(_class(cls, state, outcomes))
-    head = (
-        f'"""States of the first GRIP that have no equal; write what they do. {MARK}."""\n\nfrom grip_bt import Leaf\n'
-    )
+    head = f'"""States of the first GRIP; write what they do. {MARK}."""\n\nfrom grip_bt import Leaf\n'
     return {
         "nodes/original/manifest.yaml": manifests_text(manifests, f"# {MARK}.\n"),
         "nodes/original/leaves.py": head + "".join(classes),

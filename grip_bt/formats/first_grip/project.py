@@ -277,7 +277,7 @@ def component_entry(name: str, said: Mapping[str, Any], issues: Issues) -> dict[
     number = said.get("number_outcomes")
     count = number if type(number) is int and 0 < number < 100 else 1
     if count != number:
-        issues.add("incomplete", name, f"number_outcomes is {number!r}; one outcome is taken")
+        issues.add("incomplete", name, f"number_outcomes is {number!r}; one outcome is assumed")
     key, package = key_of(name), key_of(path.parts[-3])
     made: dict[str, Any] = {
         "name": key,

@@ -316,5 +316,7 @@ def _unknown(steps: StepBuilder) -> ConvertedState:
     for name in read.values():
         context.variable(name)
     steps.add("do", id_, with_=given, in_=read, out=out)
-    steps.note("incomplete", f"{state.type or 'a state without type'} has no equal: write its class in nodes/original")
+    steps.note(
+        "incomplete", f"{state.type or 'a state without type'} has no equivalent; write its class: nodes/original"
+    )
     return ConvertedState(steps.node(), {outcome: name_of(outcome) for outcome in state.outcomes})

@@ -247,7 +247,7 @@ class _Reader:
         made.initial, made.default = (starts or list(made.children))[0], made.outcomes[-1]
         if made.concurrent:
             made.rules.pop(made.default, None)
-            text = f"which outcome was the default isn't in such a file; {made.default!r}, the last one, is taken"
+            text = f"which outcome was the default isn't in such a file; {made.default!r}, the last one, is used"
             self.issues.add("changed", place, text)
         elif len(starts) != 1:
             text = f"Start leads to {starts or 'nothing'}; {made.initial!r} is used as the initial state"

@@ -14,12 +14,12 @@ from grip_bt.nodes.leaf import Leaf
 from grip_bt.task import model
 
 
-class NoEqual(Exception):
-    """A behaviour has no equal in a task; the text says why."""
+class NoEquivalentError(Exception):
+    """A behaviour has no equivalent in a task; the text says why."""
 
 
 @dataclass(frozen=True)
-class Equal:
+class NodeSettings:
     """What a behaviour is in a task.
 
     Attributes:
@@ -35,89 +35,89 @@ class Equal:
     remark: str = ""
 
 
-def equal_of(behaviour: Behaviour) -> Equal:
+def convert_behaviour(behaviour: Behaviour) -> NodeSettings:
     """Return what a behaviour of py_trees is in a task.
 
     Raises:
-        NoEqual: nothing; the error says why.
+        NoEquivalentError: nothing; the error says why.
     """
     known = _KNOWN.get(type(behaviour))
     if known is not None:
         return known(behaviour)
-    raise NoEqual(why_not(type(behaviour)))
+    raise NoEquivalentError(reason_unsupported(type(behaviour)))
 
 
 def is_known(behaviour: Behaviour) -> bool:
-    """Tell whether its class has an equal, or is known to have none."""
+    """Tell whether its class has an equivalent, or is known to have none."""
     return type(behaviour) in _KNOWN or type(behaviour) in _WHY
 
 
-def why_not(cls: type[Behaviour]) -> str:
-    """Return why a class has no equal."""
+def reason_unsupported(cls: type[Behaviour]) -> str:
+    """Return why a class has no equivalent."""
     return _WHY.get(cls) or f"{cls.__module__}.{cls.__name__} is no class that a task has"
 
 
-def _sequence(node: Any) -> Equal:
-    return Equal({"kind": "sequence", "memory": bool(node.memory)})
+def _sequence(node: Any) -> NodeSettings:
+    return NodeSettings({"kind": "sequence", "memory": bool(node.memory)})
 
 
-def _selector(node: Any) -> Equal:
-    return Equal({"kind": "fallback", "memory": bool(node.memory)})
+def _selector(node: Any) -> NodeSettings:
+    return NodeSettings({"kind": "fallback", "memory": bool(node.memory)})
 
 
-def _parallel(node: Any) -> Equal:
+def _parallel(node: Any) -> NodeSettings:
     policy = node.policy
     # A child that has failed ends it: none but those that have succeeded could be ticked again.
     again = {} if policy.synchronise else {"retick": True}
     if type(policy) is ParallelPolicy.SuccessOnAll:
-        return Equal({"kind": "parallel", **again})
+        return NodeSettings({"kind": "parallel", **again})
     if type(policy) is ParallelPolicy.SuccessOnOne:
         # The first failure ends it too, and before a success is looked at: that is what an exit does.
-        return Equal({"kind": "parallel", "policy": "any"}, failures=True)
+        return NodeSettings({"kind": "parallel", "policy": "any"}, failures=True)
     if type(policy) is ParallelPolicy.SuccessOnSelected:
         return _selected(node, again)
-    raise NoEqual(f"a Parallel with {type(policy).__name__}: what that decides isn't known")
+    raise NoEquivalentError(f"a Parallel with {type(policy).__name__}: what that decides isn't known")
 
 
-def _selected(node: Any, again: dict[str, Any]) -> Equal:
+def _selected(node: Any, again: dict[str, Any]) -> NodeSettings:
     chosen = {id(child) for child in node.policy.children}
     positions = tuple(n for n, child in enumerate(node.children) if id(child) in chosen)
     if not chosen or len(positions) < len(chosen):
-        raise NoEqual(
+        raise NoEquivalentError(
             "a Parallel with SuccessOnSelected needs a selection of its own children; py_trees refuses it too"
         )
-    return Equal({"kind": "parallel", **again}, selected=positions)
+    return NodeSettings({"kind": "parallel", **again}, selected=positions)
 
 
-def _retry(node: Any) -> Equal:
-    return Equal({"kind": "retry", "times": max(1, node.num_failures)})
+def _retry(node: Any) -> NodeSettings:
+    return NodeSettings({"kind": "retry", "times": max(1, node.num_failures)})
 
 
-def _repeat(node: Any) -> Equal:
-    return Equal({"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})})
+def _repeat(node: Any) -> NodeSettings:
+    return NodeSettings({"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})})
 
 
-def _timeout(node: Any) -> Equal:
+def _timeout(node: Any) -> NodeSettings:
     if node.duration <= 0:
-        raise NoEqual(f"a Timeout of {node.duration:g} s is over at once")
+        raise NoEquivalentError(f"a Timeout of {node.duration:g} s is over at once")
     own = {"kind": "timeout", "seconds": float(node.duration), "child_first": True}
-    return Equal(own, remark="its time is that of the run's clock now")
+    return NodeSettings(own, remark="its time is that of the run's clock now")
 
 
-def _timer(node: Any) -> Equal:
+def _timer(node: Any) -> NodeSettings:
     leaf = {"node": "flow/wait", "with": {"seconds": float(node.duration)}}
-    return Equal(leaf, remark="its time is that of the run's clock now")
+    return NodeSettings(leaf, remark="its time is that of the run's clock now")
 
 
-def _always(**settings: object) -> Callable[[object], Equal]:
-    return lambda node: Equal(dict(settings))
+def _always(**settings: object) -> Callable[[object], NodeSettings]:
+    return lambda node: NodeSettings(dict(settings))
 
 
-def _pass_through(node: object) -> Equal:
-    return Equal({"kind": "guard", "if": "true"}, remark="a PassThrough is a guard that is always open")
+def _pass_through(node: object) -> NodeSettings:
+    return NodeSettings({"kind": "guard", "if": "true"}, remark="a PassThrough is a guard that is always open")
 
 
-_KNOWN: dict[type[Behaviour], Callable[[object], Equal]] = {
+_KNOWN: dict[type[Behaviour], Callable[[object], NodeSettings]] = {
     composites.Sequence: _sequence,
     composites.Selector: _selector,
     composites.Parallel: _parallel,
@@ -187,17 +187,17 @@ def refuse_variables(document: model.AnyNode) -> None:
     """Refuse a node that sees variables: where these are declared only the whole task says.
 
     Raises:
-        NoEqual: it reads, writes or declares some.
+        NoEquivalentError: it reads, writes or declares some.
     """
     if document.precondition:
-        raise NoEqual(f"it has the precondition `{document.precondition}`, {_GIVE}")
+        raise NoEquivalentError(f"it has the precondition `{document.precondition}`, {_GIVE}")
     if isinstance(document, model.Leaf | model.Subtask) and (document.in_ or document.out):
-        raise NoEqual(f"its ports {sorted({*document.in_, *document.out})} are bound, {_GIVE}")
+        raise NoEquivalentError(f"its ports {sorted({*document.in_, *document.out})} are bound, {_GIVE}")
     if isinstance(document, model.Kind):
         if getattr(document, "data", None):
-            raise NoEqual(f"it declares variables, {_GIVE}")
+            raise NoEquivalentError(f"it declares variables, {_GIVE}")
         if document.reads or any(document.expressions()):
-            raise NoEqual(f"it is a {document.kind} over variables, {_GIVE}")
+            raise NoEquivalentError(f"it is a {document.kind} over variables, {_GIVE}")
 
 
 _GIVE = "and which variables those are only the compiled task knows; give that to `to_task`, not its root"

@@ -16,7 +16,7 @@ from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.node import Node
 from grip_bt.task import model
 
-from .classes import ENDS, Equal, NoEqual, equal_of, from_document, is_known, refuse_variables
+from .classes import ENDS, NodeSettings, NoEquivalentError, convert_behaviour, from_document, is_known, refuse_variables
 
 _PLAIN = {"success": "success", "failure": "failure"}
 _COMPOSITES = {name for name, kind in model.KINDS.items() if "children" in kind.model_fields}
@@ -26,7 +26,7 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
     """Return the task of a tree.
 
     A compiled task gives its own document back, with what was changed on its behaviours since: nodes added, removed
-    or moved, settings changed. Any other tree is read class by class; a behaviour that has no equal in a task is
+    or moved, settings changed. Any other tree is read class by class; a behaviour that has no equivalent in a task is
     refused, never approximated.
 
     Args:
@@ -84,30 +84,30 @@ class Reader:
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
 
-    def equal(self, behaviour: Behaviour, path: str) -> Equal:
-        """Return what one behaviour is; what has no equal is noted, so that all of them are found."""
+    def equal(self, behaviour: Behaviour, path: str) -> NodeSettings:
+        """Return what one behaviour is; what has no equivalent is noted, so that all of them are found."""
         try:
             if isinstance(behaviour, Node):
                 document = behaviour.kind if isinstance(behaviour, KindNode) else behaviour.document
                 if document is None:
-                    raise NoEqual(f"a {type(behaviour).__name__} that no task was compiled to")
+                    raise NoEquivalentError(f"a {type(behaviour).__name__} that no task was compiled to")
                 if not self.whole:
                     refuse_variables(document)
-                return Equal(from_document(behaviour, document))
+                return NodeSettings(from_document(behaviour, document))
             if not is_known(behaviour):
                 name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
-                return Equal(
-                    foreign_of(behaviour, name),
+                return NodeSettings(
+                    foreign_node(behaviour, name),
                     remark="kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml",
                 )
-            return equal_of(behaviour)
-        except NoEqual as why:
+            return convert_behaviour(behaviour)
+        except NoEquivalentError as why:
             self.issues.add("no-equivalent", path, str(why))
-            return Equal({"kind": "sequence"})
+            return NodeSettings({"kind": "sequence"})
 
-    def children(self, behaviour: Behaviour, path: str) -> dict[str, dict[str, Any]]:
+    def children(self, behaviour: Behaviour, path: str) -> dict[str, dict[str, object]]:
         """Return the children of a behaviour by name."""
-        result: dict[str, dict[str, Any]] = {}
+        result: dict[str, dict[str, object]] = {}
         names = distinct(child.name for child in behaviour.children)
         for name, child in zip(names, behaviour.children, strict=True):
             below = model.join(path, name)
@@ -144,7 +144,7 @@ _OF_A_RUN = {
 """Attributes that every behaviour has and that say nothing of how it was made."""
 
 
-def foreign_of(behaviour: Behaviour, name: str) -> dict[str, object]:
+def foreign_node(behaviour: Behaviour, name: str) -> dict[str, object]:
     """Return the keys of a foreign node that makes a behaviour like this one.
 
     Each argument of its constructor is looked for in an attribute of the same name. Whether these are right is seen
@@ -155,14 +155,14 @@ def foreign_of(behaviour: Behaviour, name: str) -> dict[str, object]:
         name: of the node.
 
     Raises:
-        NoEqual: it can't be made again of literals; the text says why.
+        NoEquivalentError: it can't be made again of literals; the text says why.
     """
     cls = type(behaviour)
     where = f"{cls.__module__}:{cls.__qualname__}"
     if cls.__module__ == "__main__" or _imported(cls) is not cls:
-        raise NoEqual(f"{cls.__qualname__} can't be imported by a name")
+        raise NoEquivalentError(f"{cls.__qualname__} can't be imported by a name")
     if behaviour.children:
-        raise NoEqual(f"{where} has children, and is no class that a task has")
+        raise NoEquivalentError(f"{where} has children, and is no class that a task has")
     args: dict[str, object] = {}
     for parameter in inspect.signature(cls).parameters.values():
         if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
@@ -170,7 +170,7 @@ def foreign_of(behaviour: Behaviour, name: str) -> dict[str, object]:
         if parameter.name != "name":
             value = getattr(behaviour, parameter.name, parameter.empty)
             if not _literal(value):
-                raise NoEqual(f"{where}: which {parameter.name!r} it was made with isn't known as a literal")
+                raise NoEquivalentError(f"{where}: which {parameter.name!r} it was made with isn't known as a literal")
             if type(value) is not type(parameter.default) or value != parameter.default:
                 args[parameter.name] = value
         elif behaviour.name != name:
@@ -200,11 +200,11 @@ def _compare(behaviour: Behaviour, where: str, args: dict[str, Any], named: bool
     try:
         again = type(behaviour)(**given)
     except Exception as error:
-        raise NoEqual(f"{where} can't be made again: {type(error).__name__}: {error}") from error
+        raise NoEquivalentError(f"{where} can't be made again: {type(error).__name__}: {error}") from error
     mine, other = vars(behaviour), vars(again)
     for name in (mine.keys() | other.keys()) - _OF_A_RUN:
         if name not in mine or name not in other or not _equal(mine[name], other[name]):
-            raise NoEqual(f"{where}: made again its {name!r} would be another one")
+            raise NoEquivalentError(f"{where}: made again its {name!r} would be another one")
 
 
 def _equal(one: object, other: object) -> bool:

@@ -1,4 +1,4 @@
-"""py_trees' XML -> task. Sub-trees are put in where they are used; what has no equal is refused with its line."""
+"""py_trees' XML -> task. Sub-trees are put in where they are used; what has no equivalent is refused with its line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from grip_bt.formats.xml_trees import DEEPEST, MOST_NODES, Element, TreeFiles
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
-from .classes import Equal, NoEqual, equal_of, why_not
+from .classes import NodeSettings, NoEquivalentError, convert_behaviour, reason_unsupported
 from .xml_values import Constant, Names, Variables, from_text
 
 _POLICIES: dict[str, Callable[[], ParallelPolicy.Base]] = {
@@ -52,7 +52,7 @@ def from_xml(text: str, catalog: Catalog, source: str = "", folder: Path | None 
         folder: where included files are looked for, and no further up; without it they are refused.
 
     Raises:
-        DocumentError: it can't be read, or holds something that has no equal in a task.
+        DocumentError: it can't be read, or holds something that has no equivalent in a task.
     """
     files = TreeFiles(source, folder)
     main = files.trees[files.load(text)]
@@ -86,15 +86,15 @@ class _Reader:
         if tag not in ("sequence", "selector", "fallback", "parallel") and tag not in _OTHERS:
             return self.leaf(element, names, path)
         try:
-            equal = equal_of(self.behaviour(element, names))
-        except NoEqual as why:
+            equal = convert_behaviour(self.behaviour(element, names))
+        except NoEquivalentError as why:
             raise element.error(str(why)) from None
         if equal.remark:
             self.issues.add("changed", path, equal.remark)
         children = self.children(element, names, path, inside)
         return self.container(equal, children)
 
-    def container(self, equal: Equal, children: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    def container(self, equal: NodeSettings, children: dict[str, dict[str, Any]]) -> dict[str, Any]:
         keys = dict(equal.settings)
         if equal.failures:
             keys["exits"] = {
@@ -147,7 +147,7 @@ class _Reader:
         tag = element.tag.lower()
         if tag in _OTHERS:
             if tag not in _DECORATORS:
-                raise NoEqual(why_not(_OTHERS[tag]))
+                raise NoEquivalentError(reason_unsupported(_OTHERS[tag]))
             cls, types = _DECORATORS[tag]
             given = self.settings(element, names, types)
             element.only_child()
@@ -158,7 +158,9 @@ class _Reader:
         if tag == "parallel":
             policy = self.settings(element, names, {"policy": "str"}).get("policy", "success_on_one")
             if policy not in _POLICIES:
-                raise NoEqual(f"the policy {policy!r}{nearest(policy, _POLICIES)} (available: {listing(_POLICIES)})")
+                raise NoEquivalentError(
+                    f"the policy {policy!r}{nearest(policy, _POLICIES)} (available: {listing(_POLICIES)})"
+                )
             return composites.Parallel("", _POLICIES[policy]())
         memory = self.settings(element, names, {"memory": "bool"}).get("memory", True)
         return (composites.Sequence if tag == "sequence" else composites.Selector)("", memory)

@@ -22,7 +22,7 @@ MOST_ITEMS = 10_000
 
 
 class RefusedError(Exception):
-    """A container has no equal among the kinds of a task; the message says why."""
+    """A container has no equivalent among the kinds of a task; the message says why."""
 
 
 @dataclass

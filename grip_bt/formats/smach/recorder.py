@@ -231,7 +231,7 @@ def _settings(found: object) -> dict[str, object]:
     return {}
 
 
-def _literal(value: Any) -> RecordedValue:
+def _literal(value: object) -> RecordedValue:
     plain = list(value) if isinstance(value, range) else value
     return RecordedValue(value=plain) if _is_plain(plain) else RecordedValue(opaque=type(value).__name__)
 
@@ -284,10 +284,10 @@ def _builds(code: CodeType, builders: set[str]) -> bool:
     return any(isinstance(c, CodeType) and _builds(c, builders) for c in code.co_consts)
 
 
-def _call(function: Callable[..., Any], name: str, recording: Recording, *first: Any) -> Any:
+def _call(function: Callable[..., object], name: str, recording: Recording, *first: object) -> object:
     """Call with what was given, defaults, and placeholders; what it raises is told and forgotten."""
     given = recording.given.get(name, {})
-    arguments: dict[str, Any] = {}
+    arguments: dict[str, object] = {}
     try:
         for parameter in list(inspect.signature(function).parameters.values())[len(first) :]:
             if parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):

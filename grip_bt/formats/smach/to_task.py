@@ -47,7 +47,7 @@ class TaskMaker:
     """Makes the task of one outermost container.
 
     Attributes:
-        may_be_one_leaf: whether one that has no equal becomes a task of one leaf, which runs it.
+        may_be_one_leaf: whether one that has no equivalent becomes a task of one leaf, which runs it.
     """
 
     may_be_one_leaf = True
@@ -97,7 +97,7 @@ class TaskMaker:
         """Return a container as a node, and what its outcomes stand for.
 
         Raises:
-            RefusedError: it has no equal.
+            RefusedError: it has no equivalent.
         """
         check(found)
         keys.begin(found)

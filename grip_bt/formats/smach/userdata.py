@@ -33,7 +33,7 @@ class Variables:
     """
 
     names: dict[str, None] = field(default_factory=dict)
-    values: dict[str, Any] = field(default_factory=dict)
+    values: dict[str, object] = field(default_factory=dict)
     first: dict[str, tuple[ast.expr, Any]] = field(default_factory=dict)
 
     def new(self, key: str, prefix: str) -> str:

@@ -90,7 +90,7 @@ def _stands_on(builder: SourceBuilder, trees: bool, plain: bool) -> str:
     about = "States called BehaviourTree tick a node of the task as GRIP does."
     if builder.trees:
         listed = ", ".join(f"{path} ({kind})" for path, kind in builder.trees.items())
-        about += f" These have parts that a machine of SMACH has no equal for: {listed}."
+        about += f" These have parts that a machine of SMACH has no equivalent for: {listed}."
     return about
 
 
@@ -119,8 +119,8 @@ def _listed(names: list[str]) -> str:
 def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> str:
     """Return a Python file that builds the machine of a task.
 
-    The machine does what `grip_bt.compilers.to_machine` makes of the task. What SMACH has no equal for (what interrupts
-    a running child, GRIP's own leaves, conditions on entry) is one state each, `BehaviourTree`, which ticks it.
+    The machine does what `grip_bt.compilers.to_machine` makes of the task. What SMACH has no equivalent for (what
+    interrupts a running child, GRIP's own leaves, conditions on entry) is one state each, `BehaviourTree`, that ticks.
 
     Args:
         task: the document.

@@ -48,7 +48,7 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
 
     Raises:
         InvalidTaskError: the task is wrong.
-        NotExpressibleError: a part of it has no equal in such a file.
+        NotExpressibleError: a part of it has no equivalent in such a file.
     """
     resolved = resolve(task, catalog)
     plan = Plan(grip=needs_grip(resolved), codes=asks_for_codes(resolved))

@@ -23,7 +23,7 @@ from grip_bt.task.catalog.source_code import line_of, source_of
 from .plan import Plan
 
 _EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
-"""Nodes of grip that have an equal without it."""
+"""Nodes of grip that have an equivalent without it."""
 _PLAIN = {"success": "success", "failure": "failure"}
 
 

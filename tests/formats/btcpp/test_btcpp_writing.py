@@ -287,7 +287,7 @@ REFUSALS: list[tuple[dict[str, Any], dict[str, Any], str]] = [
         {},
         "0.0005 s, which isn't a whole number of milliseconds",
     ),
-    ({**WORK, "precondition": "len([1]) > 0"}, {}, "`len([1])` has no equal"),
+    ({**WORK, "precondition": "len([1]) > 0"}, {}, "`len([1])` has no equivalent"),
     ({**WORK, "precondition": "0.5 == 0.5"}, {}, "BT.CPP takes numbers within 1.2e-7 for equal"),
     ({**WORK, "x-a": 1}, {}, "`x` of a leaf"),
     ({"kind": "switch", "on_value": "1", "cases": {"a": 1}, "children": {"a": WORK}}, {}, "this switch (it needs"),

@@ -73,7 +73,7 @@ def test_what_isnt_as_it_was_is_told(tmp_path):
     told = notes(import_grip(tmp_path))
     for text in (
         "/home/user/panda.urdf.xacro isn't there; give it by its own path",
-        "'not_done', the last one, is taken",
+        "'not_done', the last one, is used",
         "the plan that the commander kept to itself is a variable",
         "fails when the motion fails; the first GRIP ignored that",
         "pointcloud: PointCloud, by the names of alias and topic",
@@ -143,7 +143,7 @@ def test_a_stored_trajectory_is_followed_and_a_wait_waits(topic, target, tmp_pat
     write_settings(source / "swing.ini", {"root": swinging(topic, "" if topic else "0.2")})
     main(["import", str(source), "--from", "grip", "-o", str(out)])
     told = capsys.readouterr().out
-    assert "has no equal" not in told
+    assert "has no equivalent" not in told
     assert "goes to where the trajectory begins" in told
     assert errors_of(out, "swing") == []
     project = out / "grip.yaml"
@@ -173,7 +173,7 @@ def test_a_trajectory_of_a_hand_is_left_to_fill_in(tmp_path):
     write_settings(tmp_path / "swing.ini", {"root": swinging("done", "1", group="gripper")})
     imported = import_grip(tmp_path / "swing.ini")
     assert imported.tasks["swing"].root.children["swing"].node == "original/execute_trajectory"
-    assert "ExecuteTrajectory has no equal" in notes(imported)
+    assert "ExecuteTrajectory has no equivalent" in notes(imported)
 
 
 TEXT = """
@@ -200,7 +200,7 @@ def test_the_older_text_format_is_read_and_unknown_states_are_left_to_fill_in(tm
     (tmp_path / "hold.yaml").write_text(TEXT)
     out = tmp_path / "out"
     assert main(["import", str(tmp_path / "hold.yaml"), "--from", "grip", "-o", str(out)]) == 0
-    assert "WaitForSignal has no equal: write its class in nodes/original" in capsys.readouterr().out
+    assert "WaitForSignal has no equivalent; write its class: nodes/original" in capsys.readouterr().out
     task = read(out / "tasks" / "pick_and_hold.yaml").task
     rules = task.root.children["ConcurrentPlan"].rules
     assert [(dict(rule.when), rule.then) for rule in rules] == [

@@ -1,4 +1,4 @@
-"""Random trees of py_trees' own classes that a task has an equal for."""
+"""Random trees of py_trees' own classes that a task has an equivalent for."""
 
 from __future__ import annotations
 

@@ -341,7 +341,7 @@ ELSEWHERE = {
     "a machine that upstream finds inconsistent; the import says why": (21, 22, 59, 94, 95),
     "attributes of container objects, of which a task has none": (33, 76, 84, 85, 86, 88, 89, 90, 91, 92),
     "a second execution of one machine; each run of a task begins anew": (40,),
-    "callbacks and the shutdown check of containers, which a task has no equal of": (41, 42),
+    "callbacks and the shutdown check of containers, which a task has no equivalent of": (41, 42),
     "a machine that executes itself": (49,),
     "interrupts end the program here, and pass through in smach_compat too": (30,),
     "unregistered outcomes and keys that SMACH lets pass: a task refuses them by name": (52, 63, 64, 81),

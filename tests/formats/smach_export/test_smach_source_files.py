@@ -74,7 +74,7 @@ def test_containers_of_smach_are_used_where_there_are_some_and_the_rest_is_named
         "Joining(",
         "Count(3)",
         'transitions={"again": "fails", "enough": "failure"}',
-        "has no equal for: limited (timeout).",
+        "has no equivalent for: limited (timeout).",
         'task.userdata.names = ["a", "b"]',
     ):
         assert piece in " ".join(text.split()), piece

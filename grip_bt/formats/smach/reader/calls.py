@@ -92,7 +92,7 @@ class Calls(Evaluation):
             return Bound((base, me[0]), "super")
         return NotImplemented
 
-    def _attribute(self, node: ast.Attribute, scope: Scope) -> Any:
+    def _attribute(self, node: ast.Attribute, scope: Scope) -> object:
         if isinstance(node.value, ast.Call):
             owner = self.value(node.value, scope)
             if isinstance(owner, Bound) and owner.name == "super":
