@@ -6,83 +6,46 @@ task, with places), `shape` (what a document may hold, and its JSON Schema), `ca
 only what stands before it.
 """
 
-from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.model import children_of, expressions_of, join, outcomes_of, walk, with_refusal
-from grip_bt.task.shape import schema
+from grip_bt.base.frozen import FrozenDict as FrozenDict
+from grip_bt.task.model import children_of as children_of
+from grip_bt.task.model import expressions_of as expressions_of
+from grip_bt.task.model import join as join
+from grip_bt.task.model import outcomes_of as outcomes_of
+from grip_bt.task.model import walk as walk
+from grip_bt.task.model import with_refusal as with_refusal
+from grip_bt.task.shape import schema as schema
 
-from .canonical import dumps, fmt
-from .document import Document, load, loads, read, read_text
-from .model import (
-    FORMAT_VERSION,
-    KINDS,
-    AnyNode,
-    Container,
-    Cooldown,
-    Fallback,
-    Force,
-    ForEach,
-    Foreign,
-    Guard,
-    Invert,
-    Leaf,
-    Loop,
-    Meaning,
-    Name,
-    Node,
-    Parallel,
-    ParallelRule,
-    Repeat,
-    Retry,
-    Sequence,
-    StateMachine,
-    Subtask,
-    Switch,
-    Task,
-    Timeout,
-    Variable,
-)
-
-__all__ = [
-    "AnyNode",
-    "Container",
-    "Cooldown",
-    "Document",
-    "FORMAT_VERSION",
-    "Fallback",
-    "ForEach",
-    "Force",
-    "Foreign",
-    "Subtask",
-    "FrozenDict",
-    "Guard",
-    "Invert",
-    "KINDS",
-    "Leaf",
-    "Loop",
-    "Meaning",
-    "Name",
-    "Node",
-    "Parallel",
-    "ParallelRule",
-    "Repeat",
-    "Retry",
-    "Sequence",
-    "StateMachine",
-    "Switch",
-    "Task",
-    "Timeout",
-    "Variable",
-    "children_of",
-    "dumps",
-    "expressions_of",
-    "fmt",
-    "join",
-    "load",
-    "loads",
-    "outcomes_of",
-    "read",
-    "read_text",
-    "schema",
-    "walk",
-    "with_refusal",
-]
+from .canonical import dumps as dumps
+from .canonical import fmt as fmt
+from .document import Document as Document
+from .document import load as load
+from .document import loads as loads
+from .document import read as read
+from .document import read_text as read_text
+from .model import FORMAT_VERSION as FORMAT_VERSION
+from .model import KINDS as KINDS
+from .model import AnyNode as AnyNode
+from .model import Container as Container
+from .model import Cooldown as Cooldown
+from .model import Fallback as Fallback
+from .model import Force as Force
+from .model import ForEach as ForEach
+from .model import Foreign as Foreign
+from .model import Guard as Guard
+from .model import Invert as Invert
+from .model import Leaf as Leaf
+from .model import Loop as Loop
+from .model import Meaning as Meaning
+from .model import Name as Name
+from .model import Node as Node
+from .model import Parallel as Parallel
+from .model import ParallelRule as ParallelRule
+from .model import Repeat as Repeat
+from .model import Retry as Retry
+from .model import Sequence as Sequence
+from .model import StateMachine as StateMachine
+from .model import Subtask as Subtask
+from .model import Switch as Switch
+from .model import Task as Task
+from .model import Timeout as Timeout
+from .model import Variable as Variable

@@ -7,22 +7,16 @@
 The same over ROS 2, for other processes and languages: `grip_bt.ros.messages`.
 """
 
-from .files import read_joint_states, read_poses, read_trajectories
-from .library import STANDARD, LocalMessages, MessageLibrary
-from .store import ArchiveError, Change, Entry, MessageStore, load, names, save
-
-__all__ = [
-    "STANDARD",
-    "ArchiveError",
-    "Change",
-    "Entry",
-    "LocalMessages",
-    "MessageLibrary",
-    "MessageStore",
-    "load",
-    "names",
-    "read_joint_states",
-    "read_poses",
-    "read_trajectories",
-    "save",
-]
+from .files import read_joint_states as read_joint_states
+from .files import read_poses as read_poses
+from .files import read_trajectories as read_trajectories
+from .library import STANDARD as STANDARD
+from .library import LocalMessages as LocalMessages
+from .library import MessageLibrary as MessageLibrary
+from .store import ArchiveError as ArchiveError
+from .store import Change as Change
+from .store import Entry as Entry
+from .store import MessageStore as MessageStore
+from .store import load as load
+from .store import names as names
+from .store import save as save

@@ -20,6 +20,7 @@ import numpy as np
 
 from grip_bt.base.errors import DocumentError, nearest
 from grip_bt.base.values import JointState, Pose, Trajectory
+from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file
 
 _POSE_KEYS = ("position", "orientation")
@@ -140,30 +141,15 @@ def _pose(file: _File, parts: Mapping[str, YamlEntry], frame: str, name: str, at
     if set(position) != {"x", "y", "z"}:
         raise file.error(parts["position"], f"{name}: a position has x, y and z [m]")
     if set(orientation) == {"r", "p", "y"}:
-        quaternion = _of_angles(orientation["r"], orientation["p"], orientation["y"])
+        quaternion: tuple[float, ...] = quaternion_of(orientation["r"], orientation["p"], orientation["y"])
     elif set(orientation) == {"x", "y", "z", "w"}:
-        quaternion = np.array([orientation[k] for k in "wxyz"])
+        quaternion = tuple(orientation[k] for k in "wxyz")
     else:
         raise file.error(parts["orientation"], f"{name}: an orientation has r, p, y [rad], or x, y, z, w")
     try:
         return Pose(np.array([position[k] for k in "xyz"]), quaternion, frame)
     except ValueError as error:
         raise file.error(parts["orientation"], f"{name}: {error}") from None
-
-
-def _of_angles(roll: float, pitch: float, yaw: float) -> np.ndarray:
-    """Return the quaternion, w x y z, of turns about the fixed x, then y, then z axis [rad]."""
-    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
-    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
-    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
-    return np.array(
-        [
-            cr * cp * cy + sr * sp * sy,
-            sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy,
-            cr * cp * sy - sr * sp * cy,
-        ]
-    )
 
 
 _POINT = ("name", "interpolate_time", "pause_time")

@@ -4,62 +4,46 @@
 only the lines of the command change; `documents` reads typed text as a command; `history` with its file.
 """
 
-from grip_bt.task.edit.editing import BaseCommand
+from grip_bt.task.edit.editing import BaseCommand as BaseCommand
 
-from .change_kind import ChangeKind, Convert, Extract, Inline
-from .commands import AnyCommand, Applied, Command, Group, Patch, apply, command_of, title_of
-from .comment import Comment, comment_of
-from .containers import Unwrap, Wrap
-from .documents import Edited, apply_to_document, rewrite
-from .history import History, Moment, history_path, load_history, save_history
-from .keys import Connect, Disconnect, Set, SetMeaning, Unset
-from .nodes import Add, Move, Remove, Rename
-from .outcomes import RenameOutcome
-from .paste import Clip, Paste, clip_of
-from .steps import path_after
-from .variables import Declare, RenameVariable, Undeclare
-
-__all__ = [
-    "Add",
-    "AnyCommand",
-    "Applied",
-    "BaseCommand",
-    "ChangeKind",
-    "Clip",
-    "Command",
-    "Comment",
-    "Connect",
-    "Convert",
-    "Declare",
-    "Disconnect",
-    "Edited",
-    "Extract",
-    "Group",
-    "History",
-    "Inline",
-    "Moment",
-    "Move",
-    "Paste",
-    "Patch",
-    "Remove",
-    "Rename",
-    "RenameOutcome",
-    "RenameVariable",
-    "Set",
-    "SetMeaning",
-    "Undeclare",
-    "Unset",
-    "Unwrap",
-    "Wrap",
-    "apply",
-    "apply_to_document",
-    "clip_of",
-    "comment_of",
-    "command_of",
-    "history_path",
-    "load_history",
-    "path_after",
-    "rewrite",
-    "save_history",
-    "title_of",
-]
+from .change_kind import ChangeKind as ChangeKind
+from .change_kind import Convert as Convert
+from .change_kind import Extract as Extract
+from .change_kind import Inline as Inline
+from .commands import AnyCommand as AnyCommand
+from .commands import Applied as Applied
+from .commands import Command as Command
+from .commands import Group as Group
+from .commands import Patch as Patch
+from .commands import apply as apply
+from .commands import command_of as command_of
+from .commands import title_of as title_of
+from .comment import Comment as Comment
+from .comment import comment_of as comment_of
+from .containers import Unwrap as Unwrap
+from .containers import Wrap as Wrap
+from .documents import Edited as Edited
+from .documents import apply_to_document as apply_to_document
+from .documents import rewrite as rewrite
+from .history import History as History
+from .history import Moment as Moment
+from .history import history_path as history_path
+from .history import load_history as load_history
+from .history import save_history as save_history
+from .keys import Connect as Connect
+from .keys import Disconnect as Disconnect
+from .keys import Set as Set
+from .keys import SetMeaning as SetMeaning
+from .keys import Unset as Unset
+from .nodes import Add as Add
+from .nodes import Move as Move
+from .nodes import Remove as Remove
+from .nodes import Rename as Rename
+from .outcomes import RenameOutcome as RenameOutcome
+from .paste import Clip as Clip
+from .paste import Paste as Paste
+from .paste import clip_of as clip_of
+from .steps import path_after as path_after
+from .variables import Declare as Declare
+from .variables import RenameVariable as RenameVariable
+from .variables import Undeclare as Undeclare
