@@ -128,7 +128,7 @@ class _Source:
             raise self._fault(decorator, "the decorator needs the node's id: @leaf('group/name')")
         return {k: v if k == "outputs" else self._literal(v, k) for k, v in given.items()}
 
-    def _outputs(self, given: Any) -> dict[str, OutputPort]:
+    def _outputs(self, given: ast.expr) -> dict[str, OutputPort]:
         if isinstance(given, ast.Constant) and given.value is None:
             return {}
         if not isinstance(given, ast.Dict):
@@ -205,7 +205,7 @@ class _Source:
             raise self._fault(hint, f"{name}: {error}") from None
         return text
 
-    def _literal(self, value: ast.expr, name: str) -> Any:
+    def _literal(self, value: ast.expr, name: str) -> object:
         try:
             return ast.literal_eval(value)
         except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError):

@@ -42,42 +42,38 @@ def analyse(task: Task, catalog: Catalog) -> TaskAnalysis:
 
 def structural_issues(task: Task, catalog: Catalog) -> list[Issue]:
     """Return the errors without which every name of a task leads somewhere: it can be compiled, right or not."""
+    return _checked(task, catalog, None, None, structure_only=True).issues
+
+
+_STRUCTURAL_RULES = (check_names, check_foreign, check_subtasks, check_variables, check_expressions, check_parallel)
+_FURTHER_RULES = (check_numbers, check_messages, check_parts)
+
+
+def _checked(
+    task: Task,
+    catalog: Catalog,
+    document: Document | None,
+    subtasks: Subtasks | None,
+    structure_only: bool = False,
+) -> TaskAnalysis:
+    """Return the analysis of a task after all rules, or after those of its structure."""
 
     def inside(task: Task) -> Checked:
-        return _structural(task, catalog, known), {}
-
-    known = Subtasks(catalog, inside)
-    return _structural(task, catalog, known)
-
-
-def _structural(task: Task, catalog: Catalog, subtasks: Subtasks) -> list[Issue]:
-    analysis = TaskAnalysis(task, catalog, None, subtasks)
-    for rule in (check_names, check_foreign, check_subtasks, check_variables, check_expressions, check_parallel):
-        rule(analysis)
-    check_outcomes(analysis, None)
-    return [issue for issue in analysis.issues if issue.code in STRUCTURAL]
-
-
-def _checked(task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None) -> TaskAnalysis:
-    """Return the analysis of a task after all rules."""
-
-    def inside(task: Task) -> Checked:
-        analysis = _checked(task, catalog, None, known)
+        analysis = _checked(task, catalog, None, known, structure_only)
         return analysis.issues, analysis.written
 
     known = subtasks or Subtasks(catalog, inside)
     analysis = TaskAnalysis(task, catalog, document, known)
+    for rule in _STRUCTURAL_RULES:
+        rule(analysis)
+    if structure_only:
+        check_outcomes(analysis, None)
+        analysis.issues = [issue for issue in analysis.issues if issue.code in STRUCTURAL]
+        return analysis
+    for rule in _FURTHER_RULES:
+        rule(analysis)
     possible = PossibleOutcomes(analysis)
-    check_names(analysis)
-    check_numbers(analysis)
-    check_messages(analysis)
-    check_parts(analysis)
-    check_foreign(analysis)
-    check_subtasks(analysis)
-    check_variables(analysis)
-    check_expressions(analysis)
     check_outcomes(analysis, possible)
     check_reach(analysis, possible)
-    check_parallel(analysis)
     check_dataflow(analysis, possible)
     return analysis

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import Never
 
 from grip_bt.base.errors import ExpressionError, listing, nearest
@@ -159,14 +161,7 @@ class TaskAnalysis:
         """The root's placed."""
         return self.nodes[0]
 
-    def add(
-        self,
-        path: str,
-        key: Key,
-        code: str,
-        message: str,
-        fix: str = "",
-    ) -> None:
+    def add(self, path: str, key: Key, code: str, message: str, fix: str = "") -> None:
         """Note an issue, of a code of `SEVERITY`, at a key of the node at `path`."""
         place = self._document.position(path, key) if self._document else None
         line, column = place or (None, None)
@@ -185,22 +180,13 @@ class TaskAnalysis:
         otherwise: str = "",
         fix: str = "",
     ) -> None:
-        """Note a name that isn't there, with the nearest that is.
+        """Note a name that isn't among the allowed ones.
 
-        Args:
-            path: of the node.
-            key: where the name stands.
-            code: of the issue.
-            message: what is wrong.
-            name: the name.
-            allowed: the names that there are.
-            otherwise: what to do where none of them is near.
-            fix: what to do, where that is known.
+        What to do is `fix`, or else to write the nearest of them, or `otherwise` where none is near.
         """
         hint = nearest(name, allowed)
-        self.add(
-            path, key, code, f"{message}{hint} (available: {listing(allowed)})", fix or suggestion(hint, otherwise)
-        )
+        message = f"{message}{hint} (available: {listing(allowed)})"
+        self.add(path, key, code, message, fix or suggestion(hint, otherwise))
 
     def _scope(self, outer: Scope, owner: str, data: Mapping[str, Variable | str]) -> Scope:
         if not data:
@@ -260,12 +246,12 @@ class TaskAnalysis:
             placed.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
 
     def _sum_up(self, placed: PlacedNode) -> None:
-        node = placed.node
+        node, scope = placed.node, placed.scope
         if isinstance(node, Leaf | Subtask):
-            _bind(placed, node)
-        for _, items, _ in () if isinstance(node, Leaf) else node.taken():
-            if items in placed.scope:
-                placed.reads |= placed.scope[items].bit
+            placed.reads |= _bits(scope, node.in_.values())
+            placed.writes |= _bits(scope, node.out.values())
+        if not isinstance(node, Leaf):
+            placed.reads |= _bits(scope, (items for _, items, _ in node.taken()))
         for _, read in placed.expressions():
             for declared in read:
                 placed.reads |= declared.bit
@@ -292,15 +278,8 @@ def _codes_of(placed: PlacedNode) -> frozenset[str] | None:
     return frozenset(found)
 
 
-def _bind(placed: PlacedNode, node: Leaf | Subtask) -> None:
-    """Note which variables the ports of a node read and write."""
-    scope = placed.scope
-    for name in node.in_.values():
-        if name in scope:
-            placed.reads |= scope[name].bit
-    for name in node.out.values():
-        if name in scope:
-            placed.writes |= scope[name].bit
+def _bits(scope: Scope, names: Iterable[str]) -> int:
+    return reduce(or_, (scope[name].bit for name in names if name in scope), 0)
 
 
 def type_or_none(text: str) -> Type | None:

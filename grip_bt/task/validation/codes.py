@@ -7,76 +7,26 @@ from grip_bt.base.types import BUILTINS
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog, Type
 
+_STRUCTURAL = (
+    *("unknown-node", "unknown-parameter", "missing-parameter", "unknown-input", "missing-input", "unknown-output"),
+    *("unknown-subtask", "recursive-subtask", "invalid-subtask", "unlisted-code", "bad-expression"),
+    *("unknown-type", "undeclared-variable", "unknown-outcome", "contradictory-outcome", "unknown-child"),
+    *("unknown-target", "missing-target", "misplaced-on"),
+)
 _ERRORS = (
-    "unknown-node",
-    "unknown-parameter",
-    "missing-parameter",
-    "wrong-parameter-type",
-    "unknown-input",
-    "missing-input",
-    "input-given-twice",
-    "unknown-subtask",
-    "recursive-subtask",
-    "invalid-subtask",
-    "unknown-output",
-    "unknown-type",
-    "undeclared-variable",
-    "wrong-variable-type",
-    "unlisted-code",
-    "unknown-behaviour",
-    "wrong-initial-value",
-    "not-a-number",
-    "bad-expression",
-    "wrong-expression-type",
-    "read-before-write",
-    "unknown-outcome",
-    "contradictory-outcome",
-    "unknown-child",
-    "unknown-target",
-    "ambiguous-target",
-    "ambiguous-case",
-    "missing-target",
-    "misplaced-on",
-    "empty-container",
-    "parallel-writes",
-    "parallel-read-write",
-    "unknown-code",
-    "unknown-arm",
-    "unknown-hand",
-    "unknown-state",
-    "unknown-finger",
-    "unknown-link",
-    "unfit-project",
+    *_STRUCTURAL,
+    *("wrong-parameter-type", "input-given-twice", "wrong-variable-type", "unknown-behaviour", "wrong-initial-value"),
+    *("not-a-number", "wrong-expression-type", "read-before-write", "ambiguous-target", "ambiguous-case"),
+    *("empty-container", "parallel-writes", "parallel-read-write", "unknown-code", "unknown-arm", "unknown-hand"),
+    *("unknown-state", "unknown-finger", "unknown-link", "unfit-project"),
 )
 _WARNINGS = (
-    "unknown-message",
-    "not-taught-yet",
-    "no-controller",
-    "missing-package",
-    "infinite-number",
-    "impossible-outcome",
-    "unused-outcome",
-    "never-read",
-    "unwritten-output",
-    "shadowed-variable",
-    "unreachable-node",
-    "endless-machine",
-    "dead-end",
+    *("unknown-message", "not-taught-yet", "no-controller", "missing-package", "infinite-number"),
+    *("impossible-outcome", "unused-outcome", "never-read", "unwritten-output", "shadowed-variable"),
+    *("unreachable-node", "endless-machine", "dead-end"),
 )
-SEVERITY: dict[str, Severity] = {
-    **dict.fromkeys(_ERRORS, "error"),
-    **dict.fromkeys(_WARNINGS, "warning"),
-}
-
-
-STRUCTURAL = frozenset(
-    {
-        *("unknown-node", "unknown-parameter", "missing-parameter", "unknown-input", "missing-input", "unknown-output"),
-        *("unknown-subtask", "recursive-subtask", "invalid-subtask", "unlisted-code", "bad-expression"),
-        *("unknown-type", "undeclared-variable", "unknown-outcome", "contradictory-outcome", "unknown-child"),
-        *("unknown-target", "missing-target", "misplaced-on"),
-    }
-)
+SEVERITY: dict[str, Severity] = {**dict.fromkeys(_ERRORS, "error"), **dict.fromkeys(_WARNINGS, "warning")}
+STRUCTURAL = frozenset(_STRUCTURAL)
 """Errors with which a task can't be compiled; with the others it could, and would do what isn't meant."""
 
 _WRITTEN = frozenset({*BUILTINS, "list", "dict", "Any", "None"}) - {"bytes"}
