@@ -108,14 +108,14 @@ class Connect(BaseCommand):
         record, field, key = _edge(edit, self.path, self.outcome)
         allowed = _targets(edit, self.path)
         if self.target not in allowed:
-            message = f"can't lead to {self.target!r}{nearest(self.target, allowed)} (available: "
+            message = f"can't be connected to {self.target!r}{nearest(self.target, allowed)} (available: "
             hint = "" if field == "on" else "; edges between siblings need a state_machine: `change_kind`"
             raise EditError(self.path, f"{message}{listing(allowed)}){hint}")
         edit.set_in(record, field, key, self.target)
 
 
 class Disconnect(BaseCommand):
-    """An outcome of a node leads nowhere any more."""
+    """An outcome of a node isn't connected any more."""
 
     do: Literal["disconnect"] = "disconnect"
     words: ClassVar[str] = "disconnect {outcome} of {path}"

@@ -61,7 +61,7 @@ class Undeclare(BaseCommand):
     @override
     def plan(self, edit: Edit) -> None:
         _declared(edit, self.path, self.name)
-        users = [seer.path for seer in _users(edit, self.path, self.name)]
+        users = [viewer.path for viewer in _users(edit, self.path, self.name)]
         if users:
             shown = listing(dict.fromkeys(users))
             raise EditError(self.path, f"the variable {self.name!r} is used by {shown}; unbind it there first")
@@ -90,8 +90,8 @@ class RenameVariable(BaseCommand):
         if self.to in declared_by(holder):
             raise EditError(self.path, f"there is a variable {self.to!r} already")
         _refuse_capture(edit, self)
-        for seer in list(_users(edit, self.path, self.name)):
-            _follow(edit, seer, self)
+        for viewer in list(_users(edit, self.path, self.name)):
+            _follow(edit, viewer, self)
         place = edit.place(self.path)
         for key in DECLARING:
             if self.name in getattr(holder, key, ()):
@@ -110,7 +110,7 @@ def declared_by(holder: object) -> list[str]:
 
 def used_by(node: AnyNode) -> tuple[set[str], set[str]]:
     """Return the variables that a node itself uses: of those around it, and of those that it may declare too."""
-    return _Seer("", node, True, False).uses(), _Seer("", node, False, True).uses()
+    return _Viewer("", node, True, False).uses(), _Viewer("", node, False, True).uses()
 
 
 def _holder(edit: Edit, path: str) -> object:
@@ -128,7 +128,7 @@ def _declared(edit: Edit, path: str, name: str) -> object:
 
 
 @dataclass(frozen=True)
-class _Seer:
+class _Viewer:
     """A node from which a variable may be seen.
 
     `around` tells whether it is seen around the node (by its `precondition`), `inside` whether by what is its own.
@@ -154,22 +154,22 @@ class _Seer:
                 yield key, text
 
 
-def _users(edit: Edit, path: str, name: str) -> Iterator[_Seer]:
+def _users(edit: Edit, path: str, name: str) -> Iterator[_Viewer]:
     """Yield the nodes that use the variable `name` which is declared at `path`."""
-    return (seer for seer in _scope(edit, path, name) if name in seer.uses())
+    return (viewer for viewer in _scope(edit, path, name) if name in viewer.uses())
 
 
-def _scope(edit: Edit, path: str, name: str) -> Iterator[_Seer]:
+def _scope(edit: Edit, path: str, name: str) -> Iterator[_Viewer]:
     """Yield the nodes from which the variable `name` declared at `path` may be seen."""
     stack = [("/", edit.task.root)]
     if path != "":
         holder = edit.node(path)
-        yield _Seer(path, holder, False, True)
+        yield _Viewer(path, holder, False, True)
         stack = [(join(path, child), node) for child, node in children_of(holder).items()]
     while stack:
         inner, node = stack.pop()
         hidden = name in declared_by(node)
-        yield _Seer(inner, node, True, not hidden)
+        yield _Viewer(inner, node, True, not hidden)
         if not hidden:
             stack.extend((join(inner, child), below) for child, below in children_of(node).items())
 
@@ -183,35 +183,35 @@ def _names(text: str) -> tuple[str, ...]:
 
 def _refuse_capture(edit: Edit, command: RenameVariable) -> None:
     """Refuse a name that means something else where the variable is used, or that is used in its scope."""
-    for seer in _scope(edit, command.path, command.name):
-        if command.to in seer.uses():
+    for viewer in _scope(edit, command.path, command.name):
+        if command.to in viewer.uses():
             raise EditError(
-                command.path, f"{seer.path} uses another variable {command.to!r}, which this one would hide"
+                command.path, f"{viewer.path} uses another variable {command.to!r}, which this one would hide"
             )
-    for seer in _users(edit, command.path, command.name):
-        at = seer.path
+    for viewer in _users(edit, command.path, command.name):
+        at = viewer.path
         while at != command.path:
             if command.to in declared_by(edit.node(at)):
                 raise EditError(command.path, f"{at} has its own variable {command.to!r}, which would hide this one")
             at = "" if at == "/" else at.rpartition("/")[0] or "/"
 
 
-def _follow(edit: Edit, seer: _Seer, command: RenameVariable) -> None:
-    place = edit.place(seer.path)
+def _follow(edit: Edit, viewer: _Viewer, command: RenameVariable) -> None:
+    place = edit.place(viewer.path)
     for side in ("in", "out"):
         for port, variable in edit.entries(place, side).items():
             if variable == command.name:
                 edit.set((*place, side), port, command.to)
     for key in _READS:
-        if seer.inside and getattr(seer.node, key, None) == command.name:
+        if viewer.inside and getattr(viewer.node, key, None) == command.name:
             edit.set(place, key, command.to)
-    for key, text in seer.expressions():
-        new = _renamed(text, command, seer.path)
+    for key, text in viewer.expressions():
+        new = _renamed(text, command, viewer.path)
         if new == text:
             continue
         if not isinstance(edit.draft.mapping(place).get(key), str):
             message = f"the expression {text!r} under {key!r} can't be followed; change it by hand, then rename"
-            raise EditError(seer.path, message)
+            raise EditError(viewer.path, message)
         edit.set(place, key, new)
 
 
