@@ -79,11 +79,11 @@ def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], object] | None = Non
                 return node.status
             pacer.rest(seen)
     except BaseException as error:
-        halt_after(error, node)
+        _halt_after(error, node)
         raise
 
 
-def halt_after(error: BaseException, node: Behaviour) -> None:
+def _halt_after(error: BaseException, node: Behaviour) -> None:
     """Halt everything below `node`; note with the error what else went wrong meanwhile."""
     for path, trouble in halt(node):
         error.add_note(f"while stopping {path}: {type(trouble).__name__}: {trouble}")

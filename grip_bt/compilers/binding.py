@@ -46,14 +46,14 @@ def bind_answers(answers: Answers, part: Part, kind: Kind, scopes: Scopes) -> No
             if kind.reactive:
                 condition.watch(answers.written)
         else:
-            answers.readers[field] = bind_value(path, key, text, scope, scopes)
+            answers.readers[field] = _bind_value(path, key, text, scope, scopes)
     for key in kind.reads:
         answers.readers[key] = scopes.reader(path, key, _cell(scope, getattr(kind, key)))
     for key in kind.puts:
         answers.writers[key] = scopes.writer(path, key, _cell(scope, getattr(kind, key)))
 
 
-def bind_value(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Callable[[], Any]:
+def _bind_value(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Callable[[], Any]:
     """Return what computes the expression at `key` of the node at `path`."""
     expression, cells = _cells(text, scope)
     return value_of(expression, {name: scopes.reader(path, key, cell) for name, cell in cells.items()})

@@ -69,7 +69,7 @@ LOOK = 0.1
 _IDLE = 0.2
 
 
-class SteeringLeaf(ArmLeaf):
+class _SteeringLeaf(ArmLeaf):
     """A leaf that tells an arm where to, again and again, while it moves."""
 
     _asked_before = False
@@ -100,14 +100,14 @@ class SteeringLeaf(ArmLeaf):
         return self.running("moving")
 
 
-class Jog(SteeringLeaf):
+class Jog(_SteeringLeaf):
     """Move the hand with a twist, for a while or until interrupted."""
 
     def update(self) -> Status:
         """A motion whose length is known is made in one; else go on."""
         if self.params["seconds"] is None:
             return super().update()
-        return super(SteeringLeaf, self).update()
+        return super(_SteeringLeaf, self).update()
 
     def start(self) -> Operation[JointState]:
         """Go."""
@@ -124,7 +124,7 @@ class Jog(SteeringLeaf):
         return super().finish(result) if self.params["seconds"] is None else self.end(reached=result)
 
 
-class Follow(SteeringLeaf):
+class Follow(_SteeringLeaf):
     """Follow a pose that may move."""
 
     def update(self) -> Status:

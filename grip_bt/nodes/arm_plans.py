@@ -142,14 +142,14 @@ class MoveStraight(ArmLeaf):
 
 
 @dataclass(frozen=True, slots=True)
-class Passed:
+class _Passed:
     """What came of a motion: the plan, and what was measured at its end."""
 
     plan: Plan
     reached: JointState
 
 
-class ThroughLeaf(KeepingLeaf):
+class _ThroughLeaf(KeepingLeaf):
     """A leaf that is given way points, as offsets or bound."""
 
     def prepare(self) -> None:
@@ -187,7 +187,7 @@ class ThroughLeaf(KeepingLeaf):
         ]
 
 
-class PlanThrough(ThroughLeaf):
+class PlanThrough(_ThroughLeaf):
     """Plan through way points."""
 
     def start(self) -> Operation[Plan]:
@@ -199,16 +199,16 @@ class PlanThrough(ThroughLeaf):
         return self.end(plan=result, radii=list(result.radii))
 
 
-class MoveThrough(ThroughLeaf):
+class MoveThrough(_ThroughLeaf):
     """Go through way points."""
 
-    def start(self) -> Operation[Passed]:
+    def start(self) -> Operation[_Passed]:
         """Plan and follow."""
         return self.arm.plan_through(self.way_points(), constraint=self.constraint()).then(
-            lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished(Passed(plan, reached)))
+            lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished(_Passed(plan, reached)))
         )
 
-    def finish(self, result: Passed) -> Status:
+    def finish(self, result: _Passed) -> Status:
         """Hand out what was measured, and the plan's radii."""
         return self.end(reached=result.reached, radii=list(result.plan.radii))
 

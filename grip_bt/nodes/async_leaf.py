@@ -29,7 +29,7 @@ class _Loop(asyncio.SelectorEventLoop):
         return super().time() - self.held
 
 
-class HeldCoroutine:
+class _HeldCoroutine:
     """One coroutine under way; implements `grip_bt.base.ports.Pausable`.
 
     Args:
@@ -116,7 +116,7 @@ def run_coroutine(context: Context, make: Callable[[], Coroutine[Any, Any, Any]]
         LEFT.set(whole.works_with)
         return await make()
 
-    coroutine = HeldCoroutine(main)
+    coroutine = _HeldCoroutine(main)
     whole: Operation[Any] = Operation(on_cancel=coroutine.cancel)
     let_go = context.hold_with(coroutine)
     part = context.run_in_worker(coroutine.run)

@@ -107,7 +107,7 @@ def _opened(mask: Mask) -> Mask:
 Hulls = Sequence[NDArray[np.float64]]
 MARGIN = 0.02
 """A point may be measured so far in front of a hull, or behind it, and is the robot's all the same [m]."""
-NEAREST = 0.02
+_NEAREST = 0.02
 """What is nearer to the camera's plane than this has no outline in the image [m]."""
 
 
@@ -161,9 +161,9 @@ def _draw(mask: NDArray[np.uint8], info: CameraInfo, hull: NDArray[np.float64]) 
     """Fill a hull's outline; return how far its points are along the optical axis [m]."""
     local = (hull - info.pose.position) @ info.pose.rotation()
     away: NDArray[np.float64] = local[:, 2]
-    if away.max() <= NEAREST:
+    if away.max() <= _NEAREST:
         return away  # behind the camera
-    if away.min() <= NEAREST:
+    if away.min() <= _NEAREST:
         mask[:] = 1  # around the camera: its projection has no bounds
         return away
     corners = cv2.convexHull(info.project(hull).astype(np.float32)).reshape(-1, 2)

@@ -24,7 +24,7 @@ STILL = 1e-3
 """Joints that go a shorter way than this from open to closed [rad or m] don't count."""
 SHIFT = 0.03
 """What is held may have shifted so far from where the scene has it [m]."""
-VISIBLE = 25
+_VISIBLE = 25
 """Fewer pixels of an object than this tell nothing."""
 
 
@@ -72,10 +72,10 @@ def holds(voices: Sequence[Voice]) -> bool:
 
 def hand_voices(hand: Hand, limits: Limits) -> list[Voice]:
     """Return what the hand itself says now."""
-    return [contact_voice(hand, limits), fingers_voice(hand, limits)]
+    return [_contact_voice(hand, limits), fingers_voice(hand, limits)]
 
 
-def contact_voice(hand: Hand, limits: Limits) -> Voice:
+def _contact_voice(hand: Hand, limits: Limits) -> Voice:
     """Say whether links of the hand touch something."""
     links = sorted(link for link, pressed in hand.contacts().items() if pressed >= limits.force)
     touching = listing(links) if links else "nothing"
@@ -131,7 +131,7 @@ def sight_voice(depth: DepthImage, scene: Scene, hand: str, hulls: Hulls) -> Voi
     box = _corners(size, pose)
     info = depth.info
     seen: Mask = outline(info, [box]) & ~robot_pixels(depth, hulls)
-    if seen.sum() < VISIBLE:
+    if seen.sum() < _VISIBLE:
         return Voice("sight", None, "the camera doesn't see what would be in the hand")
     away = (box - info.pose.position) @ info.pose.rotation()[:, 2]
     slack = SHIFT + MARGIN
@@ -147,7 +147,7 @@ def _corners(size: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
     return pose.apply(signs * np.asarray(size) / 2)
 
 
-def image_voice(change: Change, min_vacated: float, max_appeared: float, min_pixels: int = VISIBLE) -> Voice:
+def image_voice(change: Change, min_vacated: float, max_appeared: float, min_pixels: int = _VISIBLE) -> Voice:
     """Say whether the object has left its place, and isn't elsewhere on the table.
 
     Args:

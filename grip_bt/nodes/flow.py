@@ -14,7 +14,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.nodes.leaf import Leaf
 
 
-class ExpressionLeaf(Leaf):
+class _ExpressionLeaf(Leaf):
     """A leaf with a parameter `expression`, which names the inputs `a` to `h`."""
 
     def prepare(self) -> None:
@@ -98,7 +98,7 @@ class Set(Leaf):
         return self.end(value=deepcopy(self.params["value"]))
 
 
-class Compute(ExpressionLeaf):
+class Compute(_ExpressionLeaf):
     """Give a variable the value of an expression over the inputs."""
 
     def update(self) -> Status:
@@ -106,7 +106,7 @@ class Compute(ExpressionLeaf):
         return self.end(value=self.compute())
 
 
-class WaitUntil(ExpressionLeaf):
+class WaitUntil(_ExpressionLeaf):
     """Wait until an expression over the inputs is true; each write of a variable has it looked at again."""
 
     _until: float | None = None

@@ -105,7 +105,7 @@ _OWN = frozenset(
 _KINDS: dict[str, type[_Port[Any]]] = {"Input": Input, "Output": Output, "Param": Param}
 
 
-def with_ports(cls: type) -> type[Leaf]:
+def _with_ports(cls: type) -> type[Leaf]:
     """Give a class that is a leaf an attribute for each annotated port.
 
     Raises:
@@ -199,7 +199,7 @@ def leaf(
 
     def make(function: Callable[..., Any]) -> type[Leaf]:
         if isinstance(function, type):
-            return with_ports(function)
+            return _with_ports(function)
         if quick and inspect.iscoroutinefunction(function):
             raise TypeError(f"{function.__qualname__}: a coroutine waits, so it can't be quick")
         hints = typing.get_type_hints(function)

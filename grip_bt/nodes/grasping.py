@@ -86,18 +86,18 @@ class Rank(ArmLeaf):
         return scores
 
 
-SAME_PLACE = 0.02
-"""Two grasps nearer than this [m] and `SAME_DIRECTION` are one."""
-SAME_DIRECTION = np.radians(20)
+_SAME_PLACE = 0.02
+"""Two grasps nearer than this [m] and `_SAME_DIRECTION` are one."""
+_SAME_DIRECTION = np.radians(20)
 
 
 def same_grasp(one: Grasp, other: Grasp) -> bool:
     """Tell whether two grasps put the hand within 2 cm and 20 degrees of each other."""
-    if np.linalg.norm(one.pose.position - other.pose.position) > SAME_PLACE:
+    if np.linalg.norm(one.pose.position - other.pose.position) > _SAME_PLACE:
         return False
     between = one.pose.rotation().T @ other.pose.rotation()
     angle = np.arccos(np.clip((np.trace(between) - 1) / 2, -1, 1))
-    return bool(angle <= SAME_DIRECTION)
+    return bool(angle <= _SAME_DIRECTION)
 
 
 class Choose(ArmLeaf):

@@ -65,7 +65,7 @@ class ReadState(HandLeaf):
         return self.end(state=self.hand.state())
 
 
-class MovingHandLeaf(HandLeaf):
+class _MovingHandLeaf(HandLeaf):
     """A leaf that moves the fingers without asking whether they touch."""
 
     def move(self, posture: JointState | str) -> Operation[JointState]:
@@ -73,7 +73,7 @@ class MovingHandLeaf(HandLeaf):
         return self.hand.move(posture, self.params["torque_limit"], self.params["seconds"])
 
 
-class Posture(MovingHandLeaf):
+class Posture(_MovingHandLeaf):
     """Go to a posture, named or bound."""
 
     def prepare(self) -> None:
@@ -97,7 +97,7 @@ class Posture(MovingHandLeaf):
         return self.move(name if bound is None else bound)
 
 
-class Fingers(MovingHandLeaf):
+class Fingers(_MovingHandLeaf):
     """Close some fingers in part."""
 
     def prepare(self) -> None:
@@ -110,7 +110,7 @@ class Fingers(MovingHandLeaf):
         return self.move(self._posture)
 
 
-class Fingertips(MovingHandLeaf):
+class Fingertips(_MovingHandLeaf):
     """Bring fingertips to positions."""
 
     def prepare(self) -> None:
@@ -126,7 +126,7 @@ class Fingertips(MovingHandLeaf):
         return found.then(self.move)
 
 
-class Synergy(MovingHandLeaf):
+class Synergy(_MovingHandLeaf):
     """Go to the posture of synergies."""
 
     def prepare(self) -> None:

@@ -31,7 +31,7 @@ def distances_to_box(points: ArrayLike, size: ArrayLike, pose: Pose) -> NDArray[
     return away
 
 
-def distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
+def _distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
     """Return the distance of a point from a box; 0 inside [m]."""
     return float(distances_to_box(np.atleast_2d(np.asarray(point, dtype=float)), size, pose)[0])
 
@@ -42,7 +42,7 @@ def closing_point(grasp: Grasp) -> NDArray[np.float64]:
     return grasp.pose.position + depth * grasp.pose.rotation()[:, 2]
 
 
-def closing_points(grasp: Grasp) -> list[NDArray[np.float64]]:
+def _closing_points(grasp: Grasp) -> list[NDArray[np.float64]]:
     """Return where the grasped object may be, the likeliest first: its closing point, and out to the finger tips."""
     normal = grasp.pose.rotation()[:, 2]
     return [closing_point(grasp), *(grasp.pose.position + depth * normal for depth in FINGER_DEPTHS)]
@@ -54,9 +54,9 @@ def object_at(scene: Scene, grasp: Grasp, within: float = 0.03) -> str | None:
     That is its closing point or, for a pinch with the finger tips, further out along the palm's normal.
     """
     seen = [(n, *scene.box(n)) for n in scene.names() if n.startswith(SEEN)]
-    for point in closing_points(grasp):
+    for point in _closing_points(grasp):
         distance, name = min(
-            ((distance_to_box(point, size, pose), n) for n, size, pose in seen), default=(np.inf, None)
+            ((_distance_to_box(point, size, pose), n) for n, size, pose in seen), default=(np.inf, None)
         )
         if distance <= within:
             return name
@@ -67,7 +67,7 @@ def objects_near(scene: Scene, hand: Pose, within: float = 0.09) -> tuple[str, .
     """Return the seen and placed objects `within` [m] of the middle of an open hand whose grasp frame is at `hand`."""
     middle = hand.apply([[0.04, 0.0, 0.04]])[0]
     names = (n for n in scene.names() if n.startswith((SEEN, PLACED)))
-    return tuple(n for n in names if distance_to_box(middle, *scene.box(n)) <= within)
+    return tuple(n for n in names if _distance_to_box(middle, *scene.box(n)) <= within)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +136,7 @@ def free_name(scene: Scene, prefix: str) -> str:
 
 FINGER = 0.13
 """How far open fingers reach from the grasp frame [m]."""
-WALL = 0.02
+_WALL = 0.02
 """Distance to keep from the walls [m]: the fingers open in it."""
 
 
@@ -165,12 +165,12 @@ def free_spots(region: Region, radius: float, taken: Sequence[Disc], count: int 
     Good is far from what stands there and, while there is room, far from the middle, so that the next object finds room
     too. Spots keep 4 cm from each other, so that they are really different.
     """
-    low, high = region.low + radius + WALL, region.high - radius - WALL
+    low, high = region.low + radius + _WALL, region.high - radius - _WALL
     if np.any(high < low):
         return np.zeros((0, 2))
     axes = [np.linspace(a, b, max(2, round((b - a) / 0.02) + 1)) for a, b in zip(low, high, strict=True)]
     spots = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
-    room = room_at(spots, taken) - radius
+    room = _room_at(spots, taken) - radius
     spots, room = spots[room > 0.01], room[room > 0.01]
     from_middle = np.linalg.norm((spots - (region.low + region.high) / 2) / (region.high - region.low), axis=1)
     order = np.argsort(-(np.minimum(room, 0.12) + 0.1 * from_middle), kind="stable")
@@ -183,7 +183,7 @@ def free_spots(region: Region, radius: float, taken: Sequence[Disc], count: int 
     return np.array(chosen).reshape(-1, 2)
 
 
-def room_at(points: NDArray[np.float64], taken: Sequence[Disc]) -> NDArray[np.float64]:
+def _room_at(points: NDArray[np.float64], taken: Sequence[Disc]) -> NDArray[np.float64]:
     """Return each point's distance from the nearest object, shape (n,) [m]; 1 where there is none."""
     nearest = np.full(len(points), 1.0)
     for disc in taken:
@@ -199,7 +199,7 @@ def opening_room(hand: Pose, taken: Sequence[Disc]) -> float:
     """
     angle, reach = np.meshgrid(np.linspace(0, np.pi / 2, 7), np.linspace(0.03, FINGER, 5))
     swing = np.stack([reach * np.cos(angle), 0 * angle, reach * np.sin(angle)], axis=-1).reshape(-1, 3)
-    return float(room_at(hand.apply(swing)[:, :2], taken).min())
+    return float(_room_at(hand.apply(swing)[:, :2], taken).min())
 
 
 def turned(yaw: float) -> NDArray[np.float64]:

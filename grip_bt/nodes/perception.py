@@ -65,7 +65,7 @@ class Capture(OperationLeaf):
     def prepare(self) -> None:
         """Look the sensor up."""
         self.camera = self.context.camera(self.manifest.settings["sensor"])
-        check_region(self.path, self.params["region"])
+        _check_region(self.path, self.params["region"])
 
     def start(self) -> Operation[_Look]:
         """Ask for a frame, and find the robot in it."""
@@ -90,7 +90,7 @@ class Capture(OperationLeaf):
         return _Look(frame, hidden, beside.cloud())
 
 
-def check_region(path: str, region: list[float]) -> None:
+def _check_region(path: str, region: list[float]) -> None:
     """Raise ValueError unless a region is empty, or x from, x to, y from, y to."""
     if region and not (len(region) == 4 and region[0] < region[1] and region[2] < region[3]):
         raise ValueError(f"{path}: `region` is x from, x to, y from, y to [m], or empty, not {region}")
@@ -217,7 +217,7 @@ class ClearView(ArmLeaf):
         """Look up arm, camera and state."""
         super().prepare()
         self.camera = self.context.camera(self.params["sensor"])
-        check_region(self.path, self.params["region"])
+        _check_region(self.path, self.params["region"])
         states = self.arm.named_states()
         if self.params["state"] not in states:
             raise UnknownNameError("named state", self.params["state"], states, where=self.path)

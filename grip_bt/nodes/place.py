@@ -20,9 +20,9 @@ from .motion import first_of, go, go_straight, tolerant, widened
 from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
 
 YAWS = np.radians(np.arange(0, 360, 15))
-TRIES = 4
+_TRIES = 4
 """So many spots are planned for, one after the other; a plan that isn't found costs seconds."""
-NARROW = 0.01
+_NARROW = 0.01
 """Opening fingers stay so far from what was placed [m]."""
 SHIFT = 0.02
 """What was placed may stand so far from where it is thought to [m]."""
@@ -91,7 +91,7 @@ class Place(ArmHandLeaf):
                 for extra in (0.0, 0.025, 0.05):
                     hand = Pose([*spot, height + extra], turned(yaw)) @ in_hand
                     room = opening_room(hand, taken)
-                    if room > NARROW:
+                    if room > _NARROW:
                         quality = _ease(hand, spot) + 4 * min(room, 0.05) - 0.05 * rank - 20 * extra
                         above = hand.moved([0, 0, up])
                         candidates.append(Grasp(hand, above, above, quality=quality, provenance="arm/place"))
@@ -108,10 +108,10 @@ class Place(ArmHandLeaf):
             raise NoRoomError(f"no free spot in {self.params['target'] or 'reach of the position'}")
         remaining = sorted(candidates, key=lambda c: -c.quality)
         taken = self._taken()
-        roomy = [c for c in remaining if taken and opening_room(c.pose, taken) > NARROW + SHIFT]
+        roomy = [c for c in remaining if taken and opening_room(c.pose, taken) > _NARROW + SHIFT]
         ways = (
             lambda: (self._roomy(roomy, remaining) if roomy else self._feasible(remaining)).then(self._come)
-            for _ in range(TRIES)
+            for _ in range(_TRIES)
         )
         return first_of(ways)
 

@@ -16,7 +16,7 @@ from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, distances_to_box, regio
 Points = NDArray[np.floating]
 
 
-def clusters_above(points: Points, low: float, high: float, cell: float, min_points: int) -> list[Points]:
+def _clusters_above(points: Points, low: float, high: float, cell: float, min_points: int) -> list[Points]:
     """Group points by what touches what, seen from above.
 
     The points between the heights `low` and `high` [m] are entered into a grid of `cell` [m]; occupied cells that
@@ -46,7 +46,7 @@ def clusters_above(points: Points, low: float, high: float, cell: float, min_poi
     return sorted((g for g in groups if len(g) >= min_points), key=len, reverse=True)
 
 
-def upright_box(points: Points, floor: float) -> tuple[NDArray[np.float64], Pose]:
+def _upright_box(points: Points, floor: float) -> tuple[NDArray[np.float64], Pose]:
     """Return the smallest upright box around points that reaches down to `floor` [m].
 
     A camera above sees the top of a thing and little of its sides, so the box goes from the highest points down to
@@ -113,7 +113,7 @@ class UpdateFromCloud(OperationLeaf):
         for name in scene.names():
             if name.startswith(HELD):
                 keep &= distances_to_box(points, *scene.box(name)) > 0.02
-        groups = clusters_above(
+        groups = _clusters_above(
             points[keep], table + p["min_height"], table + p["max_height"], p["cell"], p["min_points"]
         )
-        return [upright_box(group, table) for group in groups]
+        return [_upright_box(group, table) for group in groups]

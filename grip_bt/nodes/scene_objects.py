@@ -21,7 +21,7 @@ SHAPES: dict[str, tuple[int, type]] = {"box": (3, Box), "cylinder": (2, Cylinder
 """Shape -> how many lengths it has, and its class."""
 
 
-class SceneLeaf(Leaf):
+class _SceneLeaf(Leaf):
     """A leaf that changes the scene at once; names that it doesn't have, or mustn't change, are failures."""
 
     def update(self) -> Status:
@@ -45,7 +45,7 @@ class SceneLeaf(Leaf):
             raise NoObjectError(f"{name!r} belongs to the room and can't be changed", objects=_movable(scene))
 
 
-def known_object(scene: Scene, name: str) -> None:
+def _known_object(scene: Scene, name: str) -> None:
     """Refuse a name that the scene doesn't have.
 
     Raises:
@@ -60,7 +60,7 @@ def _movable(scene: Scene) -> list[str]:
     return sorted(name for name in scene.names() if not scene.fixed(name))
 
 
-class AddShape(SceneLeaf):
+class AddShape(_SceneLeaf):
     """Add a box, a cylinder or a sphere."""
 
     def prepare(self) -> None:
@@ -141,7 +141,7 @@ class Load(OperationLeaf):
         return self.end(names=list(result))
 
 
-class Remove(SceneLeaf):
+class Remove(_SceneLeaf):
     """Take objects out of the scene."""
 
     def change(self, scene: Scene) -> Status:
@@ -149,40 +149,40 @@ class Remove(SceneLeaf):
         pattern = self.params["name"]
         names = [name for name in _movable(scene) if fnmatchcase(name, pattern)]
         if not names and not any(c in pattern for c in "*?["):
-            known_object(scene, pattern)
+            _known_object(scene, pattern)
             self.free_to_change(scene, pattern)
         for name in names:
             scene.remove(name)
         return self.end(count=len(names))
 
 
-class Attach(HandLeaf, SceneLeaf):
+class Attach(HandLeaf, _SceneLeaf):
     """Have an object move with a hand."""
 
     def change(self, scene: Scene) -> Status:
         """Attach."""
         name = self.params["name"]
-        known_object(scene, name)
+        _known_object(scene, name)
         self.free_to_change(scene, name)
         scene.attach(name, self.hand.name)
         return self.end()
 
     def update(self) -> Status:
         """Change, or say why not."""
-        return SceneLeaf.update(self)
+        return _SceneLeaf.update(self)
 
 
-class Detach(SceneLeaf):
+class Detach(_SceneLeaf):
     """Have an object stay where it is."""
 
     def change(self, scene: Scene) -> Status:
         """Detach."""
-        known_object(scene, self.params["name"])
+        _known_object(scene, self.params["name"])
         scene.detach(self.params["name"])
         return self.end()
 
 
-class AllowCollisions(SceneLeaf):
+class AllowCollisions(_SceneLeaf):
     """Allow contact of two names, or forbid it again."""
 
     def change(self, scene: Scene) -> Status:

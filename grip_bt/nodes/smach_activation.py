@@ -14,7 +14,7 @@ from grip_bt.nodes.smach_asking import Asking, Enclosing
 from grip_bt.smach_compat import Remapper, UserData
 
 
-class SharedByRun:
+class _SharedByRun:
     """What the SMACH leaves of one run share.
 
     Attributes:
@@ -27,7 +27,7 @@ class SharedByRun:
         self.built: dict[Callable[..., Any], Any] = {}
 
 
-_runs: WeakKeyDictionary[Any, SharedByRun] = WeakKeyDictionary()
+_runs: WeakKeyDictionary[Any, _SharedByRun] = WeakKeyDictionary()
 RUNS_LOCK = threading.RLock()
 """Held while what a run shares is looked up or made."""
 
@@ -48,10 +48,10 @@ class AmongStates(Leaf):
         with RUNS_LOCK:
             return self.shared().asking
 
-    def shared(self) -> SharedByRun:
+    def shared(self) -> _SharedByRun:
         """Return what the leaves of this leaf's run share; under `RUNS_LOCK`."""
         # A run has one clock; contexts are wrapped for states of a machine.
-        return _runs.setdefault(self.context.clock, SharedByRun())
+        return _runs.setdefault(self.context.clock, _SharedByRun())
 
     def requests(self) -> int:
         """Return how many preempt requests the run has had."""

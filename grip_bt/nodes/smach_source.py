@@ -17,7 +17,7 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.base.errors import DocumentError
 
-TAB = 8
+_TAB = 8
 """Columns of a tab, which Python 2 allowed to be mixed with spaces."""
 
 # Old spellings only: nothing here changes what Python 3 code means. Fixers that wrap calls in list(...) are needed,
@@ -62,7 +62,7 @@ def read_source(path: Path) -> Source:
         return Source(path, text, _parse(text), False)
     except (SyntaxError, ValueError) as first:
         try:
-            converted = _to_python_3(text.expandtabs(TAB), str(path))
+            converted = _to_python_3(text.expandtabs(_TAB), str(path))
             return Source(path, converted, _parse(converted), True)
         except Exception:  # noqa: BLE001 - the converter raises whatever it likes; the first error says what is wrong
             line = getattr(first, "lineno", None)

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Silent
 
-BEAT = 0.1
+_BEAT = 0.1
 """How often the count goes on [s]."""
 _COUNT, _LAST, _FLAGS = 0, 1, 8
 LARGEST = 1 << 20
@@ -45,7 +45,7 @@ class Heartbeat(Silent):
         self._over.set()
 
     def _beat(self) -> None:
-        while not self._over.wait(BEAT):
+        while not self._over.wait(_BEAT):
             self._words[_COUNT] = (self._words[_COUNT] + 1) & 0xFFFFFFFF
 
     def entered(self, path: str) -> None:

@@ -25,7 +25,7 @@ from .run_log import ENTRIES, RunLog
 
 _log = logging.getLogger(__name__)
 
-GATHER = 0.01
+_GATHER = 0.01
 """How long [s] events gather before they are committed together; nobody waits for it who calls `flush`."""
 IDLE = 0.04
 """How long [s] at most between two looks at runs in which nothing happens."""
@@ -163,7 +163,7 @@ class Journal:
 
     def _serve(self, database: sqlite3.Connection) -> None:
         writers: dict[str, RunWriter] = {}
-        wait = GATHER
+        wait = _GATHER
         while True:
             closing = self._closing
             jobs = self._gather(wait)
@@ -174,7 +174,7 @@ class Journal:
                 self._part_with(writers)
             elif closing:
                 return
-            wait = GATHER if busy else min(IDLE, wait * 1.2)
+            wait = _GATHER if busy else min(IDLE, wait * 1.2)
 
     def _part_with(self, writers: dict[str, RunWriter]) -> None:
         """Follow logs no longer that have ended."""

@@ -45,7 +45,7 @@ def _begun(pid: int) -> int | None:
 VERSION = 2
 """Of the tables, kept in `PRAGMA user_version`; 0 where there are none yet."""
 
-TABLES = """
+_TABLES = """
 CREATE TABLE IF NOT EXISTS runs(
   id TEXT PRIMARY KEY, task_name TEXT, task_path TEXT, task_text TEXT, target TEXT, seed INTEGER,
   started REAL, ended REAL, status TEXT, outcome TEXT);
@@ -76,7 +76,7 @@ def prepare_to_write(database: sqlite3.Connection) -> None:
     database.execute("PRAGMA journal_mode=WAL")
     database.execute("PRAGMA synchronous=FULL")  # a power cut loses nothing that was acknowledged
     refuse_other_versions(database)
-    database.executescript(TABLES)
+    database.executescript(_TABLES)
     database.execute(f"PRAGMA user_version={VERSION}")
 
 

@@ -19,10 +19,10 @@ from .journal_events import MOST, checksum
 from .run_log import ENTER, ENTRIES, INTERRUPTED, Noted, RunLog
 from .value_codec import encode
 
-INLINE = 512
+_INLINE = 512
 """Values of at most so many bytes stand in the event itself."""
 
-SAME = 1e-3
+_SAME = 1e-3
 """Where the run's clock and the wall's differ by a constant, to so much [s], wall times of events aren't written."""
 _Key = tuple[str, str, str | None, str | None]
 _repr = reprlib.Repr()
@@ -86,7 +86,7 @@ class RunWriter:
                 writes += whats[i].event == "write"
         since_epoch = time.time() - time.monotonic()
         apart = moments - t + since_epoch
-        together = bool(np.ptp(apart) < SAME)  # the run's clock went as the wall's
+        together = bool(np.ptp(apart) < _SAME)  # the run's clock went as the wall's
         wall, offset = (None, float(apart[0])) if together else (pack_times(moments + since_epoch), None)
         text = json.dumps(data, default=str) if data else None
         row = (self.last + 1, self.last + count, pack_numbers(names), pack_times(t), wall, offset, text)
@@ -118,7 +118,7 @@ class RunWriter:
         (value,) = noted.written
         content = encode(value)
         more: dict[str, Any] = {**(noted.data or {}), "preview": preview(value)}
-        if len(content) <= INLINE and content.index(b"\n") == len(content) - 1:
+        if len(content) <= _INLINE and content.index(b"\n") == len(content) - 1:
             return {**more, "value": json.loads(content)}
         return {**more, **self._keep(content, noted)}
 

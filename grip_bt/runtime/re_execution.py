@@ -37,11 +37,11 @@ from .recorded_time import RecordedClock, recorded_limit, recorded_rest
 from .recording import Recording
 
 How = Literal["resume", "restart"]
-IDLE_TICKS = 20
+_IDLE_TICKS = 20
 """Ticks of a tree without any recorded event, after which the recording can't be followed."""
-SHORT_TIME = 0.05
+_SHORT_TIME = 0.05
 """How long [s] they may take to an interruption that the task makes by itself."""
-IDLE_TIME = 5.0
+_IDLE_TIME = 5.0
 """How long [s] the threads of a machine may take from one recorded event to the next."""
 
 
@@ -202,9 +202,9 @@ class ReExecution:
             return
         self._idle += 1
         machine = isinstance(self._compiled, CompiledMachine)
-        if self._idle > IDLE_TICKS and now - self._looked > machine * SHORT_TIME and self.recording.set_aside():
+        if self._idle > _IDLE_TICKS and now - self._looked > machine * _SHORT_TIME and self.recording.set_aside():
             return
-        if now - self._looked > IDLE_TIME if machine else self._idle > IDLE_TICKS:
+        if now - self._looked > _IDLE_TIME if machine else self._idle > _IDLE_TICKS:
             missing = self.recording.missing()
             raise DivergedError((missing or ["/"])[0].split()[0], "nothing", "; ".join(missing))
         if machine:

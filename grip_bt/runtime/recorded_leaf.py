@@ -18,7 +18,7 @@ from .recording import Activation, Recording
 if TYPE_CHECKING:
     from .re_execution import ReExecution
 
-Mode = Literal["", "recorded", "open", "new"]
+_Mode = Literal["", "recorded", "open", "new"]
 
 
 class RecordedLeaf:
@@ -33,7 +33,7 @@ class RecordedLeaf:
     def __init__(self, leaf: Leaf, re_execution: ReExecution, ports: Mapping[str, str]):
         self._leaf, self._re_execution, self._ports = leaf, re_execution, ports
         self._recording = re_execution.recording
-        self._mode: Mode = ""
+        self._mode: _Mode = ""
         self._released = False
         self._told: Activation | None = None
         for name in ("initialise", "update", "terminate"):
@@ -103,7 +103,7 @@ class RecordedLeaf:
         for number in activation.writes:
             event = self._recording.events[number]
             self._leaf.writers[self._ports[str(event.data["variable"])]](self._re_execution.restored(event))
-        return self._ended(str(end.outcome), failure_of(end))
+        return self._ended(str(end.outcome), _failure_of(end))
 
     def _ended(self, outcome: str, failure: Failure | None) -> Status:
         self._leaf.failure = failure
@@ -157,7 +157,7 @@ def _asked_until(leaf: Leaf, seq: int | None, recording: Recording) -> Iterator[
         context.wake()
 
 
-def failure_of(end: Event) -> Failure | None:
+def _failure_of(end: Event) -> Failure | None:
     """Return the reason that an end of the journal has."""
     if end.code is None:
         return None

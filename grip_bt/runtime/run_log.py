@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 ENTER, INTERRUPTED = 0, 1
 """What a transition is that isn't an end; an end is its outcome."""
 
-DIED = "died"
+_DIED = "died"
 """Status of a run that was cut off: nobody has stopped it, and it can be gone on with."""
 
 ENTRIES = 4
@@ -112,7 +112,7 @@ class RunLog:
 
     def end(self, status: str, outcome: str | None) -> None:
         """Enter how the run has ended; nothing where it was cut off."""
-        if self.last is not None and status != DIED:
+        if self.last is not None and status != _DIED:
             return
         statement = "UPDATE runs SET ended=?, status=?, outcome=? WHERE id=?"
         self.journal.execute(statement, (time.time(), status, outcome, self.id))
@@ -127,9 +127,9 @@ class RunLog:
         with self._cutting:
             if self.ended or self.last is not None:
                 return
-            self.last = Noted("run_ended", data={"status": DIED, "message": why})
+            self.last = Noted("run_ended", data={"status": _DIED, "message": why})
             self.note(t, "/", self.last)
-            self.end(DIED, None)
+            self.end(_DIED, None)
 
 
 class Recorder:

@@ -25,7 +25,7 @@ from grip_bt.task.model import join
 from .context import RunContext
 from .pacing import Pacing
 
-OnPreempt = Literal["ask", "halt"]
+_OnPreempt = Literal["ask", "halt"]
 
 
 class TreeRun:
@@ -106,14 +106,14 @@ class BehaviourTree(State):
         run: TreeRun | None = None,
         *,
         codes: Collection[str] = (),
-        on_preempt: OnPreempt | None = None,
+        on_preempt: _OnPreempt | None = None,
         place: str = "/",
         input_keys: Iterable[str] = (),
         output_keys: Iterable[str] = (),
     ):
         self.run = run or TreeRun()
         self._shares, self._prepared, self._halting = run is not None, False, False
-        self.on_preempt: OnPreempt = on_preempt or ("ask" if isinstance(tree, Task) else "halt")
+        self.on_preempt: _OnPreempt = on_preempt or ("ask" if isinstance(tree, Task) else "halt")
         self.compiled: CompiledTree | None = None
         self._refined: Refined = [_pair(code) for code in codes]
         if isinstance(tree, Task):

@@ -50,7 +50,7 @@ class Gone(Silent):
         raise Halted
 
 
-class ClosedContext:
+class _ClosedContext:
     """The context of a leaf that was left behind; whatever it asks for ends it."""
 
     def __getattr__(self, name: str) -> Any:
@@ -93,7 +93,7 @@ def terminate_outside(leaves: Mapping[str, Leaf]) -> list[threading.Thread]:
 def lock_out(leaves: Mapping[str, Leaf]) -> None:
     """Have leaves do nothing more, whoever still calls them."""
     for leaf in leaves.values():
-        leaf.context = ClosedContext()
+        leaf.context = _ClosedContext()
         leaf.status, leaf.active = Status.INVALID, False
 
 

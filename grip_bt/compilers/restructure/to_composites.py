@@ -43,7 +43,7 @@ def to_trees(task: Task, catalog: Catalog, within: str = "/") -> Restructured:
     resolved = resolve(task, catalog)
     root = work.convert(resolved.root, None)
     ends = {outcome: target for (_, outcome, code), target in resolved.ends if code is None}
-    added = {k: v for k, v in new_ends(resolved.root, root, ends).items() if k not in task.outcomes}
+    added = {k: v for k, v in _new_ends(resolved.root, root, ends).items() if k not in task.outcomes}
     node = root.node.model_copy(update={"on": FrozenDict({**root.node.on, **added})}) if added else root.node
     return Restructured(task.model_copy(update={"root": node}), paths_of(root), tuple(work.notes))
 
@@ -59,13 +59,13 @@ class _Work:
             return Built(part.node, {part.path: ()})
         machine = isinstance(part.node, StateMachine)
         found = _structure(part, ticker) if machine and is_within(part.path, self.within) else None
-        if isinstance(found, Stays):
+        if isinstance(found, _Stays):
             self.notes.append(Note(part.path, part.node.kind, found.reason, edges=found.edges))
         inner = part if interrupts(part) else ticker
         children = {child.name: self.convert(child, inner) for child in part.children}
         if isinstance(found, State | Chain | Loop):
             return Composer(part, children).build(found)
-        if isinstance(found, Stays) and found.regions:
+        if isinstance(found, _Stays) and found.regions:
             assert isinstance(part.node, StateMachine), "only a machine has regions"
             return Composer(part, children).build_machine(part.node.initial, found.regions)
         return kept(part, _led_on(part, children) if machine else children)
@@ -77,7 +77,7 @@ def _led_on(part: Part, children: dict[str, Built]) -> dict[str, Built]:
     for child in part.children:
         built = children[child.name]
         on = dict(child.node.on)
-        added = new_ends(child, built, on)
+        added = _new_ends(child, built, on)
         if added:
             node = built.node.model_copy(update={"on": FrozenDict({**on, **added})})
             built = Built(node, built.places)
@@ -85,7 +85,7 @@ def _led_on(part: Part, children: dict[str, Built]) -> dict[str, Built]:
     return result
 
 
-def new_ends(part: Part, built: Built, on: Mapping[str, str]) -> dict[str, str]:
+def _new_ends(part: Part, built: Built, on: Mapping[str, str]) -> dict[str, str]:
     """Return an edge for each outcome that a node has only in its new form.
 
     A composite has `success` and `failure` even where nothing leads to them, and every outcome needs an edge: it goes
@@ -102,7 +102,7 @@ def new_ends(part: Part, built: Built, on: Mapping[str, str]) -> dict[str, str]:
 
 
 @dataclass(frozen=True)
-class Stays:
+class _Stays:
     """Why a machine stays one.
 
     Attributes:
@@ -116,25 +116,25 @@ class Stays:
     regions: Mapping[str, Region] = field(default_factory=dict)
 
 
-def _structure(part: Part, ticker: Part | None) -> Region | Stays:
+def _structure(part: Part, ticker: Part | None) -> Region | _Stays:
     """Return the chains and loops of a machine, or why it stays."""
     odd = [name for name, meaning in part.meaning.items() if PLAIN.get(name, meaning) != meaning]
     if odd:
-        return Stays(f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can")
+        return _Stays(f"its outcome {odd[0]!r} means {part.meaning[odd[0]]}, which no composite's can")
     if ticker is not None and successors(part):
-        return Stays(ticked_by(ticker))
+        return _Stays(ticked_by(ticker))
     assert isinstance(part.node, StateMachine), "only state machines were requested"
     arcs = {child.name: _arcs(part, index) for index, child in enumerate(part.children)}
     graph = flow_graph(part.node.initial, arcs)
     never = [name for name in arcs if name not in graph]
     if never:
-        return Stays(f"states that are never reached have no place in a composite: {listing(never)}")
+        return _Stays(f"states that are never reached have no place in a composite: {listing(never)}")
     found = structured(part.node.initial, arcs)
     if isinstance(found, Tangle):
         return _tangled(found, graph, part.node.initial, arcs)
     levels = depth(found)
     if levels > MAX_DEPTH:
-        return Stays(f"its structure has {levels} levels, which is unreadable (at most {MAX_DEPTH} are made)")
+        return _Stays(f"its structure has {levels} levels, which is unreadable (at most {MAX_DEPTH} are made)")
     return found
 
 
@@ -149,12 +149,12 @@ def _arcs(part: Part, index: int) -> list[Arc]:
     return result
 
 
-def _tangled(found: Tangle, graph: nx.DiGraph, initial: str, arcs: Mapping[str, list[Arc]]) -> Stays:
+def _tangled(found: Tangle, graph: nx.DiGraph, initial: str, arcs: Mapping[str, list[Arc]]) -> _Stays:
     """Return which edges keep a machine from having a structure, and what of it has one all the same."""
     edges, smallest = offending_edges(graph, initial)
     labels = tuple(str(arc) for tail, head in edges for arc in arcs[tail] if arc.target == head)
     only = "" if smallest else " (there may be fewer that do)"
     reason = f"a loop of it is entered at more than one state; without {listing(labels)} none would be{only}"
     if not found.is_partly_structured or max(map(depth, found.regions.values())) > MAX_DEPTH:
-        return Stays(reason, labels)
-    return Stays(f"{reason}; what else has a structure in it became composites", labels, found.regions)
+        return _Stays(reason, labels)
+    return _Stays(f"{reason}; what else has a structure in it became composites", labels, found.regions)

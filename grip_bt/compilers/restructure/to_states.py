@@ -33,7 +33,7 @@ def to_state_machines(task: Task, catalog: Catalog, approximate: bool = False, w
     return Restructured(task.model_copy(update={"root": root.node}), paths_of(root), tuple(work.notes))
 
 
-APPROXIMATED = "it was reactive: as a machine it doesn't ask its first child again while a later one runs"
+_APPROXIMATED = "it was reactive: as a machine it doesn't ask its first child again while a later one runs"
 
 
 class _Work:
@@ -54,7 +54,7 @@ class _Work:
         rough = reactive and self.approximate and bool(part.children)
         reason = (None if rough else _why_not(part, ticker)) if ordered else _by_kind(part)
         if rough:
-            self.notes.append(Note(part.path, part.node.kind, APPROXIMATED, approximated=True))
+            self.notes.append(Note(part.path, part.node.kind, _APPROXIMATED, approximated=True))
         if reason:
             self.notes.append(Note(part.path, part.node.kind, reason, by_design=not ordered))
         inner = part if interrupts(part) and not rough else ticker

@@ -85,7 +85,7 @@ def sequence(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop, reset
             stop(S)
         return S
 
-    return tick if kids else childless(node, look, stop, S)
+    return tick if kids else _childless(node, look, stop, S)
 
 
 def selector(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop) -> Tick:
@@ -136,10 +136,10 @@ def selector(node: Any, look: Look, parts: Sequence[Compiled], stop: Stop) -> Ti
         node.current_child = last
         return F
 
-    return tick if kids else childless(node, look, stop, F)
+    return tick if kids else _childless(node, look, stop, F)
 
 
-def childless(node: Any, look: Look, stop: Stop, status: Status) -> Tick:
+def _childless(node: Any, look: Look, stop: Stop, status: Status) -> Tick:
     """The tick of a sequence or selector without children, which ends at once."""
     changed, changed_below, outdated = look
     initialises = overrides(node, "initialise")

@@ -18,7 +18,7 @@ from .halting import NOTHING, Compiled, Reset, Stop, Tick, make_halt, make_reset
 from .known import INVALID, F, R, Rules, S, children_of, deeper_than, ours, regular, rules_of
 from .leaves import Verdict, by_generator, leaf, only_updates, our_leaf
 
-LEVELS = 150
+_LEVELS = 150
 """Trees with more of them are left to py_trees, whose generators go deeper than functions that call functions."""
 
 _TO_EXHAUSTION = Verdict()
@@ -70,7 +70,7 @@ class TickEngine:
 
     def _compile(self) -> None:
         self._compiler = compiler = _Compiler(self._fixed)
-        whole = not deeper_than(LEVELS, self.root)
+        whole = not deeper_than(_LEVELS, self.root)
         self._tick = (compiler.compile(self.root) if whole else compiler.left_alone(self.root, _TO_EXHAUSTION)).tick
         self._root_methods = Methods(() if self._fixed else [self.root])
         self._classes_changed = watch_classes(() if self._fixed else map(type, compiler.nodes))

@@ -61,7 +61,7 @@ LIFE_CYCLE = ("tick", "stop", "initialise", "terminate", "validate_policy_config
 def rules_of(node: Behaviour) -> Rules:
     """Return the rules that the node follows; OWN for everything that isn't known to the letter."""
     cls: Any = type(node)
-    if replaced_on(node, "tick") or replaced_on(node, "stop"):
+    if _replaced_on(node, "tick") or _replaced_on(node, "stop"):
         return Rules.OWN
     tick, stop = cls.tick, cls.stop
     if issubclass(cls, KindNode):
@@ -117,23 +117,23 @@ def ours(node: Behaviour) -> bool:
 
 def overrides(node: Behaviour, name: str) -> bool:
     """Tell whether `initialise` or `terminate` does more than those of py_trees that do nothing."""
-    return replaced_on(node, name) or getattr(type(node), name) not in _PLAIN[name]
+    return _replaced_on(node, name) or getattr(type(node), name) not in _PLAIN[name]
 
 
 def plain_validation(node: Behaviour) -> bool:
     """Tell whether a parallel looks at its policy as py_trees does."""
     name = "validate_policy_configuration"
-    return not replaced_on(node, name) and getattr(type(node), name) is _VALIDATION
+    return not _replaced_on(node, name) and getattr(type(node), name) is _VALIDATION
 
 
 def plain_activation(node: Behaviour) -> bool:
     """Tell whether a leaf of ours begins and names its end as all do."""
     cls: Any = type(node)
     same = cls.begin is Node.begin and cls.conclude is Leaf.conclude
-    return same and not replaced_on(node, "begin") and not replaced_on(node, "conclude")
+    return same and not _replaced_on(node, "begin") and not _replaced_on(node, "conclude")
 
 
-def replaced_on(node: Behaviour, name: str) -> bool:
+def _replaced_on(node: Behaviour, name: str) -> bool:
     """Tell whether the instance has a method of its own. Doesn't ask for `__dict__`, which would slow the node down."""
     method = getattr(node, name)
     return getattr(method, "__func__", None) is not getattr(type(node), name) or method.__self__ is not node
