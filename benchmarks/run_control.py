@@ -17,7 +17,7 @@ from grip_bt.compilers import to_tree
 from grip_bt.compilers.probe import parts_of
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import RunContext, Runner
-from grip_bt.runtime.heartbeat import LARGEST, Heartbeat
+from grip_bt.runtime.observers import LARGEST, Heartbeat
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 

@@ -1,8 +1,8 @@
 """Whether a hand holds something: what its contacts, its fingers and a camera say of it, and how that is put together.
 
-Each voice says yes, no, or nothing where it can't tell. The hand holds something when a voice of the hand itself
-(contact, fingers, or the object seen in the hand) says yes and none says no: that a place is empty is no evidence that
-the hand holds what stood there, and two voices that contradict each other are none.
+Each kind of evidence says yes, no, or nothing where it can't tell. The hand holds something when one of the hand itself
+(contact, fingers, or the object seen in the hand) says yes and none says no: that a place is empty doesn't mean that the
+hand holds what stood there, and contradicting evidence is none.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _VISIBLE = 25
 
 
 @dataclass(frozen=True, slots=True)
-class Voice:
+class Evidence:
     """What one kind of evidence says.
 
     Attributes:
@@ -48,8 +48,8 @@ class Voice:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
-    """What a hand's voices count as evidence.
+class EvidenceLimits:
+    """From when on what a hand measures is evidence.
 
     Attributes:
         force: a contact counts from this force on [N].
@@ -64,25 +64,25 @@ class Limits:
     most_moved: float = 0.05
 
 
-def holds(voices: Sequence[Voice]) -> bool:
-    """Put voices together; see the module."""
-    said = [voice for voice in voices if voice.held is not None]
+def holds(evidence: Sequence[Evidence]) -> bool:
+    """Put evidence together; see the module."""
+    said = [one for one in evidence if one.held is not None]
     return all(v.held for v in said) and any(v.name != "image" for v in said)
 
 
-def hand_voices(hand: Hand, limits: Limits) -> list[Voice]:
+def hand_evidence(hand: Hand, limits: EvidenceLimits) -> list[Evidence]:
     """Return what the hand itself says now."""
-    return [_contact_voice(hand, limits), fingers_voice(hand, limits)]
+    return [_contact_evidence(hand, limits), fingers_evidence(hand, limits)]
 
 
-def _contact_voice(hand: Hand, limits: Limits) -> Voice:
+def _contact_evidence(hand: Hand, limits: EvidenceLimits) -> Evidence:
     """Say whether links of the hand touch something."""
     links = sorted(link for link, pressed in hand.contacts().items() if pressed >= limits.force)
     touching = listing(links) if links else "nothing"
-    return Voice("contact", len(links) >= limits.links, f"{touching} touched" if links else "nothing is touched")
+    return Evidence("contact", len(links) >= limits.links, f"{touching} touched" if links else "nothing is touched")
 
 
-def fingers_voice(hand: Hand, limits: Limits) -> Voice:
+def fingers_evidence(hand: Hand, limits: EvidenceLimits) -> Evidence:
     """Say whether something keeps the fingers from closing, as it did when they closed.
 
     The sums go over all joints. What is left of the way is compared with `empty`, where the hand has such a posture
@@ -90,24 +90,24 @@ def fingers_voice(hand: Hand, limits: Limits) -> Voice:
     """
     closing = hand.closing()
     if closing is None:
-        return Voice("fingers", None, "the hand wasn't closed by a node of this run")
+        return Evidence("fingers", None, "the hand wasn't closed by a node of this run")
     postures, names = hand.named_states(), closing.goal.names
     goal = closing.goal.ordered(names)
     empty = _posture(postures.get(EMPTY), names, goal)
     way = np.abs(goal - _posture(postures.get("open"), names, goal))
     counts = way > STILL
     if not counts.any():
-        return Voice("fingers", None, "it was closed to where it is open")
+        return Evidence("fingers", None, "it was closed to where it is open")
     total = float(way[counts].sum())
     now, stopped = hand.state().ordered(names), closing.reached.ordered(names)
     left = float(np.abs(now - empty)[counts].sum()) / total
     moved = float((np.abs(stopped - goal) - np.abs(now - goal))[counts].sum()) / total
     if left < limits.least_open:
-        return Voice("fingers", False, f"closed as without anything ({left:.1%} of the way is left)")
+        return Evidence("fingers", False, f"closed as without anything ({left:.1%} of the way is left)")
     if abs(moved) > limits.most_moved:
         how = "closed" if moved > 0 else "opened"
-        return Voice("fingers", False, f"{how} by {abs(moved):.1%} of the way since something stopped them")
-    return Voice("fingers", True, f"stopped {left:.1%} of the way before they are closed, {moved:+.1%} since")
+        return Evidence("fingers", False, f"{how} by {abs(moved):.1%} of the way since something stopped them")
+    return Evidence("fingers", True, f"stopped {left:.1%} of the way before they are closed, {moved:+.1%} since")
 
 
 def _posture(state: JointState | None, names: tuple[str, ...], default: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -115,7 +115,7 @@ def _posture(state: JointState | None, names: tuple[str, ...], default: NDArray[
     return np.array([known.get(name, other) for name, other in zip(names, default.tolist(), strict=True)])
 
 
-def sight_voice(depth: DepthImage, scene: Scene, hand: str, hulls: Hulls) -> Voice:
+def sight_evidence(depth: DepthImage, scene: Scene, hand: str, hulls: Hulls) -> Evidence:
     """Say whether a camera sees, where the hand holds it, what the scene has attached to the hand.
 
     Args:
@@ -126,20 +126,20 @@ def sight_voice(depth: DepthImage, scene: Scene, hand: str, hulls: Hulls) -> Voi
     """
     attached = scene.attached(hand)
     if not attached:
-        return Voice("sight", None, "the scene has nothing attached to the hand")
+        return Evidence("sight", None, "the scene has nothing attached to the hand")
     size, pose = scene.box(attached[0])
     box = _corners(size, pose)
     info = depth.info
     seen: Mask = outline(info, [box]) & ~robot_pixels(depth, hulls)
     if seen.sum() < _VISIBLE:
-        return Voice("sight", None, "the camera doesn't see what would be in the hand")
+        return Evidence("sight", None, "the camera doesn't see what would be in the hand")
     away = (box - info.pose.position) @ info.pose.rotation()[:, 2]
     slack = SHIFT + MARGIN
     there = (depth.depth > away.min() - slack) & (depth.depth < away.max() + slack)
     part = share(there, seen)
     if part >= 0.4:
-        return Voice("sight", True, f"seen in the hand ({part:.0%} of where it would show)")
-    return Voice("sight", False if part < 0.15 else None, f"{part:.0%} of where it would show in the hand shows it")
+        return Evidence("sight", True, f"seen in the hand ({part:.0%} of where it would show)")
+    return Evidence("sight", False if part < 0.15 else None, f"{part:.0%} of where it would show in the hand shows it")
 
 
 def _corners(size: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
@@ -147,7 +147,7 @@ def _corners(size: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
     return pose.apply(signs * np.asarray(size) / 2)
 
 
-def image_voice(change: Change, min_vacated: float, max_appeared: float, min_pixels: int = _VISIBLE) -> Voice:
+def image_evidence(change: Change, min_vacated: float, max_appeared: float, min_pixels: int = _VISIBLE) -> Evidence:
     """Say whether the object has left its place, and isn't elsewhere on the table.
 
     Args:
@@ -159,11 +159,11 @@ def image_voice(change: Change, min_vacated: float, max_appeared: float, min_pix
     vacated, appeared = change.vacated, change.appeared
     if change.object_pixels < min_pixels:
         text = f"only {change.object_pixels} pixels showed an object before the pick; {min_pixels} are needed"
-        return Voice("image", None, text)
+        return Evidence("image", None, text)
     if vacated < min_vacated:
         text = f"only {vacated:.0%} of the object's place is empty; {min_vacated:.0%} are needed"
-        return Voice("image", False, text)
+        return Evidence("image", False, text)
     if appeared > max_appeared:
         text = f"something as large as {appeared:.0%} of the object appeared elsewhere on the table"
-        return Voice("image", False, text)
-    return Voice("image", True, f"{vacated:.0%} of the object's place is empty")
+        return Evidence("image", False, text)
+    return Evidence("image", True, f"{vacated:.0%} of the object's place is empty")

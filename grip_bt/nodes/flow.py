@@ -122,7 +122,7 @@ class WaitUntil(_ExpressionLeaf):
         """Look."""
         holds = self.compute()
         if not isinstance(holds, bool):
-            raise TypeError(f"`{self.params['expression']}` comes to {holds!r}, which is neither true nor false")
+            raise TypeError(f"`{self.params['expression']}` evaluates to {holds!r}, not to true or false")
         if holds:
             return self.end()
         if self._until is not None and self.context.clock.now() >= self._until:

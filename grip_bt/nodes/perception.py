@@ -16,7 +16,7 @@ from grip_bt.base.ports import Camera, Context, Sensor
 from grip_bt.base.values import DepthImage, Grasp, JointState, PointCloud, RgbdFrame
 from grip_bt.nodes.arm import ArmLeaf
 from grip_bt.nodes.camera_views import Change, Thresholds, compare, outline, robot_pixels, share, within
-from grip_bt.nodes.evidence import Limits, Voice, hand_voices, holds, image_voice, sight_voice
+from grip_bt.nodes.evidence import Evidence, EvidenceLimits, hand_evidence, holds, image_evidence, sight_evidence
 from grip_bt.nodes.hand import HandLeaf
 from grip_bt.nodes.leaf import OperationLeaf, Status
 from grip_bt.nodes.motion import first_of, go
@@ -115,16 +115,16 @@ class ImageDifference(OperationLeaf):
     def finish(self, result: Change) -> Status:
         """Judge."""
         p = self.params
-        voice = image_voice(result, p["min_vacated"], p["max_appeared"], p["min_pixels"])
+        one = image_evidence(result, p["min_vacated"], p["max_appeared"], p["min_pixels"])
         measured: dict[str, Any] = {
             "vacated": result.vacated,
             "appeared": result.appeared,
             "object_pixels": result.object_pixels,
         }
-        if voice.held is None:
-            raise SensorError(voice.why, object_pixels=result.object_pixels)
+        if one.held is None:
+            raise SensorError(one.why, object_pixels=result.object_pixels)
         outputs = {"fraction": result.vacated}
-        return self.end(**outputs) if voice.held else self.fail("not_held", voice.why, outputs=outputs, **measured)
+        return self.end(**outputs) if one.held else self.fail("not_held", one.why, outputs=outputs, **measured)
 
 
 def changed(
@@ -155,14 +155,14 @@ class Holds(HandLeaf):
     whether the object's place is empty.
     """
 
-    def start(self) -> Operation[list[Voice]]:
+    def start(self) -> Operation[list[Evidence]]:
         """Ask; images are looked at in a worker."""
         p = self.params
-        voices = hand_voices(self.hand, Limits(p["force"], p["links"], p["least_open"], p["most_moved"]))
+        evidence = hand_evidence(self.hand, EvidenceLimits(p["force"], p["links"], p["least_open"], p["most_moved"]))
         before: RgbdFrame | None = self.read("before")
         after: RgbdFrame | None = self.read("after")
         grasp: Grasp | None = self.read("grasp")
-        asked = Operation.finished(voices)
+        asked = Operation.finished(evidence)
         if after is None:
             return asked
         depth = after.depth
@@ -172,29 +172,29 @@ class Holds(HandLeaf):
         frames = before, after
         return asked.then(lambda said: self._compared(said, *frames, grasp))
 
-    def finish(self, result: list[Voice]) -> Status:
-        """Put the voices together."""
-        voices = {voice.name: voice.held for voice in result}
+    def finish(self, result: list[Evidence]) -> Status:
+        """Put the evidence together."""
+        evidence = {one.name: one.held for one in result}
         if holds(result):
-            return self.end(voices=voices)
-        against = [voice for voice in result if voice.held is False]
+            return self.end(evidence=evidence)
+        against = [one for one in result if one.held is False]
         text = "; ".join(map(str, against)) or "nothing of the hand says that it holds something"
-        agree = [voice.name for voice in result if voice.held]
+        agree = [one.name for one in result if one.held]
         if against and agree:
             text += f"; against {' and '.join(agree)}"
-        return self.fail("not_held", text, outputs={"voices": voices}, voices={v.name: str(v) for v in result})
+        return self.fail("not_held", text, outputs={"evidence": evidence}, evidence={v.name: str(v) for v in result})
 
-    def _seen(self, depth: DepthImage) -> Voice:
+    def _seen(self, depth: DepthImage) -> Evidence:
         scene = self.context.scene()
-        return sight_voice(depth, scene, self.hand.name, scene.robot())
+        return sight_evidence(depth, scene, self.hand.name, scene.robot())
 
     def _compared(
-        self, said: list[Voice], before: RgbdFrame, after: RgbdFrame, grasp: Grasp | None
-    ) -> Operation[list[Voice]]:
+        self, said: list[Evidence], before: RgbdFrame, after: RgbdFrame, grasp: Grasp | None
+    ) -> Operation[list[Evidence]]:
         p = self.params
 
-        def judged(change: Change) -> Operation[list[Voice]]:
-            return Operation.finished([*said, image_voice(change, p["min_vacated"], p["max_appeared"])])
+        def judged(change: Change) -> Operation[list[Evidence]]:
+            return Operation.finished([*said, image_evidence(change, p["min_vacated"], p["max_appeared"])])
 
         return changed(self.context, before, after, grasp, Thresholds(table=p["table"])).then(judged)
 

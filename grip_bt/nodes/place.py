@@ -14,7 +14,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.nodes.objects import Disc, free_spots, opening_room, turned
 
-from .evidence import Limits, hand_voices
+from .evidence import EvidenceLimits, hand_evidence
 from .grasping import ArmHandLeaf
 from .motion import first_of, go, go_straight, tolerant, widened
 from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
@@ -158,7 +158,7 @@ class Place(ArmHandLeaf):
 
     def _verify(self, spot: Grasp) -> Operation[Grasp]:
         """Ask the hand, before it lets go, whether it still holds what it is to put down."""
-        against = [voice for voice in hand_voices(self.hand, Limits()) if voice.held is False]
+        against = [one for one in hand_evidence(self.hand, EvidenceLimits()) if one.held is False]
         if against:
             raise NothingHeldError(f"it was lost on the way: {'; '.join(map(str, against))}")
         return Operation.finished(spot)

@@ -91,7 +91,7 @@ class SmachLeaf(KeysLeaf):
         """Start `execute`, pass on a preempt request, and take its outcome."""
         if self._activation is None:
             if self._zombie is not None and not self._zombie.done():
-                return self.running("waits: execute() was interrupted and hasn't returned yet")
+                return self.running("waiting for the interrupted execute() to return")
             if paths := self.still_to_stop():
                 return self.running(f"waits for {', '.join(paths)} to stop")
             self._bury()

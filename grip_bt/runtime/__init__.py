@@ -3,11 +3,11 @@
 * Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine/` (py_trees trees as
   closures), `lockstep` (turns of a run and its simulated world), `workers`.
 * Stopping: `stopping` (also of ticks that don't end), `motion_end` (what was told to stop is measured to rest),
-  `heartbeat` (what the parent sees).
+  `observers` (also: what the parent sees).
 * Journal: `run_log` (the ticking thread) -> `journal_writer` (with `value_codec`) -> SQLite ->
   `journal_reader`.
 * Control: `control` (over streams), `debugger` (with breakpoints).
-* Executing a recorded run again: `recording`, `re_execution`, `recorded_leaf`, `recorded_time`; `observers`: state
+* Executing a recorded run again: `recording`, `re_execution`, `recorded`; `observers`: state
   beside the task.
 * Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """

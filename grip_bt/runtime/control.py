@@ -1,6 +1,6 @@
 """Control of a run over two streams: one JSON object a line, commands in, events out.
 
-The end of input without a stop means that whoever controls the run has gone: it is halted, and can be gone on with.
+The end of input without a stop means that whoever controls the run has gone: it is halted, and can be resumed.
 
 `docs/running.md` has the protocol. Commands are obeyed as soon as there are streams: a stop that comes before there is
 a run interrupts whatever starts it, everything else waits for the run.

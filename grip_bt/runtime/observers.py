@@ -1,8 +1,10 @@
-"""Observers of a run beside its journal: one that keeps state beside the task, one that waits for the disk."""
+"""Observers of a run beside its journal: they keep state beside the task, wait for the disk, and tell the parent."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+import mmap
+import threading
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 from grip_bt.base.values import Failure
@@ -57,7 +59,7 @@ class Keeper(Silent):
                 self._note(path, name, state)
 
 
-class Durable:
+class Durable(Silent):
     """An observer that waits, as some leaves begin, until that is on the disk; told after the recorder.
 
     Args:
@@ -80,11 +82,75 @@ class Durable:
         """Wait for the disk too: what has been done isn't asked about."""
         self.entered(path)
 
+
+_BEAT = 0.1
+"""How often the count goes on [s]."""
+_COUNT, _LAST, _FLAGS = 0, 1, 8
+LARGEST = 1 << 20
+"""Size of the shared memory [bytes]; nodes beyond that aren't told apart."""
+
+
+class Heartbeat(Silent):
+    """The run's end: an observer of its nodes.
+
+    Args:
+        memory: file descriptor of at least `LARGEST` bytes.
+        paths: the nodes, in an order that the parent knows too.
+    """
+
+    def __init__(self, memory: int, paths: Sequence[str]):
+        shared = mmap.mmap(memory, LARGEST)
+        room = LARGEST - _FLAGS - 1
+        self._words, self._flags = memoryview(shared)[:_FLAGS].cast("I"), memoryview(shared)[_FLAGS:]
+        self._numbers: Mapping[str, int] = {path: min(i, room) for i, path in enumerate(paths)}
+        self._words[_LAST] = room
+        self._over = threading.Event()
+
+    def start(self) -> None:
+        """Begin to count."""
+        threading.Thread(target=self._beat, name="grip_heartbeat", daemon=True).start()
+
+    def stop(self) -> None:
+        """Count no more."""
+        self._over.set()
+
+    def _beat(self) -> None:
+        while not self._over.wait(_BEAT):
+            self._words[_COUNT] = (self._words[_COUNT] + 1) & 0xFFFFFFFF
+
+    def entered(self, path: str) -> None:
+        """Note where the run is."""
+        number = self._numbers[path]
+        self._words[_LAST] = number
+        self._flags[number] = 1
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """Note that it is there no more."""
+        self._flags[self._numbers[path]] = 0
+
     def interrupted(self, path: str) -> None:
-        """Do nothing: it may have been stopped, which nobody waits for."""
+        """Likewise."""
+        self._flags[self._numbers[path]] = 0
 
-    def message(self, path: str, text: str) -> None:
-        """Do nothing."""
 
-    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """Do nothing."""
+class HeartbeatReader:
+    """The parent's end, which outlives the run.
+
+    Args:
+        memory: the same file descriptor.
+    """
+
+    def __init__(self, memory: int):
+        self._shared = mmap.mmap(memory, LARGEST)
+
+    @property
+    def count(self) -> int:
+        """How often the run's thread has counted."""
+        return int.from_bytes(self._shared[:4], "little")
+
+    def where(self, paths: Sequence[str]) -> tuple[str, list[str]]:
+        """Return the node that was entered last, and the deepest nodes that were active, in the task's order."""
+        last = int.from_bytes(self._shared[4:8], "little")
+        active = [path for i, path in enumerate(paths) if i < LARGEST - _FLAGS - 1 and self._shared[_FLAGS + i]]
+        deepest = [p for p in active if not any(q != p and (p == "/" or q.startswith(p + "/")) for q in active)]
+        return (paths[last] if last < len(paths) else "/"), deepest

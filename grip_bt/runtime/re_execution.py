@@ -26,14 +26,13 @@ from grip_bt.compilers.task_machine import TaskMachine
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.node import Observer
+from grip_bt.runtime.recorded import RecordedClock, RecordedLeaf, recorded_limit, recorded_rest
 from grip_bt.task import model
 from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import time_sense
 
 from .journal_events import Event
 from .pacing import Pacing
-from .recorded_leaf import RecordedLeaf
-from .recorded_time import RecordedClock, recorded_limit, recorded_rest
 from .recording import Recording
 
 How = Literal["resume", "restart"]

@@ -20,7 +20,7 @@ ENTER, INTERRUPTED = 0, 1
 """What a transition is that isn't an end; an end is its outcome."""
 
 _DIED = "died"
-"""Status of a run that was cut off: nobody has stopped it, and it can be gone on with."""
+"""Status of a run that was cut off: nobody has stopped it, and it can be resumed."""
 
 ENTRIES = 4
 """Entries of `RunLog.buffer` for an event."""
@@ -119,7 +119,7 @@ class RunLog:
         self.ended = True
 
     def cut(self, t: float, why: str) -> None:
-        """End the journal of the run here, as if its process had died: it can be gone on with from here.
+        """End the journal of the run here, as if its process had died: it can be resumed from here.
 
         What happens after this, such as that everything is interrupted, isn't written: whoever has the run stopped
         because of it, from whichever thread, does so when this has returned.

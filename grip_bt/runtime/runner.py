@@ -197,7 +197,7 @@ class Runner:
         in_background("stop", lambda: self._insist(called))
 
     def lose(self, why: str) -> None:
-        """Stop, since whoever controls the run has gone without a stop; the run can be gone on with.
+        """Stop, since whoever controls the run has gone without a stop; the run can be resumed.
 
         The journal ends here, as if the process had died; what is interrupted from now on isn't in it.
         """
@@ -373,7 +373,7 @@ class Runner:
         threads = terminate_outside(self.compiled.leaves) + self._hold_robot()
         if self._recorder is not None:
             for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
-                self._recorder.message(path, "terminated from outside: the run doesn't acknowledge the stop")
+                self._recorder.message(path, "terminated externally: the run did not respond to the stop")
         join_all(threads, called + ABANDON)
         if not self._returned.wait(called + ABANDON - time.monotonic()) and self._claim_end():
             self._abandon(self._made(None, "stopped"))

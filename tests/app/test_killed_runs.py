@@ -170,7 +170,7 @@ def test_whichever_process_is_killed_the_run_is_what_is_said(
 def check(
     folder: Path, killed: str, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """See that the run is said to be what it is, by every verb, and can be gone on with where that is promised."""
+    """See that the run is said to be what it is, by every verb, and can be resumed where that is promised."""
     monkeypatch.chdir(folder)
     found = records(folder)
     if not found:

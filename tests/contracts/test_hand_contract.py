@@ -7,7 +7,7 @@ import pytest
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NoContactError
 from grip_bt.base.ports import Hand
-from grip_bt.nodes.evidence import Limits, hand_voices, holds
+from grip_bt.nodes.evidence import EvidenceLimits, hand_evidence, holds
 
 
 def test_it_satisfies_the_protocol(hand_rig):
@@ -78,15 +78,15 @@ def test_what_is_taken_out_of_the_hand_is_told_by_the_hand(hand_rig):
         pytest.skip("its controller has given up pressing, and measures no effort: only a camera can tell")
     hand_rig.offer()
     hand_rig.wait(hand_rig.port.close(torque_limit=0.5)).result()
-    assert holds(hand_voices(hand_rig.port, Limits()))
+    assert holds(hand_evidence(hand_rig.port, EvidenceLimits()))
     hand_rig.take()
     hand_rig.let_pass(0.5)
-    voices = hand_voices(hand_rig.port, Limits())
-    assert not holds(voices), voices
-    assert any(voice.held is False for voice in voices)
+    evidence = hand_evidence(hand_rig.port, EvidenceLimits())
+    assert not holds(evidence), evidence
+    assert any(one.held is False for one in evidence)
 
 
 def test_what_has_closed_on_nothing_holds_nothing(hand_rig):
     with pytest.raises(NoContactError):
         hand_rig.wait(hand_rig.port.close()).result()
-    assert not holds(hand_voices(hand_rig.port, Limits()))
+    assert not holds(hand_evidence(hand_rig.port, EvidenceLimits()))

@@ -1,4 +1,4 @@
-"""Whether a hand holds something: what each voice says, and how they are put together."""
+"""Whether a hand holds something: what each kind of evidence says, and how it is put together."""
 
 from itertools import product
 
@@ -11,19 +11,19 @@ from test_perception_leaves import BEFORE, OTHER, PLACE, frame, thing
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.joints import Closing
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.nodes.evidence import Limits, Voice, fingers_voice, holds, sight_voice
+from grip_bt.nodes.evidence import Evidence, EvidenceLimits, fingers_evidence, holds, sight_evidence
 
 NAMES = ("contact", "fingers", "sight", "image")
 
 
 @pytest.mark.parametrize("says", list(product((True, False, None), repeat=4)))
 def test_something_is_held_when_the_hand_or_the_sight_of_it_says_so_and_nothing_contradicts(says):
-    voices = [Voice(name, held, "") for name, held in zip(NAMES, says, strict=True)]
-    assert holds(voices) == (True in says[:3] and False not in says)
+    evidence = [Evidence(name, held, "") for name, held in zip(NAMES, says, strict=True)]
+    assert holds(evidence) == (True in says[:3] and False not in says)
 
 
 def test_an_empty_place_alone_is_no_evidence():
-    assert not holds([Voice("image", True, "")])
+    assert not holds([Evidence("image", True, "")])
     assert not holds([])
 
 
@@ -50,7 +50,7 @@ def of(*positions):
 
 def says(reached, now, empty=None, goal=(1.0, 1.0)):
     postures = {"open": of(0.0, 0.0), "closed": of(1.0, 1.0), **({} if empty is None else {"empty": of(*empty)})}
-    return fingers_voice(Fingers(of(*goal), of(*reached), of(*now), postures), Limits()).held
+    return fingers_evidence(Fingers(of(*goal), of(*reached), of(*now), postures), EvidenceLimits()).held
 
 
 @given(
@@ -76,7 +76,7 @@ def test_fingers_that_close_all_the_way_say_no_and_so_do_those_that_end_as_an_em
 
 def test_fingers_that_were_not_closed_cannot_tell():
     hand = Fingers(None, None, of(0.5, 0.5), {"open": of(0.0, 0.0)})
-    assert fingers_voice(hand, Limits()).held is None
+    assert fingers_evidence(hand, EvidenceLimits()).held is None
 
 
 # --- seen in the hand ---
@@ -97,21 +97,21 @@ def depth_with(*things):
 
 def test_what_is_seen_where_the_hand_has_it_is_in_the_hand():
     there = depth_with((0.5, 0.1, 0.03, 0.03, 0.38, (205, 60, 45)))
-    assert sight_voice(there, scene(), "hand", []).held is True
+    assert sight_evidence(there, scene(), "hand", []).held is True
 
 
 def test_where_the_table_is_seen_instead_there_is_nothing_in_the_hand():
-    voice = sight_voice(depth_with(), scene(), "hand", [])
-    assert voice.held is False
-    assert "0%" in voice.why
+    one = sight_evidence(depth_with(), scene(), "hand", [])
+    assert one.held is False
+    assert "0%" in one.why
 
 
 def test_what_the_robot_hides_or_is_out_of_the_view_cannot_be_told():
-    assert sight_voice(depth_with(), scene(Pose([0.5, -0.9, 0.3])), "hand", []).held is None
+    assert sight_evidence(depth_with(), scene(Pose([0.5, -0.9, 0.3])), "hand", []).held is None
     palm = [np.array([[x, y, z] for x in (0.4, 0.6) for y in (0.0, 0.2) for z in (0.40, 0.45)])]
     hidden = depth_with((0.5, 0.1, 0.1, 0.1, 0.45, (50, 50, 50)))
-    assert sight_voice(hidden, scene(), "hand", palm).held is None
-    assert sight_voice(depth_with(), PlanningScene({"hand": Pose}), "hand", []).held is None
+    assert sight_evidence(hidden, scene(), "hand", palm).held is None
+    assert sight_evidence(depth_with(), PlanningScene({"hand": Pose}), "hand", []).held is None
 
 
 # --- the leaf ---
@@ -130,7 +130,7 @@ def closed_on_something(world):
 def test_a_hand_that_feels_what_left_its_place_holds_it(world, tick, grasp_at):
     closed_on_something(world)
     assert held(world, tick, grasp_at, frame(OTHER)) == ("SUCCESS", "success", None)
-    assert world.data["voices"] == {"contact": True, "fingers": True, "sight": None, "image": True}
+    assert world.data["evidence"] == {"contact": True, "fingers": True, "sight": None, "image": True}
 
 
 def test_what_fell_beside_the_view_is_not_held_although_its_place_is_empty(world, tick, grasp_at):

@@ -1,4 +1,4 @@
-"""Requests to come to an end are in the journal, and count as they did when a run is gone on with."""
+"""Requests to come to an end are in the journal, and count as they did when a run is resumed."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from runtime_world import CATALOG, Waiting
 from grip_bt.compilers import to_tree
 from grip_bt.runtime import Event, ManualClock, ReExecution, RunContext, Runner, WallClock
 from grip_bt.runtime.re_execution import Result
-from grip_bt.runtime.recorded_time import RecordedClock, recorded_rest
+from grip_bt.runtime.recorded import RecordedClock, recorded_rest
 from grip_bt.runtime.recording import Recording
 from grip_bt.task.model import Task
 

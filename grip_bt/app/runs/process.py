@@ -71,7 +71,7 @@ def _interrupted(*_: Any) -> None:
 
 def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
     from grip_bt.compilers.binding import parts_of
-    from grip_bt.runtime.heartbeat import Heartbeat
+    from grip_bt.runtime.observers import Heartbeat
 
     from .execute import OPTIONS, open_session
     from .motion_record import recorded_motion

@@ -1,4 +1,4 @@
-"""What comes back besides the task when a run is gone on with: scene, messages, simulated world, fakes."""
+"""What comes back besides the task when a run is resumed: scene, messages, simulated world, fakes."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
 
 
 def parts_lost(nodes: Mapping[str, tuple[str, str]], events: Sequence[Event], robot: str, stays: str = "") -> list[str]:
-    """Say what nodes that have ended may have changed and that doesn't come back when the run is gone on with.
+    """Say what nodes that have ended may have changed and that doesn't come back when the run is resumed.
 
     Args:
         nodes: leaf -> (id, implementation).

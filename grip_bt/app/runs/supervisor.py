@@ -27,8 +27,8 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.runtime import Journal, RunLog
 from grip_bt.runtime.control import RunEnd
-from grip_bt.runtime.heartbeat import LARGEST, HeartbeatReader
 from grip_bt.runtime.motion_end import Rest
+from grip_bt.runtime.observers import LARGEST, HeartbeatReader
 
 from .execute import OPTIONS, RunOptions
 
@@ -138,7 +138,7 @@ class Supervisor:
         """Stop the run, or its start; whatever the process does. May be called from a signal handler.
 
         Args:
-            lost: nobody has asked for that, but whoever controls the run has gone: it can be gone on with.
+            lost: nobody has asked for that, but whoever controls the run has gone: it can be resumed.
         """
         with self._lock:
             if self._stopping:

@@ -26,7 +26,7 @@ class Cooldown(Decorator):
         ready = q.kept
         if ready is None or q.passed(ready):
             return Run((0,), "ran")
-        return End("failure", Reason("cooldown", f"{q.names[0]} rests for {ready - q.now():g} s more"))
+        return End("failure", Reason("cooldown", f"{q.names[0]} is cooling down for another {ready - q.now():g} s"))
 
     def over(self, state: Any, q: Questions) -> None:
         """Begin to rest, when the child has run."""

@@ -32,7 +32,7 @@ class Loop(Decorator):
         if self.times is None:
             return Run((0,))
         if state is not None and q.reached(state, self.times):
-            return End("failure", Reason("loop_limit", f"it was still looping after {self.times} passes"))
+            return End("failure", Reason("loop_limit", f"it reached the limit of {self.times} passes"))
         return Run((0,), q.up(0 if state is None else state))
 
     def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:

@@ -51,7 +51,7 @@ class Switch(Composite):
         """Run the child whose literal equals the value."""
         child = q.match("on_value", list(self.literals()), self.default)
         if not child:
-            return End("failure", Reason("no_case", f"no case is for {q.value('on_value')!r}"))
+            return End("failure", Reason("no_case", f"no case matches {q.value('on_value')!r}"))
         return Run((q.at(child),), 0, True)
 
     def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:

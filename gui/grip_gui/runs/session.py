@@ -164,7 +164,7 @@ class Session:
             if self.view.run is not None:
                 await asyncio.to_thread(self._source.end_run, self.view.run)
             self._set(state="ended", status="killed", message=self._killed_because)
-        else:  # its journal knows that, and it can be gone on with
+        else:  # its journal knows that, and it can be resumed
             self._set(state="ended", status="died", message=_obituary(exit_status, self._process.tail()))
         self._changed()
 
