@@ -1,8 +1,8 @@
 """Whether a hand holds something: what its contacts, its fingers and a camera say of it, and how that is put together.
 
 Each kind of evidence says yes, no, or nothing where it can't tell. The hand holds something when one of the hand itself
-(contact, fingers, or the object seen in the hand) says yes and none says no: that a place is empty doesn't mean that the
-hand holds what stood there, and contradicting evidence is none.
+(contact, fingers, or the object seen in the hand) says yes and none says no: that a place is empty doesn't mean that
+the hand holds what stood there, and contradicting evidence is none.
 """
 
 from __future__ import annotations
