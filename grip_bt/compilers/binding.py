@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Protocol
 
 from grip_bt.base.errors import ExpressionError, UnknownNameError
-from grip_bt.base.evaluation import condition_of, value_of
+from grip_bt.base.evaluation import Thunk, condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.compilers.resolve import Part, Resolved
-from grip_bt.compilers.scopes import Cell, Scope, Scopes
+from grip_bt.compilers.scopes import Scope, Scopes
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.condition import Condition
 from grip_bt.task.model import Kind
@@ -17,14 +17,17 @@ from grip_bt.task.model import Kind
 
 def bind_condition(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Condition:
     """Return the condition at `key` of the node at `path`."""
-    expression, cells = _cells(text, scope)
-    readers = {name: scopes.reader(path, key, cell) for name, cell in cells.items()}
+    expression = parse_expression(text)
 
     def watch(written: Callable[[], None]) -> None:
-        for cell in cells.values():
-            cell.watchers.append(written)
+        for name in expression.names:
+            scope.cell(name).watchers.append(written)
 
-    return Condition(expression.text, condition_of(expression, readers), watch)
+    return Condition(expression.text, condition_of(expression, _readers(path, key, expression, scope, scopes)), watch)
+
+
+def _readers(path: str, key: str, expression: Expression, scope: Scope, scopes: Scopes) -> dict[str, Thunk]:
+    return {name: scopes.reader(path, key, scope.cell(name)) for name in expression.names}
 
 
 def answers_of(part: Part, scopes: Scopes) -> Answers:
@@ -46,31 +49,12 @@ def bind_answers(answers: Answers, part: Part, kind: Kind, scopes: Scopes) -> No
             if kind.reactive:
                 condition.watch(answers.written)
         else:
-            answers.readers[field] = _bind_value(path, key, text, scope, scopes)
+            expression = parse_expression(text)
+            answers.readers[field] = value_of(expression, _readers(path, key, expression, scope, scopes))
     for key in kind.reads:
-        answers.readers[key] = scopes.reader(path, key, _cell(scope, getattr(kind, key)))
+        answers.readers[key] = scopes.reader(path, key, scope.cell(getattr(kind, key)))
     for key in kind.puts:
-        answers.writers[key] = scopes.writer(path, key, _cell(scope, getattr(kind, key)))
-
-
-def _bind_value(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Callable[[], Any]:
-    """Return what computes the expression at `key` of the node at `path`."""
-    expression, cells = _cells(text, scope)
-    return value_of(expression, {name: scopes.reader(path, key, cell) for name, cell in cells.items()})
-
-
-def _cells(text: str, scope: Scope) -> tuple[Expression, dict[str, Cell]]:
-    expression = parse_expression(text)
-    cells: dict[str, Cell] = {}
-    for name in expression.names:
-        cells[name] = _cell(scope, name)
-    return expression, cells
-
-
-def _cell(scope: Scope, name: str) -> Cell:
-    cell = scope.find(name)
-    assert cell is not None, "resolved variables are declared"
-    return cell
+        answers.writers[key] = scopes.writer(path, key, scope.cell(getattr(kind, key)))
 
 
 class Compiled(Protocol):

@@ -15,7 +15,7 @@ from py_trees.behaviour import Behaviour
 from grip_bt.base.errors import ImplementationError, InvalidTaskError, NodeError
 from grip_bt.base.issue import Issue
 from grip_bt.compilers.resolve import Part
-from grip_bt.compilers.scopes import UNSET, Cell, Scope, Scopes
+from grip_bt.compilers.scopes import UNSET, Cell, Scopes
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Manifest, load_implementation
@@ -46,9 +46,9 @@ def make_leaf(part: Part, factory: LeafFactory, scopes: Scopes) -> Leaf:
     leaf = factory(part.path, node, part.manifest)
     leaf.name = part.name
     for port, variable in node.in_.items():
-        leaf.readers[port] = scopes.reader(part.path, port, _cell(part.scope, variable))
+        leaf.readers[port] = scopes.reader(part.path, port, part.scope.cell(variable))
     for port, variable in node.out.items():
-        leaf.writers[port] = scopes.writer(part.path, port, _cell(part.scope, variable))
+        leaf.writers[port] = scopes.writer(part.path, port, part.scope.cell(variable))
     return leaf
 
 
@@ -164,10 +164,10 @@ def _hand_in(part: Part, scopes: Scopes) -> Callable[[], None]:
     assert isinstance(node, model.Subtask), "only these have ports of their own file"
     moves: list[_Move] = []
     for port, variable in node.in_.items():
-        read = scopes.reader(part.path, port, _cell(part.around, variable))
-        moves.append((read, scopes.writer(part.path, port, _cell(part.scope, port))))
+        read = scopes.reader(part.path, port, part.around.cell(variable))
+        moves.append((read, scopes.writer(part.path, port, part.scope.cell(port))))
     for port, literal in node.with_.items():
-        moves.append((_copies(literal), scopes.writer(part.path, port, _cell(part.scope, port))))
+        moves.append((_copies(literal), scopes.writer(part.path, port, part.scope.cell(port))))
 
     def enter() -> None:
         part.scope.reset()
@@ -181,7 +181,7 @@ def _hand_out(part: Part, scopes: Scopes) -> Callable[[], None]:
     node = part.node
     assert isinstance(node, model.Subtask), "only these have ports of their own file"
     bound = [
-        (_cell(part.scope, port), scopes.writer(part.path, port, _cell(part.around, variable)))
+        (part.scope.cell(port), scopes.writer(part.path, port, part.around.cell(variable)))
         for port, variable in node.out.items()
     ]
 
@@ -205,9 +205,3 @@ def _value(cell: Cell) -> Callable[[], Any]:
 
 def _copies(literal: object) -> Callable[[], Any]:
     return lambda: deepcopy(literal)
-
-
-def _cell(scope: Scope, variable: str) -> Cell:
-    cell = scope.find(variable)
-    assert cell is not None, "resolved variables are declared"
-    return cell

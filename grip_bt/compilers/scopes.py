@@ -68,6 +68,12 @@ class Scope:
             scope = scope.outer
         return None
 
+    def cell(self, name: str) -> Cell:
+        """Return the visible variable of this name; resolved tasks declare all that they name."""
+        cell = self.find(name)
+        assert cell is not None, "resolved variables are declared"
+        return cell
+
     def visible(self) -> list[str]:
         """Return all names that can be seen from here, inner ones first."""
         names: dict[str, None] = {}

@@ -23,7 +23,7 @@ from .journal_events import Event
 from .journal_reader import JournalReader, RunRecord
 from .journal_rows import JournalError
 from .pacing import Pacing
-from .re_execution import ReExecution, Result
+from .re_execution import ReExecution
 from .recording import Recording
 from .run_log import RunLog
 from .runner import Runner, RunResult
@@ -46,7 +46,6 @@ __all__ = [
     "TickEngine",
     "Recording",
     "ReExecution",
-    "Result",
     "RunContext",
     "RunParts",
     "RunLog",

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from py_trees.behaviour import Behaviour
@@ -44,23 +43,6 @@ _IDLE_TIME = 5.0
 """How long [s] the threads of a machine may take from one recorded event to the next."""
 
 
-@dataclass(frozen=True)
-class Result:
-    """An end that somebody decides on, in place of a leaf.
-
-    Attributes:
-        outcome: one of the leaf's.
-        code: of a failure; empty for none.
-        message: of a failure.
-        outputs: port -> value.
-    """
-
-    outcome: str
-    code: str = ""
-    message: str = ""
-    outputs: Mapping[str, Any] | None = None
-
-
 class ReExecution:
     """A recorded run in a task that was compiled anew.
 
@@ -70,7 +52,8 @@ class ReExecution:
         value: restores what a `write` event wrote.
         clock: the run's clock from then on.
         how: leaf that was active at the end -> whether it is resumed; those not named are started again.
-        results: leaf -> how its first activation ends that the recording doesn't have the end of.
+        results: leaf -> how its first activation ends that the recording doesn't have the end of: outcome and failure
+            code, empty for none.
         tell: told `(leaf, how)` as each active leaf goes on.
 
     Attributes:
@@ -85,7 +68,7 @@ class ReExecution:
         clock: Clock,
         *,
         how: Mapping[str, How] | None = None,
-        results: Mapping[str, Result] | None = None,
+        results: Mapping[str, Sequence[str]] | None = None,
         tell: Callable[[str, str], None] = lambda path, how: None,
     ):
         self._compiled, self._value = compiled, value

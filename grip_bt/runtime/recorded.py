@@ -117,10 +117,8 @@ class RecordedLeaf:
         if result is not None:
             self._mode = "recorded"
             self._re_execution.tell(path, "result")
-            leaf._write(dict(result.outputs or {}))
-            reason = result.code or result.message
-            failure = Failure(result.code or "failed", result.message or "set by hand", {}) if reason else None
-            return self._ended(result.outcome, failure)
+            outcome, code = result
+            return self._ended(outcome, Failure(code, "set by hand", {}) if code else None)
         self._re_execution.tell_begun(None)
         mode, how = self._mode, self._re_execution.how.get(path, "restart")
         self.release()

@@ -12,7 +12,6 @@ from runtime_world import CATALOG, Waiting
 
 from grip_bt.compilers import to_tree
 from grip_bt.runtime import Event, ManualClock, ReExecution, RunContext, Runner, WallClock
-from grip_bt.runtime.re_execution import Result
 from grip_bt.runtime.recorded import RecordedClock, recorded_rest
 from grip_bt.runtime.recording import Recording
 from grip_bt.task.model import Task
@@ -59,7 +58,7 @@ def test_what_was_set_by_hand_is_set_again_and_told_to_who_watches() -> None:
 
 
 def test_a_leaf_ends_as_somebody_decided_who_gave_no_outputs() -> None:
-    re_execution, compiled = begun_again(*BEGUN, results={"a": Result("success")})
+    re_execution, compiled = begun_again(*BEGUN, results={"a": ("success", "")})
     assert (
         Runner(compiled, RunContext(re_execution.clock), re_execution=re_execution, poll=0.01).run().status == "success"
     )

@@ -16,7 +16,6 @@ from grip_bt.runtime import (
     Journal,
     JournalReader,
     ReExecution,
-    Result,
     RunLog,
     WallClock,
 )
@@ -98,13 +97,12 @@ def start_resumed(
         for path, leaf in compiled.leaves.items()
         if isinstance(leaf, MockLeaf) or policy_of(manifests[path]) == "resume"
     }
-    results = {path: Result(outcome, code) for path, (outcome, code) in resume.results.items()}
     values = dict(resume.values)
 
     def value(event: Event) -> Any:
         return values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
 
-    return log, ReExecution(compiled, events, value, clock or WallClock(), how=how, results=results), back
+    return log, ReExecution(compiled, events, value, clock or WallClock(), how=how, results=resume.results), back
 
 
 def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:
