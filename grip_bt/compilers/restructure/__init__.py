@@ -5,6 +5,7 @@ outcome, reason and data. What has no equal in the other form stays, with a note
 explains which parts these are.
 """
 
+from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees
 from grip_bt.compilers.restructure.result import to_text
 
 from .as_edit import expanded
@@ -12,8 +13,6 @@ from .equivalence import Comparison, Difference, compare, moved, play
 from .extraction import Extracted, extracted
 from .inlining import inlined
 from .result import Note, Restructured
-from .to_composites import to_trees
-from .to_states import to_state_machines
 
 __all__ = [
     "Comparison",

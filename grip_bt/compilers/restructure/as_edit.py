@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grip_bt.base.errors import EditError, InvalidTaskError
+from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees
 from grip_bt.task import dumps, loads
 from grip_bt.task.canonical import data_of, file_data
 from grip_bt.task.catalog import Catalog
@@ -17,8 +18,6 @@ from grip_bt.task.shape import CHILDREN
 
 from .inlining import inlined
 from .result import Restructured
-from .to_composites import to_trees
-from .to_states import to_state_machines
 
 
 def expanded(command: AnyCommand, task: Task, catalog: Catalog) -> AnyCommand:
