@@ -14,7 +14,7 @@ from typing import Any
 from py_trees.common import Status
 
 from grip_bt.compilers import to_tree
-from grip_bt.compilers.probe import parts_of
+from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import RunContext, Runner
 from grip_bt.runtime.observers import LARGEST, Heartbeat
