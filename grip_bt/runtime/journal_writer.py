@@ -16,7 +16,7 @@ import numpy as np
 from grip_bt.runtime.journal_events import pack_numbers, pack_times
 
 from .journal_events import MOST, checksum
-from .run_log import ENTER, ENTRIES, INTERRUPTED, Noted, RunLog
+from .run_log import ENTER, ENTRIES, INTERRUPTED, DetailedEvent, RunLog
 from .value_codec import encode
 
 _INLINE = 512
@@ -81,7 +81,7 @@ class RunWriter:
         writes = 0
         for i in np.flatnonzero(names < 0).tolist():
             names[i] = self._name(paths[i], whats[i])
-            if isinstance(whats[i], Noted) and (more := self._data(whats[i])):
+            if isinstance(whats[i], DetailedEvent) and (more := self._data(whats[i])):
                 data[i] = more
                 writes += whats[i].event == "write"
         since_epoch = time.time() - time.monotonic()
@@ -96,7 +96,7 @@ class RunWriter:
 
     def _name(self, path: str, what: Any) -> int:
         """Return the number of a kind of event at a node; the first time it is entered in the table of names."""
-        if isinstance(what, Noted):
+        if isinstance(what, DetailedEvent):
             key: _Key = (path, what.event, what.outcome, what.code)
         elif what == ENTER and type(what) is int:
             key = (path, "enter", None, None)
@@ -108,11 +108,11 @@ class RunWriter:
         if number is None:
             number = self._keys[key] = len(self._keys)
             self._database.execute("INSERT INTO names VALUES(?,?,?,?,?,?)", (self._log.id, number, *key))
-        if not isinstance(what, Noted):
+        if not isinstance(what, DetailedEvent):
             self._ids[path, what] = number
         return number
 
-    def _data(self, noted: Noted) -> dict[str, Any] | None:
+    def _data(self, noted: DetailedEvent) -> dict[str, Any] | None:
         if noted.written is None:
             return noted.data
         (value,) = noted.written
@@ -122,7 +122,7 @@ class RunWriter:
             return {**more, "value": json.loads(content)}
         return {**more, **self._keep(content, noted)}
 
-    def _keep(self, content: bytes, noted: Noted) -> dict[str, Any]:
+    def _keep(self, content: bytes, noted: DetailedEvent) -> dict[str, Any]:
         """Keep a big value under the hash of its content, once."""
         if len(content) > self._largest:
             return {"size": len(content), "dropped": f"larger than {self._largest} bytes"}

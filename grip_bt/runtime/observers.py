@@ -16,7 +16,7 @@ KEPT = "kept"
 """The event; its data has `part` and, as a write has, the state."""
 
 
-class Kept(Protocol):
+class SideState(Protocol):
     """A part of a run whose state is kept."""
 
     def changed(self) -> Any:
@@ -33,7 +33,7 @@ class Kept(Protocol):
         """
 
 
-class Keeper(Silent):
+class SideStateObserver(Silent):
     """An observer that notes the states of parts; told before the journal's.
 
     Args:
@@ -43,7 +43,10 @@ class Keeper(Silent):
     """
 
     def __init__(
-        self, note: Callable[[str, str, Any], None], parts: Mapping[str, Kept], leaves: Mapping[str, tuple[str, ...]]
+        self,
+        note: Callable[[str, str, Any], None],
+        parts: Mapping[str, SideState],
+        leaves: Mapping[str, tuple[str, ...]],
     ):
         self._note, self._parts, self._leaves = note, parts, leaves
 

@@ -28,7 +28,7 @@ LIMIT = 2_000_000
 """Events that may wait for the writer; beyond that, whoever appends waits for it."""
 
 
-class Noted:
+class DetailedEvent:
     """An event that says more than that a node began or ended.
 
     Attributes:
@@ -57,7 +57,7 @@ class RunLog:
 
     Attributes:
         id: the run's id.
-        buffer: four entries an event: path, what (`ENTER`, `INTERRUPTED`, an outcome, or a `Noted`), the moment
+        buffer: four entries an event: path, what (`ENTER`, `INTERRUPTED`, an outcome, or a `DetailedEvent`), the moment
             [s, monotonic] and the time on the run's clock [s]. It is extended by whole events, at once, and only the
             writer takes from its front.
         ended: whether the run's end was entered.
@@ -72,7 +72,7 @@ class RunLog:
         self.journal, self.id = journal, run
         self.buffer: list[Any] = []
         self.ended = False
-        self.last: Noted | None = None
+        self.last: DetailedEvent | None = None
         self._cutting = threading.RLock()
         journal.follow(self)
 
@@ -95,9 +95,9 @@ class RunLog:
             code: of a failure.
             data: anything else, as JSON.
         """
-        self.note(t, path, Noted(event, outcome, code, data))
+        self.note(t, path, DetailedEvent(event, outcome, code, data))
 
-    def note(self, t: float, path: str, what: Noted) -> None:
+    def note(self, t: float, path: str, what: DetailedEvent) -> None:
         """Add an event at the time `t` on the run's clock [s]."""
         self.buffer.extend((path, what, time.monotonic(), t))
         if self.ended:
@@ -127,7 +127,7 @@ class RunLog:
         with self._cutting:
             if self.ended or self.last is not None:
                 return
-            self.last = Noted("run_ended", data={"status": _DIED, "message": why})
+            self.last = DetailedEvent("run_ended", data={"status": _DIED, "message": why})
             self.note(t, "/", self.last)
             self.end(_DIED, None)
 
@@ -214,8 +214,8 @@ class Recorder:
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """A node wrote a variable; its value is kept as it is now."""
         data = {"variable": variable, "type": type_name}
-        self._note(self._now(), path, Noted("write", data=data, written=(snapshot(value),)))
+        self._note(self._now(), path, DetailedEvent("write", data=data, written=(snapshot(value),)))
 
     def kept(self, path: str, part: str, state: object) -> None:
         """The state of a part beside the task is this, when a node ends; see `runtime.observers`."""
-        self._note(self._now(), path, Noted("kept", data={"part": part}, written=(snapshot(state),)))
+        self._note(self._now(), path, DetailedEvent("kept", data={"part": part}, written=(snapshot(state),)))

@@ -21,7 +21,7 @@ from grip_bt.nodes.foreign import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended
-from grip_bt.runtime.observers import Keeper, Kept
+from grip_bt.runtime.observers import SideState, SideStateObserver
 from grip_bt.runtime.run_log import Recorder
 from grip_bt.runtime.stopping import Watchdog
 
@@ -34,7 +34,7 @@ from .pacing import Pacing, State
 from .re_execution import NewEvents, ReExecution, ReExecutionPacer
 from .run_log import RunLog
 from .stopping import (
-    Gone,
+    EndedObserver,
     Zombie,
     code_running,
     in_background,
@@ -159,7 +159,7 @@ class Runner:
         """Have `observer` told of what the nodes do, after the journal; before `run`."""
         self._observers.append(observer)
 
-    def keep(self, parts: Mapping[str, Kept], leaves: Mapping[str, tuple[str, ...]]) -> None:
+    def keep(self, parts: Mapping[str, SideState], leaves: Mapping[str, tuple[str, ...]]) -> None:
         """Have the journal keep the states of parts beside the task; before `run`.
 
         Args:
@@ -167,7 +167,7 @@ class Runner:
             leaves: leaf -> names of the parts that its work may change.
         """
         if self._recorder is not None and parts:
-            self._observers.insert(0, Keeper(self._recorder.kept, parts, leaves))
+            self._observers.insert(0, SideStateObserver(self._recorder.kept, parts, leaves))
 
     # --- control ---
 
@@ -393,7 +393,7 @@ class Runner:
         """End the run without its thread: what comes back from there is held off everything."""
         leaves = self.compiled.leaves
         hanging = code_running(leaves) or ({"/": "the run itself"} if not left_working(leaves) else {})
-        self.compiled.observe(Gone())
+        self.compiled.observe(EndedObserver())
         lock_out(leaves)
         self._finish(result, [Zombie(path, where) for path, where in hanging.items()])
 

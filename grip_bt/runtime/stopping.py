@@ -42,7 +42,7 @@ class Zombie:
         return f"{self.path} ({self.where})"
 
 
-class Gone(Silent):
+class EndedObserver(Silent):
     """The observer of a run that is over: whatever comes back from where it hung gets no further."""
 
     def entered(self, path: str) -> None:

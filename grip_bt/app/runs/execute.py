@@ -20,7 +20,7 @@ from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
-from grip_bt.runtime.observers import Durable, Kept
+from grip_bt.runtime.observers import Durable, SideState
 from grip_bt.task import Document, Variable, read, read_text
 from grip_bt.task.model import type_of
 from grip_bt.task.validation import validate
@@ -219,7 +219,7 @@ def open_session(
         _keep_to_limit(project.journal, project.file.journal_limit)
 
 
-def _changed(leaf: Leaf, kept: Mapping[str, Kept]) -> tuple[str, ...]:
+def _changed(leaf: Leaf, kept: Mapping[str, SideState]) -> tuple[str, ...]:
     """Return which kept parts a leaf's work may change."""
     manifest = leaf.manifest
     return tuple(part for part in changes(manifest.id, manifest.implementation) if part in kept)

@@ -19,8 +19,8 @@ from grip_bt.runtime import (
     RunLog,
     WallClock,
 )
-from grip_bt.runtime.observers import Kept
-from grip_bt.runtime.run_log import Noted
+from grip_bt.runtime.observers import SideState
+from grip_bt.runtime.run_log import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_bt.task.catalog import Manifest, check_value
 
@@ -62,7 +62,7 @@ def start_resumed(
     resume: ResumeRequest,
     clock: Clock | None,
     seed: int,
-    kept: Mapping[str, Kept],
+    kept: Mapping[str, SideState],
 ) -> tuple[RunLog, ReExecution, RestoredState]:
     """Return the log that is written on, the run that happens again first, and what became of parts beside the task.
 
@@ -123,7 +123,7 @@ def _copy(log: RunLog, events: Iterable[Event], origin: Mapping[str, Any]) -> No
     """Write events of another run into a new one; its times are those of that run."""
     for event in events:
         data = {**event.data, "forked_from": dict(origin)} if event.event == "run_started" else event.data
-        log.note(event.t, event.path, Noted(event.event, event.outcome, event.code, dict(data) or None))
+        log.note(event.t, event.path, DetailedEvent(event.event, event.outcome, event.code, dict(data) or None))
 
 
 def _set_values(
@@ -142,6 +142,6 @@ def _set_values(
         if wrong is not None:
             raise WrongTypeError("--set", name, cell.type, wrong)
         data = {"variable": name, "type": cell.type, "scope": found[0].path, "set": "by hand"}
-        log.note(t, "/", Noted("write", data=data, written=(snapshot(value),)))
+        log.note(t, "/", DetailedEvent("write", data=data, written=(snapshot(value),)))
         made.append(Event(len(events) + len(made) + 1, t, 0.0, "/", "write", None, None, {**data, "set": "now"}))
     return made

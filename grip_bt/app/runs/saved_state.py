@@ -11,7 +11,7 @@ from typing import Any
 from grip_bt.base.errors import GripError, ResumeError
 from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary, MessageStore
 from grip_bt.runtime import Event, JournalReader
-from grip_bt.runtime.observers import KEPT, Kept
+from grip_bt.runtime.observers import KEPT, SideState
 from grip_bt.runtime.value_codec import encode
 
 from ..wiring.parts import Resources
@@ -42,7 +42,7 @@ def changes(node: str, implementation: str) -> tuple[str, ...]:
 
 
 class _KeptState:
-    """Implements `runtime.observers.Kept` for a part that tells by some value of its own whether it is as it was.
+    """Implements `runtime.observers.SideState` for a part that tells by some value of its own whether it is as it was.
 
     Args:
         version: returns that value; a look at it takes microseconds.
@@ -75,9 +75,9 @@ class _KeptState:
         self._last = self._version()
 
 
-def kept_parts(resources: Resources) -> dict[str, Kept]:
+def kept_parts(resources: Resources) -> dict[str, SideState]:
     """Return those parts of a run that can be kept."""
-    parts: dict[str, Kept] = {}
+    parts: dict[str, SideState] = {}
     if (scene := resources.scene) is not None:  # every state of it is a value
         parts[SCENE] = _KeptState(scene.snapshot, scene.snapshot, scene.restore, operator.is_)
     if isinstance(messages := resources.messages, LocalMessages):
@@ -182,7 +182,7 @@ class RestoredState:
 
 
 def restore_state(
-    parts: Mapping[str, Kept], reader: JournalReader, events: Sequence[Event], agreed: bool = False
+    parts: Mapping[str, SideState], reader: JournalReader, events: Sequence[Event], agreed: bool = False
 ) -> RestoredState:
     """Bring parts into the state that they had at the last of `events`.
 
