@@ -226,33 +226,25 @@ class JournalReader:
         if not isinstance(id, str) or not id:
             self._rows.note(f"a run of {self.file} has no id ({id!r:.80}), and is left out")
             return None
-        wrong = {
-            "task_name": not isinstance(name, str),
-            "task_path": not isinstance(path, str) or "\0" in path,
-            "task_text": not isinstance(text, str),
-            "target": target not in ("bt", "sm"),
-            "seed": not isinstance(seed, int | None),
-            "started": not is_time(started) or started < 0,
-            "ended": ended is not None and (not is_time(ended) or ended < 0),
-            "status": not isinstance(status, str),
-            "outcome": not isinstance(outcome, str | None),
+        fits = {  # whether it can be that, and what stands for it otherwise
+            "task_name": (isinstance(name, str), ""),
+            "task_path": (isinstance(path, str) and "\0" not in path, ""),
+            "task_text": (isinstance(text, str), ""),
+            "target": (target in ("bt", "sm"), "bt"),
+            "seed": (isinstance(seed, int | None), None),
+            "started": (is_time(started) and started >= 0, 0.0),
+            "ended": (ended is None or (is_time(ended) and ended >= 0), None),
+            "status": (isinstance(status, str), "lost"),
+            "outcome": (isinstance(outcome, str | None), None),
         }
-        for field in (field for field, bad in wrong.items() if bad):
-            self._rows.note(f"{field} of run {id} is no such thing")
-        if status == "running":
-            status = {True: "running", False: "died", None: "lost"}[self._process(id)]
-        return RunRecord(
-            id,
-            "" if wrong["task_name"] else name,
-            "" if wrong["task_path"] else path,
-            "" if wrong["task_text"] else text,
-            "bt" if wrong["target"] else target,
-            None if wrong["seed"] else seed,
-            0.0 if wrong["started"] else float(started),
-            None if wrong["ended"] or ended is None else float(ended),
-            "lost" if wrong["status"] else status,
-            None if wrong["outcome"] else outcome,
-        )
+        known: dict[str, Any] = dict(zip(fits, row[1:], strict=True))
+        for field, (good, instead) in fits.items():
+            if not good:
+                self._rows.note(f"{field} of run {id} is no such thing")
+                known[field] = instead
+        if known["status"] == "running":
+            known["status"] = {True: "running", False: "died", None: "lost"}[self._process(id)]
+        return RunRecord(id, **known)
 
     # --- events ---
 
