@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 import logging
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from copy import deepcopy
 from importlib import import_module
 from typing import Any, cast
@@ -15,7 +16,7 @@ from py_trees.behaviour import Behaviour
 from grip_bt.base.errors import ImplementationError, InvalidTaskError, NodeError
 from grip_bt.base.issue import Issue
 from grip_bt.compilers.resolve import Part
-from grip_bt.compilers.scopes import UNSET, Cell, Scopes
+from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Manifest, load_implementation
@@ -148,60 +149,39 @@ def _refused(path: str, message: str) -> InvalidTaskError:
     return InvalidTaskError([Issue(path, "unknown-behaviour", "error", message)])
 
 
-_Move = tuple[Callable[[], Any], Callable[[Any], None]]
-
-
 def variables_of(part: Part, scopes: Scopes) -> tuple[Callable[[], None] | None, Callable[[], None] | None]:
-    """Return what a container calls when it is entered, and when it has ended by itself: its variables begin anew."""
-    if isinstance(part.node, model.Subtask):
-        return _hand_in(part, scopes), _hand_out(part, scopes)
-    return (part.scope.reset if part.declares else None), None
+    """Return what a container calls when it is entered, and when it has ended by itself: its variables begin anew.
 
-
-def _hand_in(part: Part, scopes: Scopes) -> Callable[[], None]:
-    """Return what begins the variables of a subtask anew and gives it its inputs."""
-    node = part.node
-    assert isinstance(node, model.Subtask), "only these have ports of their own file"
-    moves: list[_Move] = []
-    for port, variable in node.in_.items():
-        read = scopes.reader(part.path, port, part.around.cell(variable))
-        moves.append((read, scopes.writer(part.path, port, part.scope.cell(port))))
-    for port, literal in node.with_.items():
-        moves.append((_copies(literal), scopes.writer(part.path, port, part.scope.cell(port))))
+    A subtask gets its inputs then, and gives its outputs; one that wasn't made is none.
+    """
+    node, path, inside, around = part.node, part.path, part.scope, part.around
+    if not isinstance(node, model.Subtask):
+        return (inside.reset if part.declares else None), None
+    writers = {port: scopes.writer(path, port, inside.cell(port)) for port in (*node.in_, *node.with_)}
+    inputs = {port: scopes.reader(path, port, around.cell(variable)) for port, variable in node.in_.items()}
+    outputs = [(inside.cell(port), scopes.writer(path, port, around.cell(v))) for port, v in node.out.items()]
 
     def enter() -> None:
-        part.scope.reset()
-        _carry_out(part.path, moves)
-
-    return enter
-
-
-def _hand_out(part: Part, scopes: Scopes) -> Callable[[], None]:
-    """Return what gives the outputs of a subtask to the variables around it; an output that wasn't made is none."""
-    node = part.node
-    assert isinstance(node, model.Subtask), "only these have ports of their own file"
-    bound = [
-        (part.scope.cell(port), scopes.writer(part.path, port, part.around.cell(variable)))
-        for port, variable in node.out.items()
-    ]
+        inside.reset()
+        with _errors_of(path):
+            for port, read in inputs.items():
+                writers[port](read())
+            for port, literal in node.with_.items():
+                writers[port](deepcopy(literal))
 
     def leave() -> None:
-        _carry_out(part.path, [(_value(cell), write) for cell, write in bound if cell.value is not UNSET])
+        with _errors_of(path):
+            for cell, write in outputs:
+                if cell.value is not UNSET:
+                    write(cell.value)
 
-    return leave
+    return enter, leave
 
 
-def _carry_out(path: str, moves: list[_Move]) -> None:
+@contextmanager
+def _errors_of(path: str) -> Iterator[None]:
+    """Name the node in what is raised."""
     try:
-        for read, write in moves:
-            write(read())
+        yield
     except Exception as error:
         raise NodeError(path, error) from error
-
-
-def _value(cell: Cell) -> Callable[[], Any]:
-    return lambda: cell.value
-
-
-def _copies(literal: object) -> Callable[[], Any]:
-    return lambda: deepcopy(literal)
