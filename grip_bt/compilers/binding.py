@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Protocol
+from typing import Any, Protocol
 
 from grip_bt.base.errors import ExpressionError, UnknownNameError
-from grip_bt.base.evaluation import Thunk, condition_of, value_of
+from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import Scope, Scopes
@@ -26,7 +26,7 @@ def bind_condition(path: str, key: str, text: str, scope: Scope, scopes: Scopes)
     return Condition(expression.text, condition_of(expression, _readers(path, key, expression, scope, scopes)), watch)
 
 
-def _readers(path: str, key: str, expression: Expression, scope: Scope, scopes: Scopes) -> dict[str, Thunk]:
+def _readers(path: str, key: str, expression: Expression, scope: Scope, scopes: Scopes) -> dict[str, Callable[[], Any]]:
     return {name: scopes.reader(path, key, scope.cell(name)) for name in expression.names}
 
 

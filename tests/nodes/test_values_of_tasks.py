@@ -68,5 +68,5 @@ def test_waiting_for_a_condition_ends_when_it_is_true_or_the_time_is_over(cell):
     assert cell.run(leaf) == SUCCESS
     late = cell.leaf("flow/wait_until", expression="a > 3", timeout=0.5, a=1)
     assert cell.run(late) == ("FAILURE", "failure", "timed_out")
-    with pytest.raises(Exception, match="neither true nor false"):
+    with pytest.raises(Exception, match="not to true or false"):
         cell.run(cell.leaf("flow/wait_until", expression="a + 3", a=1))
