@@ -155,7 +155,7 @@ class ProjectExistsError(GripError):
         folder: the folder, or file, that was named.
     """
 
-    def __init__(self, folder: Any):
+    def __init__(self, folder: object):
         self.folder = str(folder)
         super().__init__(f"{folder} is not an empty folder; nothing was written. Name a new folder")
 
@@ -167,7 +167,7 @@ class NotWritableError(GripError):
         place: the file or folder.
     """
 
-    def __init__(self, place: Any, error: OSError, advice: str):
+    def __init__(self, place: object, error: OSError, advice: str):
         self.place = str(place)
         super().__init__(f"{place} can't be written ({error.strerror or error}): {advice}")
 
@@ -199,7 +199,7 @@ class UntrustedCodeError(GripError):
 class InvalidTaskError(GripError):
     """A task was read but is wrong; `issues` holds everything that was found."""
 
-    def __init__(self, issues: Sequence[Any], source: str = ""):
+    def __init__(self, issues: Sequence[object], source: str = ""):
         self.issues, self.source = tuple(issues), source
         super().__init__("\n".join(str(i) for i in issues))
 
@@ -290,7 +290,7 @@ class UnfitSolverError(GripError):
 class InvalidRobotError(GripError):
     """A robot's files are wrong; `findings` holds every error that was found, with its place."""
 
-    def __init__(self, name: str, findings: Sequence[Any]):
+    def __init__(self, name: str, findings: Sequence[object]):
         self.name, self.findings = name, tuple(findings)
         listed = "".join(f"\n  {finding}" for finding in self.findings)
         super().__init__(f"robot {name} can't be used; `grip robot check` lists everything that is wrong:{listed}")

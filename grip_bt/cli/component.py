@@ -65,7 +65,6 @@ def add_component(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_new(args: argparse.Namespace) -> int:
-    """Write the repository and its node, and say how to go on."""
     folder = args.folder or components_folder(Path()) / args.name
     written = make_repository(folder, args.name, args.lang)
     print(f"{folder}: {', '.join(str(file) for file in written)}")
@@ -243,7 +242,6 @@ def add_interfaces(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_interfaces(args: argparse.Namespace) -> int:
-    """Build and tell where each package is."""
     built = build_interfaces(args.folder, args.cache, args.overlay)
     if args.json:
         rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]

@@ -167,7 +167,6 @@ def add_sim(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_sim(args: argparse.Namespace) -> int:
-    """Serve the world until Ctrl-C; then say where its objects are."""
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)

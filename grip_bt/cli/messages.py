@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.progress import report_if_slow
@@ -28,6 +28,7 @@ from grip_bt.ros.messages.wire import ServerStates, entry_rows, plain_of_entry, 
 
 from .terminal import on_stop
 
+T = TypeVar("T")
 ARCHIVE = "messages.sqlite"
 _VALUE = "YAML, as in a project's files or field by field; - for the standard input"
 
@@ -78,12 +79,12 @@ def _add_writers(actions: Any) -> None:
         parser.set_defaults(run=_run_add)
     delete = actions.add_parser("delete", help="remove one message")
     _add_entry(delete)
-    delete.set_defaults(run=run_delete)
+    delete.set_defaults(run=_run_request, request=lambda server, given: server.delete(given.store, given.name))
     reset = actions.add_parser("reset", help="empty a store, or all, and read the project's files again")
     reset.add_argument("store", nargs="?", default="", help="only this one (default: all)")
-    reset.set_defaults(run=run_reset)
+    reset.set_defaults(run=_run_request, request=lambda server, given: server.reset(given.store))
     save = actions.add_parser("save", help="save everything so that it survives a restart of the server")
-    save.set_defaults(run=run_save)
+    save.set_defaults(run=_run_save)
 
 
 def _add_entry(parser: argparse.ArgumentParser) -> None:
@@ -98,7 +99,6 @@ def _add_form(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_serve(args: argparse.Namespace) -> int:
-    """Serve until SIGINT or SIGTERM."""
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)
@@ -118,7 +118,6 @@ SILENT = 2.0
 
 
 def _run_list(args: argparse.Namespace) -> int:
-    """Print one line for each message."""
     with _server() as server:
         if args.store:
             _done(server.names(args.store))  # tells which stores there are
@@ -139,7 +138,6 @@ def _run_list(args: argparse.Namespace) -> int:
 
 
 def _run_show(args: argparse.Namespace) -> int:
-    """Print one message, or take the oldest of a queue."""
     with _server() as server:
         entry = _done(server.message(args.store, args.name))
     if args.json:
@@ -152,29 +150,20 @@ def _run_show(args: argparse.Namespace) -> int:
 
 
 def _run_add(args: argparse.Namespace) -> int:
-    """Add a message, or push it."""
     with _server() as server:
         value = _value(server, args)
         _done(server.put(args.store, args.name, value, args.by or "grip messages"))
     return 0
 
 
-def run_delete(args: argparse.Namespace) -> int:
-    """Remove one message."""
+def _run_request(args: argparse.Namespace) -> int:
+    """Have the server do what the action asks for."""
     with _server() as server:
-        _done(server.delete(args.store, args.name))
+        _done(args.request(server, args))
     return 0
 
 
-def run_reset(args: argparse.Namespace) -> int:
-    """Empty a store or all, and have the files read."""
-    with _server() as server:
-        _done(server.reset(args.store))
-    return 0
-
-
-def run_save(args: argparse.Namespace) -> int:
-    """Have everything kept."""
+def _run_save(args: argparse.Namespace) -> int:
     with _server() as server:
         count = _done(server.save())
     print(f"{count} messages saved; they survive a restart of the server")
@@ -182,11 +171,10 @@ def run_save(args: argparse.Namespace) -> int:
 
 
 def _run_watch(args: argparse.Namespace) -> int:
-    """Print changes as they come."""
     changes: queue.SimpleQueue[tuple[str, str, str, Any]] = queue.SimpleQueue()
     printed = 0
     with _server() as server, suppress(KeyboardInterrupt):
-        _done(server.names(args.store) if args.store else server.listing())  # that there is one, and such a store
+        _done(server.names(args.store)) if args.store else _done(server.listing())  # that there is such a store
         stop = server.watch(lambda *change: changes.put(change))
         print("watching /grip/messages/changes; Ctrl-C ends it", file=sys.stderr, flush=True)
         while not args.count or printed < args.count:
@@ -255,7 +243,7 @@ def _told_of_building() -> AbstractContextManager[None]:
     return report_if_slow(lambda _, said: print(said, file=sys.stderr, flush=True), "messages", lambda: words, SILENT)
 
 
-def _done(operation: Operation[Any]) -> Any:
+def _done(operation: Operation[T]) -> T:
     if not operation.wait(WAIT):
         raise ServerTimeOutError(f"the message server did not answer within {WAIT:.0f} s")
     return operation.result()

@@ -24,7 +24,6 @@ def add_new(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_new(args: argparse.Namespace) -> int:
-    """Make the project and say how to go on."""
     written = make_project(args.folder)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
     folder = shlex.quote(args.folder)
@@ -40,7 +39,6 @@ def add_fmt(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_fmt(args: argparse.Namespace) -> int:
-    """Format the files; with --check, 1 when one would change."""
     formatted = {path: _both(path) for path in args.tasks}  # a file that can't be read stops all before any is written
     changed = [path for path, (before, after) in formatted.items() if before != after]
     if args.check:
@@ -73,7 +71,6 @@ def add_edit(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_edit(args: argparse.Namespace) -> int:
-    """Serve until Ctrl-C."""
     from grip_gui import serve  # here, since `grip edit --help` needs no extra
 
     if not args.path.exists():

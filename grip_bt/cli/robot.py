@@ -44,7 +44,6 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_check(args: argparse.Namespace) -> int:
-    """Print all findings; 1 when one of them is an error."""
     inspected = _inspected(args)
     findings = [*inspected.findings, *_of_model(inspected)]
     wrong = sum(finding.severity == "error" for finding in findings)
@@ -58,7 +57,6 @@ def _run_check(args: argparse.Namespace) -> int:
 
 
 def _run_show(args: argparse.Namespace) -> int:
-    """Print what the robot has; 1 when it can't be used."""
     inspected = _inspected(args)
     if inspected.description is None:
         for finding in inspected.findings:
@@ -70,7 +68,6 @@ def _run_show(args: argparse.Namespace) -> int:
 
 
 def _run_list(args: argparse.Namespace) -> int:
-    """Print the names of the ready-made robots."""
     print(json.dumps(list(ROBOTS)) if args.json else "\n".join(ROBOTS))
     return 0
 

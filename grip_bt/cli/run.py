@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -162,7 +163,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
     """Run in a child process; pass on what goes either way. Return the exit status, and the event `ended`."""
     run_id: list[str] = []
     started: list[Mapping[str, Any]] = []
-    prompt: Any = None
+    prompt: Prompt | None = None
 
     def told(event: Mapping[str, Any]) -> None:
         if event["event"] == "started":
@@ -184,7 +185,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
     if args.control:
         _in_background(lambda: _pass_on(supervisor))
     elif prompt is not None:
-        _in_background(lambda: prompt.listen(sys.stdin))
+        _in_background(partial(prompt.listen, sys.stdin))
     end = supervisor.wait()
     if end["event"] == "failed":
         print(end["message"], file=sys.stderr)

@@ -48,7 +48,6 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_runs(args: argparse.Namespace) -> int:
-    """Print a line per run, or do what is asked with one run."""
     if args.prune is not None:
         return _prune(args)
     if (args.to is None) != (args.output is None):
@@ -90,7 +89,6 @@ def _one(reader: JournalReader, args: argparse.Namespace, run: str) -> None:
 
 
 def _no_journal(file: Path) -> NoReturn:
-    """Refuse a journal that was named and isn't there."""
     raise JournalError(f"{file}: there is no such journal; name a file that runs were written to")
 
 
@@ -188,7 +186,6 @@ def add_replay(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_replay(args: argparse.Namespace) -> int:
-    """Show the events."""
     file = journal_of(None, args.journal)
     with JournalReader(file) as reader:
         found = find_run(reader, args.run_name)
@@ -258,7 +255,6 @@ def add_capsule(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_capsule(args: argparse.Namespace) -> int:
-    """Write the file, and say how large it is."""
     with JournalReader(journal_of(None, args.journal)) as reader:
         found = find_run(reader, args.run_name)
         file = args.output or Path(f"{found}.html")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from grip_bt.app.project.faults import TAUGHT
 from grip_bt.app.project.folder import find_project
@@ -15,6 +16,8 @@ from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.taught import TaughtStates
+
+T = TypeVar("T")
 
 
 def add_teach(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +61,7 @@ def _teach(resources: Resources, args: argparse.Namespace) -> tuple[str, JointSt
     return arm.name, arm.teach(args.name, pose=args.pose)
 
 
-def _one(kind: str, parts: Any, name: str) -> Any:
+def _one(kind: str, parts: Mapping[str, T], name: str) -> T:
     if not name and len(parts) == 1:
         return next(iter(parts.values()))
     if name not in parts:

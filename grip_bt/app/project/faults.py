@@ -102,7 +102,6 @@ def common_states(arm: ArmConfig, arms: Mapping[str, ArmConfig], robot: RobotDes
 
 
 def _faults_of_parts(project: Project, name: str, arm: ArmConfig, robot: RobotDescription) -> Iterator[GripError]:
-    """Yield what is wrong with the arms that an arm joins."""
     where, arms = f"grip.yaml: arms/{name}/arms", project.file.arms
     strange = [part for part in arm.arms if part not in arms or part == name]
     for part in strange:

@@ -115,7 +115,6 @@ def _drawing(task: Task, catalog: Catalog, view: View) -> str:
 
 
 def _node(node: Any, catalog: Catalog) -> dict[str, Any]:
-    """Return what the page says about a node."""
     manifest = catalog.get(node.node) if isinstance(node, Leaf) and node.node in catalog else None
     if isinstance(node, Leaf):
         plain = {"success": "success", "failure": "failure"}

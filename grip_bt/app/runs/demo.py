@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ import grip_bt
 from grip_bt.base.errors import MissingPartError, NotWritableError
 from grip_bt.base.values import Failure, Grasp
 from grip_bt.nodes.node import Silent
+from grip_sim.referee import ObjectTruth
 
 DEMO = "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by images, place."
 ATTEMPT = "next_object/attempt"
@@ -57,8 +57,8 @@ def _copy(folder: Path) -> Path:
     return copy
 
 
-_Truth = Callable[[], Mapping[str, Any]]
-"""Asks the referee: object -> something with `.status` (`held`, `placed`, ...) and `.pose`."""
+_Truth = Callable[[], Mapping[str, ObjectTruth]]
+"""Asks the referee."""
 
 
 @dataclass
@@ -121,7 +121,7 @@ class AttemptRecorder(Silent):
         elif path == self._check and self.attempts:
             self.attempts[-1].held = self._with("held")
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """Take note of which object a chosen grasp is for."""
         if isinstance(value, Grasp) and self._truth is not None and self.attempts:
             truth = self._truth()
@@ -176,7 +176,7 @@ def attempt_line(attempt: Attempt) -> str:
     return f"attempt {attempt.number:<2} {attempt.duration:6.1f} s  {what:<12} {how}"
 
 
-def object_table(truth: Mapping[str, Any], attempts: Sequence[Attempt]) -> list[str]:
+def object_table(truth: Mapping[str, ObjectTruth], attempts: Sequence[Attempt]) -> list[str]:
     """Return a line per object: attempts, why they failed, and what the referee says."""
     rows = [("object", "attempts", "held", "placed", "time [s]", "why attempts failed")]
     for name, state in truth.items():

@@ -220,7 +220,6 @@ def open_session(
 
 
 def _changed(leaf: Leaf, kept: Mapping[str, SideState]) -> tuple[str, ...]:
-    """Return which kept parts a leaf's work may change."""
     manifest = leaf.manifest
     return tuple(part for part in changes(manifest.id, manifest.implementation) if part in kept)
 

@@ -133,7 +133,6 @@ def _checked(path: str, parts: Mapping[str, Part], script: Sequence[Mapping[str,
 def _replaced(
     path: str, node: AnyNode, parts: Mapping[str, Part], steps: Mapping[str, list[MockStep]], faces: list[Manifest]
 ) -> AnyNode:
-    """Return a node in which mocked containers are leaves."""
     if isinstance(node, Leaf):
         return node
     if path in steps:

@@ -9,9 +9,12 @@ import signal
 import sys
 import threading
 import traceback
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from grip_bt.base.errors import GripError
+
+if TYPE_CHECKING:
+    from grip_bt.runtime.control import Control
 
 _PROGRESS = "progress"
 
@@ -49,7 +52,7 @@ def main() -> int:
         return 130
 
 
-def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
+def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: Control) -> int:
     try:
         return _run(order, channels, control)
     except _StoppedEarlyError:
@@ -65,11 +68,11 @@ def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: An
         return 1
 
 
-def _interrupted(*_: Any) -> None:
+def _interrupted(*_: object) -> None:
     raise _StoppedEarlyError
 
 
-def _run(order: dict[str, Any], channels: dict[str, int], control: Any) -> int:
+def _run(order: dict[str, Any], channels: dict[str, int], control: Control) -> int:
     from grip_bt.compilers.binding import parts_of
     from grip_bt.runtime.observers import Heartbeat
 

@@ -99,7 +99,6 @@ def _entries(store: MessageStore[Any]) -> list[list[Any]]:
 
 
 def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[Any]]]) -> None:
-    """Have these entries, and no others."""
     made = {name: [Entry(*entry) for entry in entries] for name, entries in state.items()}
     for store in library.stores().values():
         store.clear()

@@ -221,7 +221,6 @@ class Supervisor:
             return  # it has ended meanwhile
 
     def _watch(self) -> int:
-        """Wait for the process; end it when it stands still."""
         count, still, looked = -1, 0.0, time.monotonic()
         while True:
             try:
@@ -328,7 +327,6 @@ class Supervisor:
 
 
 def _advice(number: int | None) -> str:
-    """Return what can be done about a refusal of the system."""
     folder, most = tempfile.gettempdir(), resource.getrlimit(resource.RLIMIT_FSIZE)[0]
     known = {
         errno.EFBIG: f"; files may have {most} bytes here, and {LARGEST} are needed: ulimit -f unlimited",
