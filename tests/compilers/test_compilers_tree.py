@@ -89,6 +89,7 @@ def every_kind() -> dict[str, Any]:
             "cooldown": {"kind": "cooldown", "seconds": 1, "child": {"c": leaf()}},
             "invert": {"kind": "invert", "child": {"c": leaf()}},
             "force": {"kind": "force", "as": "success", "child": {"c": leaf()}},
+            "round_robin": {"kind": "round_robin", "children": {"c": leaf()}},
         },
     }
 
@@ -111,6 +112,7 @@ def test_every_kind_becomes_the_class_of_py_trees_that_it_is() -> None:
         "Subtask",
         "Invert",
         "Force",
+        "RoundRobin",
     }
     assert isinstance(tree.root, py_trees.composites.Sequence)
     assert isinstance(tree.by_path["fallback"], py_trees.composites.Selector)
