@@ -7,7 +7,13 @@ from table_top import named, robot_model
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import NoIkError
 from grip_bt.base.values import JointState
-from grip_bt.commanders.kinematics.fingertips import TOLERANCE, fingertip_positions, fingertip_posture
+from grip_bt.commanders.kinematics.fingertips import TOLERANCE, _Tips, fingers_of, fingertip_posture
+
+
+def fingertip_positions(model, hand, names=None):
+    """Where fingertips, or other links of the hand, are in its grasp frame [m]."""
+    tips = _Tips(model, tuple(fingers_of(model, "hand") if names is None else names), "hand", "grasp")
+    return dict(zip(tips.fingers, tips.places(model.configuration(hand)), strict=True))
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ that the fingers don't move: the grasp frame of the hand's arm, or a link such a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pinocchio as pin
@@ -27,28 +27,6 @@ _STEPS = 60
 _RESTARTS = 12
 _DAMPING = 1e-5
 _MAX_STEP = 0.4
-
-
-def fingertip_positions(
-    model: RobotModel,
-    hand: JointState,
-    names: Iterable[str] | None = None,
-    group: str = "hand",
-    frame: str = GRASP_FRAME,
-) -> dict[str, Array]:
-    """Return where fingertips, or other links of a hand, are in a frame, each of shape (3,) [m].
-
-    Args:
-        names: fingers or links; every finger when they aren't given.
-        group: the hand's group of joints.
-        frame: as for `fingertip_posture`.
-
-    Raises:
-        UnknownNameError: there is no such finger, link or frame.
-    """
-    tips = _Tips(model, tuple(fingers_of(model, group) if names is None else names), group, frame)
-    places = tips.places(model.configuration(hand))
-    return dict(zip(tips.fingers, places, strict=True))
 
 
 def fingertip_posture(
