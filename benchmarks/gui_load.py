@@ -149,9 +149,9 @@ async def soak(seconds: float, viewers: int) -> dict[str, Any]:
         lookers = [Looker(f"viewer{i}") for i in range(viewers)]
         tasks = [asyncio.create_task(looker.look(server)) for looker in lookers]
         start, memory, runs = time.monotonic(), 0.0, 0
-        wish = {"task": "tasks/turns.yaml", "robot": "fake", "page": "viewer0"}
+        request = {"task": "tasks/turns.yaml", "robot": "fake", "page": "viewer0"}
         while time.monotonic() - start < seconds or runs < 2:
-            run = await _one_run(server, wish)
+            run = await _one_run(server, request)
             runs += 1
             if not memory and time.monotonic() - start > WARM_UP * seconds:
                 memory = server.megabytes()
@@ -175,9 +175,9 @@ async def soak(seconds: float, viewers: int) -> dict[str, Any]:
         }
 
 
-async def _one_run(server: Server, wish: dict[str, Any]) -> str:
+async def _one_run(server: Server, request: dict[str, Any]) -> str:
     """Run the task to its end; return the run's id."""
-    answer = await server.http.post("/api/session", json=wish)
+    answer = await server.http.post("/api/session", json=request)
     if answer.status_code != 201:
         raise AssertionError(answer.text)
     while (view := (await server.http.get("/api/session")).json())["state"] != "ended":

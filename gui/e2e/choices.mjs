@@ -42,7 +42,7 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   await button("Flow").click();
   await edge("first.success").waitFor({ state: "attached" });
   await remove("first.success");
-  const why = page.getByRole("dialog", { name: "This edge comes from the order of the children" });
+  const why = page.getByRole("dialog", { name: "This edge follows from the order of the children" });
   await why.getByText(/short is a sequence; only the edges of a state machine/).waitFor();
   assert.equal(await why.getByRole("textbox").count(), 0, "one choice needs no filter");
   await page.keyboard.press("Escape");

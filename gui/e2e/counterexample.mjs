@@ -68,7 +68,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   await fileIs("saved");
   await button("Convert").click();
   await answer("roughly");
-  await dialog.getByRole("button", { name: /Convert all the same/ }).click();
+  await dialog.getByRole("button", { name: /Convert anyway/ }).click();
   await page.getByRole("treeitem", { name: /^watch state machine/ }).waitFor();
   await page.keyboard.press("Control+z");
   await page.getByRole("treeitem", { name: /^watch sequence/ }).waitFor();

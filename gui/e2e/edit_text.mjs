@@ -64,7 +64,7 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   for (let i = 0; i < "t, with: {seconds: 0.5}}".length; i++) await page.keyboard.press("ArrowLeft");
   await page.keyboard.type("z");
   await page.getByRole("button", { name: "Use flow/wait" }).first().click();
-  await page.getByText("Nothing is wrong with this task.").waitFor();
+  await page.getByText("No problems.").waitFor();
   await fileIs("saved");
 
   // Another page sees every edit; what was typed on an older text is neither lost nor silently put over it.
@@ -87,7 +87,7 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   await page.keyboard.press("Control+s");
   await page.getByRole("alert").getByText(/changed outside the editor/).waitFor();
   assert.match(readFileSync(path, "utf8"), /outside:/);
-  await page.getByRole("alert").getByRole("button", { name: "Take the file's text" }).click();
+  await page.getByRole("alert").getByRole("button", { name: "Reload from the file" }).click();
   await item("outside").waitFor();
   await button("Undo").click();
   await item("theirs").waitFor();

@@ -27,7 +27,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   await page.getByText("A number is needed.").waitFor();
   await seconds.fill("0.25");
   await seconds.press("Enter");
-  await page.getByText("Nothing is wrong with this task.").waitFor();
+  await page.getByText("No problems.").waitFor();
 
   // Rename, move, wrap, unwrap from the keyboard.
   await item("wait").focus();
@@ -48,8 +48,8 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   await page.keyboard.press("k");
   await answer("sequence");
   await item("attempts").getByText("sequence").waitFor({ state: "attached" });
-  await page.getByLabel("Remembers where it was").selectOption("no");
-  await page.getByLabel("Remembers where it was").evaluate((field) => field.value === "false");
+  await page.getByLabel("With memory").selectOption("no");
+  await page.getByLabel("With memory").evaluate((field) => field.value === "false");
 
   // Expression fields are checked while they are typed.
   await page.getByLabel("Precondition").fill("reachd > 1");

@@ -67,7 +67,7 @@ await onPage(url, async (page, { answer, button, nodeIs, runIsStopped, slider })
   await page.keyboard.press("Enter");
   await page.getByText("Nothing is wrong with it").waitFor();
   await press("Generate the node");
-  await page.getByLabel("What the try said").getByText("manifest.yaml").waitFor();
+  await page.getByLabel("Output of the command").getByText("manifest.yaml").waitFor();
 
   // Two poses, each where a robot is: the simulated one at its beginning, and the fake.
   await open("Message server");
@@ -76,8 +76,8 @@ await onPage(url, async (page, { answer, button, nodeIs, runIsStopped, slider })
     if (robot !== "a fresh simulation") await choose("Measured at", robot);
     actions++;
     await page.getByRole("group", { name: "Where the robot is" }).getByLabel("Name").fill(name);
-    await press("Measure and keep");
-    await page.getByLabel("What came of it").getByText(`${name} was written into messages/poses.yaml`).waitFor();
+    await press("Measure and save");
+    await page.getByLabel("Result").getByText(`${name} was written into messages/poses.yaml`).waitFor();
   }
   assert.match(readFileSync(join(folder, "messages/poses.yaml"), "utf8"), /at_first:(.|\n)*of_the_fake:/);
 
@@ -128,7 +128,7 @@ await onPage(url, async (page, { answer, button, nodeIs, runIsStopped, slider })
   await reply("retry");
   await row("retry/state_machine/lift").waitFor();
   if (process.env.LOOK) await page.screenshot({ path: process.env.LOOK });
-  await page.getByText("Nothing is wrong with this task.").waitFor();
+  await page.getByText("No problems.").waitFor();
 
   // It runs, is stopped, and is looked at again.
   await press("Run");

@@ -76,8 +76,8 @@ for (const colorScheme of ["light", "dark"]) {
       await page.getByLabel("Measured at").selectOption("the fake");
       await page.getByLabel("What", { exact: true }).selectOption("the pose of its grasp frame");
       await page.getByRole("group", { name: "Where the robot is" }).getByLabel("Name").fill("here");
-      await button("Measure and keep").click();
-      await page.getByLabel("What came of it").getByText("the server has it").waitFor();
+      await button("Measure and save").click();
+      await page.getByLabel("Result").getByText("the server has it").waitFor();
       await pose("here").waitFor();
       assert.match(file("messages/poses.yaml"), /here:/);
       await button("Stop serving").click();

@@ -60,7 +60,7 @@ for (const colorScheme of ["light", "dark"]) {
       await page.getByText("It keeps the contract").waitFor();
       const pasted = page.getByLabel("Its .srv or .action");
       await pasted.fill((await pasted.inputValue()).replace("int32 outcome", "string outcome"));
-      await page.getByRole("list", { name: "What is wrong" }).getByText("'outcome' is string; it must be one integer").waitFor();
+      await page.getByRole("list", { name: "Problems" }).getByText("'outcome' is string; it must be one integer").waitFor();
       await check(page, "interface");
       await button("Template").click();
       await page.getByLabel("Outcomes", { exact: true }).fill("found,none");
@@ -70,7 +70,7 @@ for (const colorScheme of ["light", "dark"]) {
       await page.getByRole("main", { name: "Component", exact: true }).waitFor();
       assert.match(file("components/seer/node/manifest.yaml"), /none: failure/);
       await button("Generate the node").click();
-      await page.getByLabel("What the try said").getByText("up to date").waitFor();
+      await page.getByLabel("Output of the command").getByText("up to date").waitFor();
       await check(page, "component");
 
       // A named pose.

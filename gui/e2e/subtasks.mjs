@@ -20,7 +20,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   const dialog = page.getByRole("dialog", { name: "Extract attempts to a task of its own" });
   assert.equal(await dialog.getByLabel("File").inputValue(), "tasks/attempts.yaml");
   await dialog.getByLabel("File").fill("tasks/long.yaml");
-  await dialog.getByText("A task of this name is there.").waitFor();
+  await dialog.getByText("A task with this name exists already.").waitFor();
   await dialog.getByLabel("File").fill("../elsewhere.yaml");
   await dialog.getByText(/A task file lies below tasks/).waitFor();
   await answer("tasks/attempts.yaml");
@@ -29,7 +29,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   const made = readFileSync(join(folder, "tasks/attempts.yaml"), "utf8");
   assert.match(made, /inputs: \{reached: /);
   assert.match(made, /broken: \{node: flow\/fail, with: \{code: no_plan, message: the way is blocked\}\}/);
-  await page.getByText("Nothing is wrong with this task.").waitFor();
+  await page.getByText("No problems.").waitFor();
 
   // In: the file's task, with the way back; out, at the subtask.
   await button("Open").click();

@@ -18,7 +18,7 @@ from grip_bt.base.failures import ExpectedError
 from grip_bt.base.interpreter import python_command
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.kinds import kind_of
-from grip_gui.wire.setup import ProbeView, ProbeWish
+from grip_gui.wire.setup import CommandRequest, CommandResult
 
 MARK = "GRIP_RUN_MARK"
 """Environment variable that all processes of one run share."""
@@ -80,7 +80,7 @@ KEPT = 20_000
 """How much of what it says is shown, the end of it [characters]."""
 
 
-class Prober:
+class CommandRunner:
     """Runs one try at a time.
 
     Args:
@@ -91,30 +91,30 @@ class Prober:
         self._folder = folder
         self._busy = asyncio.Lock()
 
-    async def probe(self, wish: ProbeWish) -> ProbeView:
+    async def probe(self, request: CommandRequest) -> CommandResult:
         """Try it.
 
         Raises:
             GripError: another try is under way, or this can't be tried.
         """
-        kind = kind_of(wish.path).name
-        home = self._folder.settings_file(wish.path).parent
-        needed = "component" if wish.what in ("generate", "test") else "project"
+        kind = kind_of(request.path).name
+        home = self._folder.settings_file(request.path).parent
+        needed = "component" if request.what in ("generate", "test") else "project"
         if kind != needed:
-            raise GripError(f"{wish.path}: {wish.what!r} is tried with a file of the kind {needed!r}")
+            raise GripError(f"{request.path}: {request.what!r} is tried with a file of the kind {needed!r}")
         words = {
             "robot": ("robot", "check", "."),
             "generate": ("component", "add", str(home)),
             "test": ("component", "test", str(home)),
         }
-        return await self.run(words[wish.what])
+        return await self.run(words[request.what])
 
-    async def run(self, words: Sequence[str]) -> ProbeView:
+    async def run(self, words: Sequence[str]) -> CommandResult:
         """Run `grip WORDS...` in the project folder; afterwards no process of it is left."""
         started = time.monotonic()
         ok, output = await self.ended("grip_bt.cli", words)
         shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
-        return ProbeView(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
+        return CommandResult(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
 
     async def answer(self, module: str, **question: Any) -> dict[str, Any]:
         """Run a module that answers by `answer_question` in the project folder; return its answer.
@@ -126,7 +126,7 @@ class Prober:
         for line in reversed(output.splitlines()):
             if line.startswith("{"):
                 return dict(json.loads(line))
-        raise GripError(f"it gave no answer: {output[-KEPT:].strip() or 'it said nothing'}")
+        raise GripError(f"no answer: {output[-KEPT:].strip() or 'no output'}")
 
     async def ended(self, module: str, words: Sequence[str], given: str = "") -> tuple[bool, str]:
         """Run a module to its end; return whether it went well, and what it said.
@@ -135,7 +135,7 @@ class Prober:
             GripError: another try is under way.
         """
         if self._busy.locked():
-            raise GripError("another try is under way; wait for its end")
+            raise GripError("another command is running; wait for it to end")
         async with self._busy:
             return await _ended(python_command("-m", module, *words), self._folder.folder, given)
 
@@ -156,7 +156,7 @@ async def _ended(command: Sequence[str], folder: Path, given: str) -> tuple[bool
             said, _ = await process.communicate(given.encode())
         output, ok = said.decode(errors="replace"), process.returncode == 0
     except TimeoutError:
-        output, ok = f"It hasn't ended within {PATIENCE:g} s, so it was ended.", False
+        output, ok = f"Killed: it did not end within {PATIENCE:g} s.", False
     finally:
         await end_marked(mark, group=process.pid if process.returncode is None else None)
         await process.wait()
@@ -166,13 +166,13 @@ async def _ended(command: Sequence[str], folder: Path, given: str) -> tuple[bool
 def answer_question(answer: Callable[..., Mapping[str, Any]]) -> int:
     """In a child process: read keyword arguments as JSON from the standard input, print what `answer` returns of them.
 
-    The answer is the last line, an object in JSON; `trouble` in it says why there is none.
+    The answer is the last line, an object in JSON; `error` in it says why there is none.
     """
     try:
         found = answer(**json.loads(sys.stdin.read()))
     except ExpectedError as error:
-        found = {"trouble": error.message}
+        found = {"error": error.message}
     except (GripError, ValueError, OSError) as error:
-        found = {"trouble": str(error)}
+        found = {"error": str(error)}
     sys.stdout.write("\n" + json.dumps(found) + "\n")
     return 0

@@ -9,26 +9,26 @@ from fastapi import APIRouter, Path, WebSocket
 
 from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import GripError, UnknownNameError
-from grip_gui.editing.document_store import EditDesk
+from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.palette import kind_views
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.from_here import mocks_before
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.launcher import RunOptions
-from grip_gui.runs.run_control import RunDesk
-from grip_gui.runs.stream import Viewer
+from grip_gui.runs.run_control import RunControl
+from grip_gui.runs.stream import ClientConnection
 from grip_gui.view.documents import task_view, view_of_text
 from grip_gui.view.values import cloud_view
 from grip_gui.wire.runs import (
-    BreakpointsWish,
+    BreakpointsRequest,
     CloudView,
     Control,
-    DeskView,
-    LeaseWish,
+    ControlRequest,
     PageId,
     RunRecord,
     RunView,
     SessionView,
+    SharedState,
     StartRun,
     ValueView,
 )
@@ -36,7 +36,7 @@ from grip_gui.wire.task import ProjectView, TaskView
 
 
 def make_router(
-    folder: ProjectFolder, desk: RunDesk, source: JournalRuns, selected: str | None, edits: EditDesk
+    folder: ProjectFolder, desk: RunControl, source: JournalRuns, selected: str | None, edits: DocumentStore
 ) -> APIRouter:
     """Return the routes below `/api`."""
     api = APIRouter(prefix="/api")
@@ -78,7 +78,7 @@ def make_router(
     @api.websocket("/socket")
     async def socket(websocket: WebSocket, page: PageId = "") -> None:
         await websocket.accept()
-        await Viewer(websocket, desk, source, edits.revisions, page).serve()
+        await ClientConnection(websocket, desk, source, edits.revisions, page).serve()
 
     return api
 
@@ -88,7 +88,7 @@ def robots() -> list[str]:
     return [str(kind) for kind in get_args(RobotKind)]
 
 
-def make_run_router(folder: ProjectFolder, desk: RunDesk) -> APIRouter:
+def make_run_router(folder: ProjectFolder, desk: RunControl) -> APIRouter:
     """Return the routes below `/api` that start and control runs."""
     api = APIRouter(prefix="/api")
 
@@ -97,44 +97,46 @@ def make_run_router(folder: ProjectFolder, desk: RunDesk) -> APIRouter:
         return desk.view
 
     @api.post("/session", status_code=201)
-    async def start(wish: StartRun) -> SessionView:
-        file = folder.task_file(wish.task)
+    async def start(request: StartRun) -> SessionView:
+        file = folder.task_file(request.task)
         try:
-            return await desk.start(wish.task, file, _options(folder, wish), wish.page, wish.run_to)
+            return await desk.start(request.task, file, _options(folder, request), request.page, request.run_to)
         except OSError as error:
             raise GripError(f"the run's process can't be started: {error}") from error
 
     @api.post("/session/control")
-    async def control(wish: Control) -> SessionView:
-        return await desk.command(wish)
+    async def control(request: Control) -> SessionView:
+        return await desk.command(request)
 
     @api.get("/desk")
-    async def shared() -> DeskView:
-        return desk.desk_view
+    async def shared() -> SharedState:
+        return desk.shared_state
 
     @api.post("/breakpoints")
-    async def breakpoints(wish: BreakpointsWish) -> DeskView:
-        folder.task_file(wish.task)
+    async def breakpoints(request: BreakpointsRequest) -> SharedState:
+        folder.task_file(request.task)
         try:
-            return await desk.set_breakpoints(wish.task, wish.breakpoints, wish.page)
+            return await desk.set_breakpoints(request.task, request.breakpoints, request.page)
         except OSError as error:
             raise GripError(f"the breakpoints can't be kept: {error}") from error
 
     @api.post("/lease")
-    async def lease(wish: LeaseWish) -> DeskView:
-        if wish.take:
-            desk.lease.take(wish.page, wish.over)
+    async def lease(request: ControlRequest) -> SharedState:
+        if request.take:
+            desk.lease.take(request.page, request.over)
         else:
-            desk.lease.give(wish.page)
-        return desk.desk_view
+            desk.lease.give(request.page)
+        return desk.shared_state
 
     return api
 
 
-def _options(folder: ProjectFolder, wish: StartRun) -> RunOptions:
-    if wish.robot not in robots():
-        raise UnknownNameError("robot", wish.robot, robots(), "grip run --robot")
-    options = RunOptions(robot=wish.robot, target=wish.target, seed=wish.seed, pace=wish.pace, mocks=wish.mocks)
-    if not wish.begin_at:
+def _options(folder: ProjectFolder, request: StartRun) -> RunOptions:
+    if request.robot not in robots():
+        raise UnknownNameError("robot", request.robot, robots(), "grip run --robot")
+    options = RunOptions(
+        robot=request.robot, target=request.target, seed=request.seed, pace=request.pace, mocks=request.mocks
+    )
+    if not request.begin_at:
         return options
-    return replace(options, mocks={**mocks_before(task_view(folder, wish.task), wish.begin_at), **wish.mocks})
+    return replace(options, mocks={**mocks_before(task_view(folder, request.task), request.begin_at), **request.mocks})

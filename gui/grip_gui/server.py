@@ -23,21 +23,21 @@ from starlette.exceptions import HTTPException
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
-from grip_gui.editing.document_store import EditDesk
+from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError
 from grip_gui.editing.routes import make_edit_router
+from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import make_live_router
-from grip_gui.live.window import RosWindow
-from grip_gui.processes import Prober
+from grip_gui.processes import CommandRunner
 from grip_gui.project import OutsideProjectError, ProjectFolder
 from grip_gui.routes import make_router, make_run_router
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.launcher import CommandLineLauncher, Launcher, RunOptions
-from grip_gui.runs.pages import HeldElsewhereError
-from grip_gui.runs.run_control import BusyError, RunDesk
+from grip_gui.runs.pages import ControlTakenError
+from grip_gui.runs.run_control import BusyError, RunControl
 from grip_gui.security import Gate
 from grip_gui.setup.routes import make_setup_router
-from grip_gui.wire.task import Trouble
+from grip_gui.wire.task import ErrorBody
 
 log = logging.getLogger(__name__)
 STATIC = Path(__file__).parent / "static"
@@ -46,7 +46,7 @@ _STATUS: tuple[tuple[type[GripError], int], ...] = (
     (UnknownNameError, 404),
     (DocumentError, 404),
     (BusyError, 409),
-    (HeldElsewhereError, 409),
+    (ControlTakenError, 409),
     (StaleEditError, 409),
     (ChangedOnDiskError, 409),
     (UnfinishedTextError, 409),
@@ -56,7 +56,7 @@ _KIND: dict[type[GripError], str] = {
     StaleEditError: "stale",
     ChangedOnDiskError: "disk",
     UnfinishedTextError: "unfinished",
-    HeldElsewhereError: "held",
+    ControlTakenError: "held",
     HandoverError: "approximate",
 }
 
@@ -93,7 +93,7 @@ def create_app(
     folder = ProjectFolder(project_folder)
     task_file = folder.task_file(task) if task is not None else None
     runs = source or JournalRuns(folder.journal, folder.folder)
-    desk = RunDesk(launcher or CommandLineLauncher(), folder.journal, runs)
+    desk = RunControl(launcher or CommandLineLauncher(), folder.journal, runs)
 
     if show_run is not None:
         desk.show(show_run)
@@ -111,17 +111,21 @@ def create_app(
     app.add_exception_handler(GripError, _teach)
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
     app.add_exception_handler(HTTPException, _refuse)
-    edits, window, prober = EditDesk(folder, desk.follow_edit), RosWindow(folder.folder), Prober(folder)
+    edits, window, runner = (
+        DocumentStore(folder, desk.follow_edit),
+        RosClientProcess(folder.folder),
+        CommandRunner(folder),
+    )
     app.include_router(make_edit_router(edits, desk.notify))
     app.include_router(make_run_router(folder, desk))
-    app.include_router(make_setup_router(folder, prober, runs, desk.notify))
-    app.include_router(make_live_router(folder, prober, window, lambda: _run_under_way(desk)))
+    app.include_router(make_setup_router(folder, runner, runs, desk.notify))
+    app.include_router(make_live_router(folder, runner, window, lambda: _run_under_way(desk)))
     app.include_router(make_router(folder, desk, runs, task, edits))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
 
 
-def _run_under_way(desk: RunDesk) -> str:
+def _run_under_way(desk: RunControl) -> str:
     session = desk.session
     return (session.view.run or "") if session is not None and not session.over else ""
 
@@ -130,7 +134,7 @@ async def _teach(request: Request, error: Exception) -> JSONResponse:
     status = next((code for kind, code in _STATUS if isinstance(error, kind)), 400)
     log.warning("%s %s: %s", request.method, request.url.path, error)
     kind = next((word for cause, word in _KIND.items() if isinstance(error, cause)), "")
-    return JSONResponse(Trouble(detail=str(error), kind=kind).model_dump(), status_code=status)
+    return JSONResponse(ErrorBody(detail=str(error), kind=kind).model_dump(), status_code=status)
 
 
 async def _refuse_malformed(request: Request, error: Exception) -> JSONResponse:

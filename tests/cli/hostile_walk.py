@@ -144,7 +144,7 @@ def refused() -> Iterator[tuple[str, str]]:
 
 
 def routes() -> Iterator[tuple[str, str]]:
-    """Ask everything of the page that isn't the wish to run something."""
+    """Ask everything of the page that isn't the request to run something."""
     from grip_gui.server import create_app
 
     with warnings.catch_warnings():

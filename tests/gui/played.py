@@ -94,7 +94,7 @@ class PlayedRun:
         if self.dies:
             self.end(70)
         if self.contradicted:
-            told = f"the referee contradicts: {self.contradicted}"
+            told = f"the simulator's referee disagrees: {self.contradicted}"
             self.tell(event="ended", status="success", outcome="done", contradiction=self.contradicted, message=told)
             self.end(3)
 

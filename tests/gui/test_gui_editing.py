@@ -25,8 +25,8 @@ class Pen:
         self.view = self.client.get("/api/document", params={"path": self.path}).json()
         return self.view
 
-    def post(self, what: str, status: int = 200, **wish: Any) -> dict[str, Any]:
-        answer = self.client.post(f"/api/document/{what}", json={"path": self.path, **wish})
+    def post(self, what: str, status: int = 200, **request: Any) -> dict[str, Any]:
+        answer = self.client.post(f"/api/document/{what}", json={"path": self.path, **request})
         assert answer.status_code == status, answer.text
         if status == 200:
             self.view = answer.json()
@@ -313,7 +313,7 @@ def test_new_tasks_go_below_tasks_and_over_nothing(page: TestClient, project: Pa
 
 @pytest.mark.parametrize("what", ["edit", "text", "step", "pin", "save", "disk", "new", "expression"])
 def test_no_request_reaches_a_file_outside_or_breaks_the_server(page: TestClient, project: Path, what: str) -> None:
-    wishes = {
+    requests = {
         "edit": {"base": 1, "command": {"do": "remove", "path": "/"}},
         "text": {"base": 1, "text": "x"},
         "step": {"base": 1, "step": "undo"},
@@ -330,7 +330,7 @@ def test_no_request_reaches_a_file_outside_or_breaks_the_server(page: TestClient
         "grip\0.yaml",
         ".grip/x.yaml",
     ]:
-        answer = page.post(f"/api/document/{what}", json={"path": path, **wishes.get(what, {})})
+        answer = page.post(f"/api/document/{what}", json={"path": path, **requests.get(what, {})})
         assert answer.status_code == 403, (path, answer.text)
     for junk in [{}, {"path": 3}, {"path": TINY, "extra": 1}, [], {"path": "tasks/none.yaml", "base": "x"}]:
         assert page.post(f"/api/document/{what}", json=junk).status_code == 422
@@ -451,10 +451,10 @@ root:
 
 def test_a_counterexample_comes_as_two_runs_that_can_be_played(page: TestClient, project: Path) -> None:
     (project / TINY).write_text(REACTIVE)
-    wish = {"path": TINY, "node": "/", "form": "machine"}
-    exact = page.get("/api/document/conversion", params=wish)
+    request = {"path": TINY, "node": "/", "form": "machine"}
+    exact = page.get("/api/document/conversion", params=request)
     assert exact.status_code == 400
-    found = page.get("/api/document/conversion", params={**wish, "approximate": "true"}).json()
+    found = page.get("/api/document/conversion", params={**request, "approximate": "true"}).json()
     assert not found["same"]
     now, then = found["plays"]
     assert [play["task"]["nodes"][0]["kind"] for play in (now, then)] == ["sequence", "state_machine"]
@@ -469,8 +469,8 @@ def test_a_counterexample_comes_as_two_runs_that_can_be_played(page: TestClient,
 
 
 def test_forms_that_do_the_same_have_nothing_to_play(pen: Pen) -> None:
-    wish = {"path": TINY, "node": "machine", "form": "tree"}
-    found = pen.client.get("/api/document/conversion", params=wish).json()
+    request = {"path": TINY, "node": "machine", "form": "tree"}
+    found = pen.client.get("/api/document/conversion", params=request).json()
     assert found["same"]
     assert found["plays"] == []
 

@@ -10,7 +10,7 @@ from grip_bt.compilers.restructure import to_trees
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import command_of
 from grip_gui.editing.conversion import forms_view
-from grip_gui.editing.document_store import EditDesk
+from grip_gui.editing.document_store import DocumentStore
 from grip_gui.project import ProjectFolder
 
 TINY = "tasks/tiny.yaml"
@@ -19,15 +19,15 @@ TINY = "tasks/tiny.yaml"
 def test_forms_of_a_document_that_has_changed_are_not_looked_for_any_more(
     project: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    desk, catalog, asked = EditDesk(ProjectFolder(project)), Catalog.builtin(), []
+    desk, catalog, asked = DocumentStore(ProjectFolder(project)), Catalog.builtin(), []
     monkeypatch.setattr(
         "grip_gui.editing.conversion.to_trees", lambda task, catalog: (asked.append(task), to_trees(task, catalog))[1]
     )
-    with desk.reading(TINY) as sheet:
-        revision, late, soon = sheet.revision, forms_view(sheet, catalog), forms_view(sheet, catalog)
+    with desk.reading(TINY) as opened:
+        revision, late, soon = opened.revision, forms_view(opened, catalog), forms_view(opened, catalog)
     assert soon().forms
     assert len(asked) == 1
-    with desk.changing(TINY) as sheet:
-        sheet.do(command_of({"do": "set", "path": "", "key": ["doc"], "value": "new"}), revision)
+    with desk.changing(TINY) as opened:
+        opened.do(command_of({"do": "set", "path": "", "key": ["doc"], "value": "new"}), revision)
     found = late()
     assert (found.revision, found.forms, len(asked)) == (revision, [], 1)

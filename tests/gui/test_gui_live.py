@@ -20,8 +20,8 @@ from grip_bt.ros.environment import own_domain
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
+from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.samples import form_of, source_of
-from grip_gui.live.window import RosWindow
 
 COMPONENT = """\
 name: switcher
@@ -88,7 +88,7 @@ def switcher(project: Path) -> Path:
     (project / "grip.yaml").write_text(GRIP)
     with Journal(project / ".grip" / "runs.sqlite") as journal:
         log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
-        for variable, type_, value in (("wish", "bool", True), ("count", "int", 3)):
+        for variable, type_, value in (("request", "bool", True), ("count", "int", 3)):
             log.note(
                 0.0, "first", Noted("write", data={"variable": variable, "type": type_}, written=(snapshot(value),))
             )
@@ -96,8 +96,8 @@ def switcher(project: Path) -> Path:
     return home
 
 
-def ask(page: TestClient, path: str, wish: dict[str, Any] | None = None) -> dict[str, Any]:
-    answer = page.get(f"/api/live/{path}") if wish is None else page.post(f"/api/live/{path}", json=wish)
+def ask(page: TestClient, path: str, request: dict[str, Any] | None = None) -> dict[str, Any]:
+    answer = page.get(f"/api/live/{path}") if request is None else page.post(f"/api/live/{path}", json=request)
     assert answer.status_code == 200, answer.text
     found: dict[str, Any] = answer.json()
     return found
@@ -128,9 +128,9 @@ def test_without_ros_every_question_says_what_to_install(
     for variable in ("ROS_DISTRO", "AMENT_PREFIX_PATH"):
         monkeypatch.delenv(variable, raising=False)
     for path in ("topics", "messages"):
-        trouble = ask(page, path)["trouble"]
-        assert "ROS 2 isn't available here" in trouble
-        assert "pip install 'grip-bt[ros]'" in trouble
+        error = ask(page, path)["error"]
+        assert "ROS 2 isn't available here" in error
+        assert "pip install 'grip-bt[ros]'" in error
 
 
 def test_values_are_the_same_after_being_text() -> None:
@@ -172,7 +172,7 @@ def test_samples_are_named_by_run_or_store() -> None:
 
 
 def test_a_component_without_a_node_says_what_to_do(project: Path, switcher: Path) -> None:
-    assert "Generate its node first" in form_of(project, switcher).trouble
+    assert "Generate its node first" in form_of(project, switcher).error
 
 
 def test_the_robots_place_is_kept_as_named_messages(page: TestClient, project: Path, switcher: Path) -> None:
@@ -180,16 +180,16 @@ def test_the_robots_place_is_kept_as_named_messages(page: TestClient, project: P
 
     assert ask(page, "robot")["arms"] == ["right"]
     done = ask(page, "measure", {"robot": "fake", "part": "right", "what": "pose", "name": "here"})
-    assert done == {"trouble": "", "said": "here was written into messages/poses.yaml"}
+    assert done == {"error": "", "said": "here was written into messages/poses.yaml"}
     done = ask(page, "measure", {"robot": "fake", "part": "palm", "what": "joints", "name": "posture"})
-    assert done["trouble"] == ""
+    assert done["error"] == ""
     library = MessageLibrary(project / "messages")
     assert library.store("poses").names() == ("bin", "here")
     assert library.store("joint_states").names() == ("posture",)
     refused = ask(page, "measure", {"robot": "fake", "part": "left", "what": "pose", "name": "x"})
-    assert "'left'" in refused["trouble"]
+    assert "'left'" in refused["error"]
     refused = ask(page, "measure", {"robot": "fake", "part": "palm", "what": "pose", "name": "x"})
-    assert "is a hand" in refused["trouble"]
+    assert "is a hand" in refused["error"]
 
 
 @pytest.mark.ros
@@ -201,12 +201,12 @@ def test_a_component_is_called_with_a_sample_and_answers_field_by_field(
     (port,) = ask(page, "component?path=components/switcher/component.yaml")["inputs"]
     assert (port["name"], port["type"]) == ("data", "bool")
     (sample,) = port["samples"]
-    wish = {"path": "components/switcher/component.yaml", "given": [{"port": "data", "sample": sample["source"]}]}
-    view = ask(page, "component", wish)
-    assert (view["trouble"], view["outcome"]) == ("", "'done'")
+    request = {"path": "components/switcher/component.yaml", "given": [{"port": "data", "sample": sample["source"]}]}
+    view = ask(page, "component", request)
+    assert (view["error"], view["outcome"]) == ("", "'done'")
     assert {f["name"]: f["value"]["text"] for f in view["fields"]} == {"success": "True", "message": "switched on"}
-    wish["given"] = [{"port": "data", "text": "maybe"}]
-    assert "data" in ask(page, "component", wish)["trouble"]
+    request["given"] = [{"port": "data", "text": "maybe"}]
+    assert "data" in ask(page, "component", request)["error"]
 
 
 @pytest.mark.e2e
@@ -221,7 +221,7 @@ def test_what_runs_beside_the_editor_is_seen_in_a_browser(project: Path, switche
 
 def test_the_process_that_looks_at_ros_ends_when_nobody_asks_and_comes_back(project: Path, domain: str) -> None:
     async def asked_twice() -> None:
-        window = RosWindow(project, idle=0.5)
+        window = RosClientProcess(project, idle=0.5)
         for _ in range(2):
             with pytest.raises(GripError, match=r"no_such_question|ROS"):
                 await window.ask("no_such_question")

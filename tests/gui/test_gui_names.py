@@ -81,8 +81,8 @@ def test_templates_of_joint_states_have_the_joints_of_the_robot_within_their_lim
 def test_a_template_of_a_trajectory_goes_through_states_that_there_are(page: TestClient, robot: Path) -> None:
     view = opened(page, "messages/trajectories.yaml")
     (template,) = view["templates"]
-    wish = {"path": view["path"], "text": view["text"], "key": template["key"], "value": template["value"]}
-    made = page.post("/api/setup/change", json=wish).json()
+    request = {"path": view["path"], "text": view["text"], "key": template["key"], "value": template["value"]}
+    made = page.post("/api/setup/change", json=request).json()
     assert made["problems"] == []
     assert [waypoint["name"] for waypoint in made["data"]["approach"]] == ["ready", "above"]
     assert made["options"]["*/*/name"] == ["ready", "above"]
@@ -94,8 +94,8 @@ def test_every_template_of_a_project_is_taken_or_marked_where_a_path_or_a_name_h
     said = {}
     view = opened(page, "grip.yaml")
     for template in view["templates"]:
-        wish = {"path": "grip.yaml", "text": view["text"], "key": template["key"], "value": template["value"]}
-        problems = page.post("/api/setup/change", json=wish).json()["problems"]
+        request = {"path": "grip.yaml", "text": view["text"], "key": template["key"], "value": template["value"]}
+        problems = page.post("/api/setup/change", json=request).json()["problems"]
         if problems:
             said[template["title"]] = problems[0]["message"]
     assert set(said) == {
@@ -111,8 +111,8 @@ def test_every_template_of_a_project_is_taken_or_marked_where_a_path_or_a_name_h
 def test_controllers_of_the_real_robot_begin_with_one_for_each_arm_and_hand(page: TestClient, robot: Path) -> None:
     view = opened(page, "grip.yaml")
     template = next(t for t in view["templates"] if t["title"] == "controllers of the real robot")
-    wish = {"path": "grip.yaml", "text": view["text"], "key": template["key"], "value": template["value"]}
-    made = page.post("/api/setup/change", json=wish).json()
+    request = {"path": "grip.yaml", "text": view["text"], "key": template["key"], "value": template["value"]}
+    made = page.post("/api/setup/change", json=request).json()
     assert made["problems"] == []
     assert list(made["data"]["ros"]["controllers"]) == ["right", "palm"]
     assert made["options"]["ros/controllers/?"] == ["right", "palm"]

@@ -19,26 +19,26 @@ def until(socket: Any, wanted: Any) -> dict[str, Any]:
     return dict(frame)
 
 
-def onlookers(frame: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    return {each["page"]: each for each in frame["desk"]["onlookers"]} if frame["type"] == "desk" else {}
+def viewers(frame: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    return {each["page"]: each for each in frame["desk"]["viewers"]} if frame["type"] == "desk" else {}
 
 
 def test_everybody_sees_who_looks_on_by_name_colour_and_task(page: TestClient) -> None:
     with page.websocket_connect(SOCKET + "?page=one") as one:
         with page.websocket_connect(SOCKET + "?page=two") as two:
-            seen = onlookers(until(one, lambda f: len(onlookers(f)) == 2))
+            seen = viewers(until(one, lambda f: len(viewers(f)) == 2))
             assert [each["name"] for each in seen.values()] == ["Viewer 1", "Viewer 2"]
             assert len({each["colour"] for each in seen.values()}) == 2
             two.send_json({"type": "introduce", "name": "  Ann   Lee ", "task": "tasks/tiny.yaml"})
-            ann = onlookers(until(one, lambda f: onlookers(f).get("two", {}).get("task")))["two"]
+            ann = viewers(until(one, lambda f: viewers(f).get("two", {}).get("task")))["two"]
             assert (ann["name"], ann["task"]) == ("Ann Lee", "tasks/tiny.yaml")
             # Two people of one name are told apart.
             one.send_json({"type": "introduce", "name": "Ann Lee"})
-            until(two, lambda f: onlookers(f).get("one", {}).get("name") == "Ann Lee 2")
-        until(one, lambda f: f["type"] == "desk" and set(onlookers(f)) == {"one"})
+            until(two, lambda f: viewers(f).get("one", {}).get("name") == "Ann Lee 2")
+        until(one, lambda f: f["type"] == "desk" and set(viewers(f)) == {"one"})
         # A reload: the page is called as before, and keeps its colour.
         with page.websocket_connect(SOCKET + "?page=two"):
-            back = onlookers(until(one, lambda f: "two" in onlookers(f)))["two"]
+            back = viewers(until(one, lambda f: "two" in viewers(f)))["two"]
             assert (back["name"], back["colour"]) == ("Ann Lee", ann["colour"])
 
 
@@ -47,10 +47,10 @@ def test_everybody_sees_who_looks_on_by_name_colour_and_task(page: TestClient) -
 )
 def test_an_introduction_that_is_none_is_refused_and_changes_nothing(page: TestClient, said: dict[str, Any]) -> None:
     with page.websocket_connect(SOCKET + "?page=one") as one:
-        until(one, lambda f: "one" in onlookers(f))
+        until(one, lambda f: "one" in viewers(f))
         one.send_json({"type": "introduce", **said})
         assert "not understood" in until(one, lambda f: f["type"] == "refused")["reason"]
-        assert page.get("/api/desk").json()["onlookers"][0]["name"] == "Viewer 1"
+        assert page.get("/api/desk").json()["viewers"][0]["name"] == "Viewer 1"
 
 
 def test_more_pages_than_colours_and_than_are_remembered() -> None:
@@ -58,17 +58,17 @@ def test_more_pages_than_colours_and_than_are_remembered() -> None:
     pages = [f"page{number}" for number in range(3 * REMEMBERED)]
     for each in pages:
         presence.come(each)
-    uses = Counter(each.colour for each in presence.onlookers)
+    uses = Counter(each.colour for each in presence.viewers)
     assert set(uses) == set(range(COLOURS))
     assert max(uses.values()) - min(uses.values()) <= 1
-    assert len({each.name for each in presence.onlookers}) == len(pages)
+    assert len({each.name for each in presence.viewers}) == len(pages)
     presence.come("")
-    assert presence.viewers == len(pages) + 1
+    assert presence.connections == len(pages) + 1
     for each in pages:
         presence.go(each)
     presence.introduce("page1", Introduce(name="nobody"))
-    assert presence.onlookers == []
-    assert presence.viewers == 1
+    assert presence.viewers == []
+    assert presence.connections == 1
 
 
 SELECTED = {"type": "selection", "task": "tasks/tiny.yaml", "nodes": ["machine/a", "first"]}

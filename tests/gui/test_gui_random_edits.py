@@ -17,7 +17,7 @@ from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task import read_text
 from grip_bt.task.edit import command_of
 from grip_bt.task.edit.history import LIMIT
-from grip_gui.editing.document_store import EditDesk
+from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError
 from grip_gui.project import ProjectFolder
 
@@ -32,63 +32,63 @@ class Pages:
 
     def __init__(self, folder: Path, seed: int):
         self.folder, self.random = folder, Random(seed)
-        self.desk = EditDesk(ProjectFolder(folder))
+        self.desk = DocumentStore(ProjectFolder(folder))
         self.seen = [1, 1]
         self.texts: dict[int, str] = {0: TASK}
         self.done = 0
 
     def act(self) -> None:
         page = self.random.randrange(2)
-        with self.desk.changing(PATH) as sheet:
-            before, revision = sheet.text, sheet.revision
+        with self.desk.changing(PATH) as opened:
+            before, revision = opened.text, opened.revision
             try:
-                self._one(sheet, page)
+                self._one(opened, page)
                 self.done += 1
             except (EditError, StaleEditError, UnfinishedTextError, ChangedOnDiskError):
-                assert sheet.text == before
-                assert sheet.revision == revision
+                assert opened.text == before
+                assert opened.revision == revision
             if self.random.random() < 0.7:
-                self.seen[page] = sheet.revision
+                self.seen[page] = opened.revision
         self.check()
 
-    def _one(self, sheet, page: int) -> None:
+    def _one(self, opened, page: int) -> None:
         base, what = self.seen[page], self.random.random()
-        if what < 0.6 and sheet.history is not None:
-            sheet.do(command_of(random_command(self.random, sheet.history.document.task)), base)
+        if what < 0.6 and opened.history is not None:
+            opened.do(command_of(random_command(self.random, opened.history.document.task)), base)
         elif what < 0.72:
-            sheet.write(random_typing(self.random, sheet.text), base)
+            opened.write(random_typing(self.random, opened.text), base)
         elif what < 0.85:
-            sheet.undo() if self.random.random() < 0.6 else sheet.redo()
-        elif what < 0.9 and sheet.history is not None:
-            sheet.go(self.random.randrange(len(sheet.history.moments)))
+            opened.undo() if self.random.random() < 0.6 else opened.redo()
+        elif what < 0.9 and opened.history is not None:
+            opened.go(self.random.randrange(len(opened.history.moments)))
         elif what < 0.93:
-            sheet.pin("flow", {"first": (self.random.random() * 500, 3.0)}, "place first")
+            opened.pin("flow", {"first": (self.random.random() * 500, 3.0)}, "place first")
         elif what < 0.97:
-            sheet.save(over=self.random.random() < 0.5)
+            opened.save(over=self.random.random() < 0.5)
         elif what < 0.985:
-            (self.folder / PATH).write_text(random_typing(self.random, sheet.text))
+            (self.folder / PATH).write_text(random_typing(self.random, opened.text))
         else:
-            sheet.take_from_disk()
+            opened.take_from_disk()
 
     def check(self) -> None:
-        with self.desk.reading(PATH) as sheet:
-            if sheet.history is not None:
-                document = sheet.history.document
-                assert self.texts.setdefault(sheet.history.at.number, document.text) == document.text
+        with self.desk.reading(PATH) as opened:
+            if opened.history is not None:
+                document = opened.history.document
+                assert self.texts.setdefault(opened.history.at.number, document.text) == document.text
                 assert read_text(document.text).task == document.task
-            if sheet.saved and not sheet.file.change():
-                assert (self.folder / PATH).read_text() == sheet.text
+            if opened.saved and not opened.file.change():
+                assert (self.folder / PATH).read_text() == opened.text
 
     def restart(self) -> None:
         """Let the server die and come again: what wasn't saved is there."""
-        with self.desk.reading(PATH) as sheet:
-            text = sheet.text
-            if sheet.file.change() and not [*(self.folder / ".grip" / "unsaved").glob("*")]:
+        with self.desk.reading(PATH) as opened:
+            text = opened.text
+            if opened.file.change() and not [*(self.folder / ".grip" / "unsaved").glob("*")]:
                 text = (self.folder / PATH).read_text()  # all was saved, and then somebody else wrote over it
-        self.desk = EditDesk(ProjectFolder(self.folder))
-        with self.desk.reading(PATH) as sheet:
-            assert sheet.text == text
-            self.seen, self.texts = [sheet.revision] * 2, {}
+        self.desk = DocumentStore(ProjectFolder(self.folder))
+        with self.desk.reading(PATH) as opened:
+            assert opened.text == text
+            self.seen, self.texts = [opened.revision] * 2, {}
 
 
 @pytest.mark.parametrize("seed", range(SEED, SEED + 3))
@@ -103,26 +103,26 @@ def test_random_edits_in_two_pages_lose_and_corrupt_nothing(project: Path, seed:
 
 def test_undo_and_redo_of_everything_is_the_identity_on_bytes(project: Path) -> None:
     random = Random(SEED)
-    desk = EditDesk(ProjectFolder(project))
-    with desk.changing(PATH) as sheet:
-        while len(sheet.history.moments) < min(EDITS // 6, LIMIT):
+    desk = DocumentStore(ProjectFolder(project))
+    with desk.changing(PATH) as opened:
+        while len(opened.history.moments) < min(EDITS // 6, LIMIT):
             try:
                 if random.random() < 0.8:
-                    sheet.do(command_of(random_command(random, sheet.history.document.task)), sheet.revision)
+                    opened.do(command_of(random_command(random, opened.history.document.task)), opened.revision)
                 else:
-                    text = random_typing(random, sheet.text)
+                    text = random_typing(random, opened.text)
                     read_text(text)
-                    sheet.write(text, sheet.revision)
+                    opened.write(text, opened.revision)
             except (EditError, DocumentError):
                 continue
-        last = sheet.text
-        while sheet.can_undo:
-            sheet.undo()
-        assert sheet.text == TASK
-        while sheet.can_redo:
-            sheet.redo()
-        assert sheet.text == last
-        sheet.save()
+        last = opened.text
+        while opened.can_undo:
+            opened.undo()
+        assert opened.text == TASK
+        while opened.can_redo:
+            opened.redo()
+        assert opened.text == last
+        opened.save()
     assert (project / PATH).read_text() == last
 
 

@@ -24,9 +24,9 @@ from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import Noted
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.motion import last_state, motion_of
+from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import make_live_router
-from grip_gui.live.window import RosWindow
-from grip_gui.processes import Prober
+from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.geometry import geometry
 
@@ -113,7 +113,7 @@ def test_a_coarse_mesh_is_where_the_fine_one_is() -> None:
 
 def test_a_project_without_a_robot_says_so(page: TestClient) -> None:
     view = page.get("/api/live/geometry").json()
-    assert view["trouble"] == "grip.yaml names no robot"
+    assert view["error"] == "grip.yaml names no robot"
 
 
 def test_the_record_of_a_motion_is_read_piece_by_piece(project: Path) -> None:
@@ -148,15 +148,15 @@ def test_a_run_without_a_record_has_no_motion(page: TestClient) -> None:
 def test_a_robot_is_measured_by_the_run_only_while_one_is_under_way(page: TestClient, project: Path) -> None:
     (project / "grip.yaml").write_text(GRIP)
     recorded(project)
-    wish = {"robot": "run", "part": "right", "what": "joints", "name": "there"}
-    assert page.post("/api/live/measure", json=wish).json()["trouble"] == "no run is under way that has measured right"
+    request = {"robot": "run", "part": "right", "what": "joints", "name": "there"}
+    assert page.post("/api/live/measure", json=request).json()["error"] == "no current run has measured right"
 
 
 def test_where_a_run_under_way_has_brought_an_arm_is_kept_as_joints_and_as_a_pose(project: Path) -> None:
     (project / "grip.yaml").write_text(GRIP)
     run, wanted = recorded(project)
     app, folder = FastAPI(), ProjectFolder(project)
-    app.include_router(make_live_router(folder, Prober(folder), RosWindow(project), lambda: run))
+    app.include_router(make_live_router(folder, CommandRunner(folder), RosClientProcess(project), lambda: run))
     client = TestClient(app)
     for what, part in (
         ("joints", "right"),
@@ -165,11 +165,11 @@ def test_where_a_run_under_way_has_brought_an_arm_is_kept_as_joints_and_as_a_pos
         ("pose", "palm"),
         ("joints", "left"),
     ):
-        wish = {"robot": "run", "part": part, "what": what, "name": f"{part}_{what}", "serve": False}
-        done = client.post("/api/live/measure", json=wish).json()
-        said = {"palm_pose": "palm is a hand", "left_joints": "no run is under way that has measured left"}
-        assert said.get(f"{part}_{what}", "") in done["trouble"]
-        assert bool(done["trouble"]) == (f"{part}_{what}" in said)
+        request = {"robot": "run", "part": part, "what": what, "name": f"{part}_{what}", "serve": False}
+        done = client.post("/api/live/measure", json=request).json()
+        said = {"palm_pose": "palm is a hand", "left_joints": "no current run has measured left"}
+        assert said.get(f"{part}_{what}", "") in done["error"]
+        assert bool(done["error"]) == (f"{part}_{what}" in said)
     library = MessageLibrary(project / "messages")
     assert library.store("joint_states").get("right_joints").position[0] == pytest.approx(0.4)
     assert len(library.store("joint_states").get("palm_joints").names) == 16

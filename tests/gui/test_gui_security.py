@@ -159,8 +159,8 @@ def test_malformed_requests_are_refused_and_the_server_lives(page: TestClient, b
     ],
 )
 def test_run_options_outside_their_range_are_refused(page: TestClient, change: dict[str, object]) -> None:
-    wish = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "bt", "seed": 0, **change}
-    assert page.post("/api/session", json=wish).status_code == 422
+    request = {"task": "tasks/tiny.yaml", "robot": "fake", "target": "bt", "seed": 0, **change}
+    assert page.post("/api/session", json=request).status_code == 422
 
 
 def test_pages_forbid_foreign_scripts_and_frames(page: TestClient) -> None:
@@ -183,15 +183,15 @@ OUTSIDE = [
 @pytest.mark.parametrize("path", OUTSIDE)
 def test_no_route_takes_a_path_that_leads_out(page: TestClient, project: Path, path: str) -> None:
     before = sorted(project.parent.rglob("*.yaml"))
-    wishes: list[tuple[str, dict[str, object]]] = [
+    requests: list[tuple[str, dict[str, object]]] = [
         ("/api/breakpoints", {"task": path, "breakpoints": []}),
         ("/api/setup/check", {"path": path, "text": ""}),
         ("/api/setup/change", {"path": path, "text": "", "key": ["a"], "value": 1}),
         ("/api/setup/save", {"path": path, "text": "a: 1", "over": True}),
         ("/api/setup/probe", {"path": path, "what": "generate"}),
     ]
-    for route, wish in wishes:
-        assert page.post(route, json=wish).status_code == 403, route
+    for route, request in requests:
+        assert page.post(route, json=request).status_code == 403, route
     assert page.get("/api/setup/file", params={"path": path}).status_code == 403
     assert sorted(project.parent.rglob("*.yaml")) == before
 

@@ -254,9 +254,9 @@ POINT = {"node": "machine/a", "when": "after", "outcome": "failure.no_plan", "co
 def test_breakpoints_are_kept_shown_to_all_and_set_before_the_run_begins(
     page: TestClient, launcher: PlayedLauncher, project: Path
 ) -> None:
-    wish = {"task": "tasks/tiny.yaml", "breakpoints": [POINT, {"node": "first"}], "page": "one"}
+    request = {"task": "tasks/tiny.yaml", "breakpoints": [POINT, {"node": "first"}], "page": "one"}
     with page.websocket_connect(SOCKET) as other:
-        assert page.post("/api/breakpoints", json=wish).status_code == 200
+        assert page.post("/api/breakpoints", json=request).status_code == 200
         shown = until(other, lambda f: f["type"] == "desk" and f["desk"]["breakpoints"])["desk"]["breakpoints"]
     assert [point["node"] for point in shown["tasks/tiny.yaml"]] == ["machine/a", "first"]
     page.post("/api/session", json={**WISH, "page": "one"})
@@ -280,9 +280,9 @@ def test_breakpoints_follow_a_rename_and_its_undo(page: TestClient) -> None:
             shown = until(socket, lambda f: f["type"] == "desk")["desk"]["breakpoints"]
         return [point["node"] for point in shown[tiny]]
 
-    def edit(what: str, **wish: Any) -> None:
+    def edit(what: str, **request: Any) -> None:
         base = page.get("/api/document", params={"path": tiny}).json()["revision"]
-        assert page.post(f"/api/document/{what}", json={"path": tiny, "base": base, **wish}).status_code == 200
+        assert page.post(f"/api/document/{what}", json={"path": tiny, "base": base, **request}).status_code == 200
 
     edit("edit", command={"do": "rename", "path": "machine", "name": "steps"})
     assert now() == ["steps/a"]
@@ -293,12 +293,12 @@ def test_breakpoints_follow_a_rename_and_its_undo(page: TestClient) -> None:
 
 
 def test_a_breakpoint_that_is_taken_back_is_cleared_in_the_run(page: TestClient, launcher: PlayedLauncher) -> None:
-    wish = {"task": "tasks/tiny.yaml", "breakpoints": [{"node": "first"}]}
+    request = {"task": "tasks/tiny.yaml", "breakpoints": [{"node": "first"}]}
     with page.websocket_connect(SOCKET) as socket:
-        page.post("/api/breakpoints", json=wish)
+        page.post("/api/breakpoints", json=request)
         page.post("/api/session", json=WISH)
         until(socket, in_state("running"))
-        page.post("/api/breakpoints", json={**wish, "breakpoints": []})
+        page.post("/api/breakpoints", json={**request, "breakpoints": []})
     assert launcher.last is not None
     assert launcher.last.heard[-1] == {"command": "clear", "id": 1}
 
@@ -307,8 +307,8 @@ def test_a_breakpoint_that_is_taken_back_is_cleared_in_the_run(page: TestClient,
     "change", [{"when": "before"}, {"node": ""}, {"when": "never"}, {"outcome": "x" * 201}, {"condition": "x" * 2001}]
 )
 def test_a_breakpoint_that_makes_no_sense_is_refused(page: TestClient, change: dict[str, str]) -> None:
-    wish = {"task": "tasks/tiny.yaml", "breakpoints": [{**POINT, **change}]}
-    assert page.post("/api/breakpoints", json=wish).status_code == 422
+    request = {"task": "tasks/tiny.yaml", "breakpoints": [{**POINT, **change}]}
+    assert page.post("/api/breakpoints", json=request).status_code == 422
 
 
 def test_breakpoints_that_cannot_be_read_are_left_out_and_the_server_starts(project: Path) -> None:
@@ -437,7 +437,7 @@ def test_control_can_be_given_back(page: TestClient) -> None:
 
 
 def test_a_connection_that_ends_as_news_come_stops_sending() -> None:
-    class Quiet(stream_module.Viewer):
+    class Quiet(stream_module.ClientConnection):
         def __init__(self) -> None:
             self._changed, self._run, self._complete = asyncio.Event(), "run", False
 

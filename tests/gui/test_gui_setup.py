@@ -42,8 +42,8 @@ def checked(page: TestClient, path: str, text: str) -> dict[str, Any]:
     return found
 
 
-def changed(page: TestClient, **wish: Any) -> dict[str, Any]:
-    answer = page.post("/api/setup/change", json={"path": "grip.yaml", **wish})
+def changed(page: TestClient, **request: Any) -> dict[str, Any]:
+    answer = page.post("/api/setup/change", json={"path": "grip.yaml", **request})
     assert answer.status_code == 200, answer.text
     found: dict[str, Any] = answer.json()
     return found
@@ -222,10 +222,10 @@ def test_no_other_file_is_read_or_written(page: TestClient, path: str) -> None:
 def test_a_file_that_somebody_else_has_changed_is_not_overwritten_unasked(page: TestClient, project: Path) -> None:
     known = page.get("/api/setup/file", params={"path": "grip.yaml"}).json()["known"]
     (project / "grip.yaml").write_text("grip: 1\ndoc: theirs\n")
-    wish = {"path": "grip.yaml", "text": GRIP, "known": known}
-    refused = page.post("/api/setup/save", json=wish)
+    request = {"path": "grip.yaml", "text": GRIP, "known": known}
+    refused = page.post("/api/setup/save", json=request)
     assert (refused.status_code, refused.json()["kind"]) == (409, "disk")
-    assert page.post("/api/setup/save", json={**wish, "over": True}).status_code == 200
+    assert page.post("/api/setup/save", json={**request, "over": True}).status_code == 200
     assert (project / "grip.yaml").read_text() == GRIP
 
 
@@ -234,8 +234,8 @@ def test_a_new_file_of_messages_is_made_and_read_by_the_projects_library(page: T
 
     view = page.get("/api/setup/file", params={"path": "messages/poses.yaml"}).json()
     template = view["templates"][0]
-    wish = {"path": view["path"], "text": view["text"], "key": template["key"], "value": template["value"]}
-    made = page.post("/api/setup/change", json=wish).json()
+    request = {"path": view["path"], "text": view["text"], "key": template["key"], "value": template["value"]}
+    made = page.post("/api/setup/change", json=request).json()
     assert made["problems"] == []
     page.post("/api/setup/save", json={"path": made["path"], "text": made["text"], "known": view["known"]})
     pose = MessageLibrary(project / "messages").store("poses").get("above_table")
@@ -329,8 +329,8 @@ def test_measured_poses_and_joint_states_of_a_run_are_kept_by_name(page: TestCli
 # --- interfaces ---
 
 
-def look(page: TestClient, **wish: Any) -> Any:
-    return page.post("/api/setup/interface", json={"type": "my_interfaces/srv/PlanGrasp", "text": CONTRACT, **wish})
+def look(page: TestClient, **request: Any) -> Any:
+    return page.post("/api/setup/interface", json={"type": "my_interfaces/srv/PlanGrasp", "text": CONTRACT, **request})
 
 
 def test_a_pasted_interface_shows_its_fields_and_its_component_file(page: TestClient) -> None:
@@ -381,9 +381,9 @@ def test_a_message_of_the_projects_own_packages_is_known(page: TestClient, proje
     assert look(page, text=text, outcomes="one,none").json()["problems"] == []
 
 
-@pytest.mark.parametrize("wish", [{"type": "no"}, {"text": "int32 a b c\n"}, {"type": "x_y/srv/Z", "text": ""}])
-def test_what_is_no_interface_is_refused_with_the_reason(page: TestClient, wish: dict[str, str]) -> None:
-    answer = look(page, **wish)
+@pytest.mark.parametrize("request", [{"type": "no"}, {"text": "int32 a b c\n"}, {"type": "x_y/srv/Z", "text": ""}])
+def test_what_is_no_interface_is_refused_with_the_reason(page: TestClient, request: dict[str, str]) -> None:
+    answer = look(page, **request)
     assert answer.status_code in {400, 404}
     assert answer.json()["detail"]
 

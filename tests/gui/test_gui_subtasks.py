@@ -15,8 +15,8 @@ PART = "tasks/machine.yaml"
 def edit(page: TestClient, status: int = 200, base: int | None = None, **command: Any) -> dict[str, Any]:
     """Send a command on the newest state, or on `base`; return the answer."""
     newest = page.get("/api/document", params={"path": TINY}).json()["revision"]
-    wish = {"path": TINY, "base": base or newest, "command": command}
-    answer = page.post("/api/document/edit", json=wish)
+    request = {"path": TINY, "base": base or newest, "command": command}
+    answer = page.post("/api/document/edit", json=request)
     assert answer.status_code == status, answer.text
     return dict(answer.json())
 

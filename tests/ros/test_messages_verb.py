@@ -11,7 +11,7 @@ import pytest
 from patience import PATIENCE
 
 from grip_bt.cli.__main__ import main
-from grip_gui.live.inspector import Looker
+from grip_gui.live.inspector import RosInspector
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]  # the first one builds the interfaces
 FILES = {
@@ -62,7 +62,7 @@ def test_what_is_shown_can_be_added_and_is_the_same_to_the_last_digit(ask):
 
 
 def test_a_trajectory_that_names_the_servers_states_is_put_from_the_page_too(ask):
-    looker = Looker()
+    looker = RosInspector()
     try:
         looker.put("trajectories", "from_page", "", "[{name: home, interpolate_time: 0, pause_time: 1}]")
     finally:

@@ -78,11 +78,11 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     start_server("controller_server.py", json.dumps({"ur": HOME, "allegro": fingers}), overlays=prefixes)
     found = {}
     for part, what in (("right", "joints"), ("right", "pose"), ("fingers", "joints"), ("fingers", "pose")):
-        wish = json.dumps({"robot": "ros", "part": part, "what": what})
+        request = json.dumps({"robot": "ros", "part": part, "what": what})
         command = [sys.executable, "-m", "grip_gui.live.measuring"]
         done = subprocess.run(
             command,
-            input=wish,
+            input=request,
             cwd=tmp_path,
             env=child_environment((), domain),
             capture_output=True,
@@ -97,7 +97,7 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     wanted = RobotModel(build_robot("ur5_allegro")).grasp_pose(JointState.from_mapping(HOME))
     assert isinstance(pose, Pose)
     assert pose.position == pytest.approx(wanted.position, abs=1e-6)
-    assert "is a hand" in found["fingers", "pose"]["trouble"]
+    assert "is a hand" in found["fingers", "pose"]["error"]
 
 
 def test_a_project_without_controllers_is_told_how_to_name_them(tmp_path):

@@ -14,7 +14,7 @@ const MACHINE = task([
 ]);
 const machine = new TaskIndex(MACHINE);
 const CATALOG: CatalogView = {
-  trouble: "",
+  error: "",
   tasks: [{ id: "tasks/fetch.yaml", doc: "", parameters: [], inputs: [], outputs: [], outcomes: { done: "success" }, codes: [] }],
   nodes: [
     {

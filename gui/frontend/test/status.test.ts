@@ -151,7 +151,7 @@ test("what ran when the run's process died runs on when somebody goes on with th
   expect([on.status("/").phase, on.status("a").phase]).toEqual(["running", "running"]);
   expect(history.now().status("a").outcome).toBe("one");
   expect(history.events.slice(4, 6).map(eventText)).toEqual([
-    "the run goes on in another process; as before: scene, world",
+    "the run resumes in another process; as before: scene, world",
     "is started again",
   ]);
   expect(spansOf(history.events, new TaskIndex(SMALL)).filter((span) => span.path === "a")).toHaveLength(2);

@@ -43,7 +43,7 @@ test("a success that the referee contradicts is told as that", () => {
   const success = { ...SESSION, status: "success", outcome: "cleared" };
   const contradicted = { ...success, contradiction: "`placed == objects` isn't so; standing: box_0" };
   expect([processNotices(success), runText(success)]).toEqual([[], "success: cleared"]);
-  expect(processNotices(contradicted)).toEqual([{ text: `the referee contradicts: ${contradicted.contradiction}`, bad: true }]);
+  expect(processNotices(contradicted)).toEqual([{ text: `the simulator's referee disagrees: ${contradicted.contradiction}`, bad: true }]);
   expect(runText(contradicted)).toBe("success: cleared, contradicted");
 });
 

@@ -15,22 +15,22 @@ from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import Convert
 from grip_bt.task.model import Leaf, join, outcomes_of
-from grip_gui.editing.open_document import Sheet
+from grip_gui.editing.open_document import OpenDocument
 from grip_gui.view.documents import finder
 from grip_gui.view.projection import project_task
-from grip_gui.wire.editing import ConversionView, ConvertWish, Form, FormsView, FormView, PlayView
+from grip_gui.wire.editing import ConversionView, ConvertRequest, CounterexampleView, Form, FormsView, FormView
 from grip_gui.wire.runs import RunEvent
 
 
 def conversion_view(
-    sheet: Sheet, catalog: Catalog, path: str, form: Form, approximate: bool
+    opened: OpenDocument, catalog: Catalog, path: str, form: Form, approximate: bool
 ) -> Callable[[], ConversionView]:
     """Return what finds what a conversion would do, and whether both forms do the same; nobody needs to wait for it.
 
     Raises:
         EditError: there is nothing to convert, or the task has errors; the second also from what is returned.
     """
-    task, file = _task(sheet), sheet.file.name
+    task, file = _task(opened), opened.file.name
     if path not in dict(walk(task.root)):
         raise EditError(path, "there is no such node")
     return lambda: _view(task, file, catalog, path, form, approximate)
@@ -41,7 +41,7 @@ def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approx
         result = _converted(task, catalog, path, form, approximate)
         comparison = compare(task, result, catalog)
     except InvalidTaskError as error:
-        raise EditError(path, f"the task has errors, fix them first: {error.issues[0]}") from error
+        raise EditError(path, f"the task has errors; fix them first: {error.issues[0]}") from error
     except NodeError as error:
         raise EditError(path, f"the two forms can't be compared: {error}") from error
     kept = [str(note) for note in result.notes if not note.by_design]
@@ -61,21 +61,21 @@ def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approx
     )
 
 
-def convert(sheet: Sheet, catalog: Catalog, wish: ConvertWish) -> None:
+def convert(opened: OpenDocument, catalog: Catalog, request: ConvertRequest) -> None:
     """Convert as one edit; what stays keeps its lines and comments.
 
     Raises:
         EditError: there is nothing to convert, or the task has errors.
         StaleEditError: the task has changed since it was looked at.
     """
-    command = Convert(path=wish.node, to="bt" if wish.form == "tree" else "sm", approximate=wish.approximate)
-    sheet.do(expanded(command, _task(sheet), catalog), wish.base)  # what was looked at is that state alone
+    command = Convert(path=request.node, to="bt" if request.form == "tree" else "sm", approximate=request.approximate)
+    opened.do(expanded(command, _task(opened), catalog), request.base)  # what was looked at is that state alone
 
 
-def _task(sheet: Sheet) -> Task:
-    if sheet.history is None or sheet.draft is not None:
-        raise EditError("", "the text isn't a valid task; fix it first")
-    return sheet.history.document.task
+def _task(opened: OpenDocument) -> Task:
+    if opened.history is None or opened.draft is not None:
+        raise EditError("", "the text is not a valid task; fix it first")
+    return opened.history.document.task
 
 
 def _converted(task: Task, catalog: Catalog, path: str, form: Form, approximate: bool) -> Restructured:
@@ -96,7 +96,9 @@ def _outline(task: Task, path: str) -> list[str]:
     return lines
 
 
-def plays(task: Task, result: Restructured, difference: Difference, catalog: Catalog, file: str) -> list[PlayView]:
+def plays(
+    task: Task, result: Restructured, difference: Difference, catalog: Catalog, file: str
+) -> list[CounterexampleView]:
     """Return what the form as it is does with a script, and what the other form does.
 
     Args:
@@ -110,7 +112,7 @@ def plays(task: Task, result: Restructured, difference: Difference, catalog: Cat
     return [_play(task, difference.script, catalog, file), _play(result.task, other, catalog, file)]
 
 
-def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> PlayView:
+def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> CounterexampleView:
     events = _Events()
     end = play(task, catalog, script, events.by)
     outcome = end[0] if end and end[0] != "error" else None
@@ -118,7 +120,9 @@ def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> P
         "stopped" if not end else end[0] if outcome is None else task.outcomes.get(outcome, _meaning(task, outcome))
     )
     events.add("/", "run_ended", outcome, None, {"status": status})
-    return PlayView(task=project_task(task, file, finder(catalog)), status=status, outcome=outcome, events=events.all)
+    return CounterexampleView(
+        task=project_task(task, file, finder(catalog)), status=status, outcome=outcome, events=events.all
+    )
 
 
 def _meaning(task: Task, outcome: str) -> str:
@@ -167,24 +171,24 @@ class _Events:
         self.add(path, "write", None, None, data)
 
 
-def forms_view(sheet: Sheet, catalog: Catalog) -> Callable[[], FormsView]:
+def forms_view(opened: OpenDocument, catalog: Catalog) -> Callable[[], FormsView]:
     """Return what finds the forms of a document's composites and state machines; it needs nobody to wait for it.
 
     Once the document has changed, nobody asks about this one: the rest isn't looked for, so that edits have the time.
     """
-    revision, history = sheet.revision, sheet.history
-    if history is None or sheet.draft is not None:
-        return lambda: FormsView(revision=revision, forms=[], trouble="the text isn't a task at the moment")
+    revision, history = opened.revision, opened.history
+    if history is None or opened.draft is not None:
+        return lambda: FormsView(revision=revision, forms=[], error="the text is not a valid task")
     task = history.document.task
 
     def found() -> FormsView:
         try:
-            forms = _forms(task, catalog, lambda: sheet.revision == revision)
+            forms = _forms(task, catalog, lambda: opened.revision == revision)
             return FormsView(revision=revision, forms=forms)
         except InvalidTaskError:
-            return FormsView(revision=revision, forms=[], trouble="known once the task has no errors")
+            return FormsView(revision=revision, forms=[], error="known once the task has no errors")
         except GripError as error:
-            return FormsView(revision=revision, forms=[], trouble=str(error))
+            return FormsView(revision=revision, forms=[], error=str(error))
 
     return found
 

@@ -15,11 +15,11 @@ from grip_bt.task.edit import AnyCommand, Convert, Extract, Group, Inline
 from grip_bt.task.edit.steps import Step
 from grip_gui.editing.files import Recovery, TextFile
 from grip_gui.editing.layout import layout_path
-from grip_gui.editing.open_document import Sheet
+from grip_gui.editing.open_document import OpenDocument
 from grip_gui.project import ProjectFolder
 
 
-class EditDesk:
+class DocumentStore:
     """The task files that pages have opened.
 
     Args:
@@ -29,15 +29,15 @@ class EditDesk:
 
     def __init__(self, folder: ProjectFolder, followed: Callable[[str, tuple[Step, ...]], object] = lambda *_: None):
         self.folder, self._followed = folder, followed
-        self._sheets: dict[str, Sheet] = {}
+        self._sheets: dict[str, OpenDocument] = {}
         self._lock = RLock()
 
     def revisions(self) -> dict[str, int]:
         """Return the revision of each open file."""
-        return {path: sheet.revision for path, sheet in list(self._sheets.items())}
+        return {path: opened.revision for path, opened in list(self._sheets.items())}
 
     @contextmanager
-    def reading(self, path: str) -> Iterator[Sheet]:
+    def reading(self, path: str) -> Iterator[OpenDocument]:
         """Hold a task file, opened where it isn't yet, while something is read from it.
 
         Raises:
@@ -48,7 +48,7 @@ class EditDesk:
             yield self._open(path)
 
     @contextmanager
-    def changing(self, path: str) -> Iterator[Sheet]:
+    def changing(self, path: str) -> Iterator[OpenDocument]:
         """Hold a task file while it is changed; what isn't saved then is kept.
 
         Raises:
@@ -56,20 +56,20 @@ class EditDesk:
             DocumentError: there is no such file, or it isn't text.
         """
         with self._lock:
-            sheet = self._open(path)
-            before = sheet.revision
-            yield sheet
-            if sheet.revision != before:
-                sheet.keep_unsaved()
+            opened = self._open(path)
+            before = opened.revision
+            yield opened
+            if opened.revision != before:
+                opened.keep_unsaved()
 
-    def _open(self, path: str) -> Sheet:
+    def _open(self, path: str) -> OpenDocument:
         if path not in self._sheets:
             file = self.folder.task_file(path)
             layout = layout_path(file)
             kept = Recovery(self.folder.journal.parent / "unsaved", path)
-            sheet = Sheet(TextFile(file, path), TextFile(layout, layout.name), kept)
-            sheet.followed = lambda steps: self._followed(path, steps)
-            self._sheets[path] = sheet
+            opened = OpenDocument(TextFile(file, path), TextFile(layout, layout.name), kept)
+            opened.followed = lambda steps: self._followed(path, steps)
+            self._sheets[path] = opened
         return self._sheets[path]
 
     def create(self, path: str, text: str | None = None) -> None:
@@ -99,8 +99,8 @@ class EditDesk:
             OutsideProjectError: the path leads elsewhere.
             DocumentError: there is no such file.
         """
-        with self.reading(path) as sheet:
-            return sheet.text
+        with self.reading(path) as opened:
+            return opened.text
 
 
 def _blank(name: str) -> str:
@@ -119,7 +119,7 @@ def takes_catalogue(command: AnyCommand) -> bool:
     return isinstance(command, Convert | Extract | Inline)
 
 
-def carry_out(desk: EditDesk, sheet: Sheet, command: AnyCommand, base: int, catalog: Catalog) -> None:
+def carry_out(desk: DocumentStore, opened: OpenDocument, command: AnyCommand, base: int, catalog: Catalog) -> None:
     """Carry out a command that takes a catalogue; an `extract` makes its file, which stays where the edit is undone.
 
     Raises:
@@ -137,4 +137,4 @@ def carry_out(desk: EditDesk, sheet: Sheet, command: AnyCommand, base: int, cata
         desk.create(part.file, part.text)
         return part.edit
 
-    sheet.do(command, base, meant)
+    opened.do(command, base, meant)

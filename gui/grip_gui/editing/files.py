@@ -21,7 +21,7 @@ class UnfinishedTextError(GripError):
     """A drawn edit was asked for while the text isn't a task."""
 
     def __init__(self, path: str, why: str):
-        super().__init__(f"{path}: the text isn't a valid task ({why}); fix it in the text view, or undo")
+        super().__init__(f"{path}: the text is not a valid task ({why}); fix it in the text view, or undo")
 
 
 class ChangedOnDiskError(GripError):

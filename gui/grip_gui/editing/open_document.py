@@ -26,7 +26,7 @@ Meaning: TypeAlias = Callable[[AnyCommand, Document], AnyCommand]
 
 
 @dataclass(frozen=True)
-class _Past:
+class _AppliedEdit:
     """What the edit that led to a revision did, and to which task."""
 
     revision: int
@@ -34,7 +34,7 @@ class _Past:
     steps: tuple[Step, ...]
 
 
-class Sheet:
+class OpenDocument:
     """A task file that is open.
 
     A text that isn't a task is kept beside the last good task (`draft`) until it is one again; it is saved as it
@@ -57,7 +57,7 @@ class Sheet:
         self.followed: Callable[[tuple[Step, ...]], object] = lambda _: None
         self.revision = 1
         self._dropped: str | None = None
-        self._past: list[_Past] = []
+        self._past: list[_AppliedEdit] = []
         self._task: Task | None = None
         self._first_layout = Layout()
         self._layouts: dict[int, Layout] = {}
@@ -110,7 +110,7 @@ class Sheet:
         """The text as it is now, a task or not."""
         if self.draft is not None:
             return self.draft
-        assert self.history is not None, "a sheet has a history or a draft"
+        assert self.history is not None, "an open document has a history or a draft"
         return self.history.document.text
 
     @property
@@ -258,7 +258,7 @@ class Sheet:
             return ()
         oldest = self._past[0].revision if self._past else self.revision + 1
         if not oldest - 1 <= base < self.revision:
-            raise StaleEditError(f"{self.file.name}: revision {base} isn't known here; the page shows the newest now")
+            raise StaleEditError(f"{self.file.name}: revision {base} is unknown here; the page now shows the newest")
         return [past.steps for past in self._past if past.revision > base]
 
     def moved_since(self, revision: int) -> dict[str, str]:
@@ -287,7 +287,7 @@ class Sheet:
         self.revision += 1
         self._layouts.setdefault(self.history.at.number, layout)
         self.followed(steps)
-        self._past.append(_Past(self.revision, self._task, steps))
+        self._past.append(_AppliedEdit(self.revision, self._task, steps))
         self._task = self.history.document.task
         del self._past[:-KEPT]
 
@@ -325,7 +325,7 @@ class Sheet:
             log.warning("the history of %s isn't kept: %s", self.file.name, error)
 
     def follow_disk(self) -> None:
-        """Take the file's text where it has changed and nothing here would be lost by it.
+        """Reload from the file where it has changed and nothing here would be lost by it.
 
         Raises:
             DocumentError: it can't be read.
@@ -334,7 +334,7 @@ class Sheet:
             self.take_from_disk()
 
     def take_from_disk(self) -> None:
-        """Take the file's text as an edit, so that undo brings back what was here.
+        """Reload from the file as an edit, so that undo brings back what was here.
 
         Raises:
             DocumentError: it can't be read.
@@ -361,7 +361,7 @@ def rebased(command: AnyCommand, since: Iterable[tuple[Step, ...]]) -> AnyComman
     if not taken:
         return command
     if _is_exact(command):
-        raise StaleEditError("the task has just been changed elsewhere; look at it, then do this again")
+        raise StaleEditError("the task was just changed elsewhere; check it, then try again")
     return command_of(_moved(command.model_dump(mode="json"), taken))
 
 

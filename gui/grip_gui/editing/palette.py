@@ -21,18 +21,18 @@ _CHILDREN: dict[str, FieldType] = {"initial": "child", "default": "child", "case
 """Keys that name children."""
 
 
-def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), trouble: str = "") -> CatalogView:
+def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), error: str = "") -> CatalogView:
     """Return everything that a task can be made of.
 
     Args:
         catalog: the nodes that exist.
         tasks: the project's task files; those that can't be read aren't offered.
-        trouble: why nodes are missing.
+        error: why nodes are missing.
     """
     return CatalogView(
         nodes=[_node(manifest) for manifest in catalog],
         tasks=[face for file in tasks if (face := _subtask(catalog, file)) is not None],
-        trouble=trouble,
+        error=error,
     )
 
 

@@ -1,4 +1,4 @@
-"""Questions and wishes about task files under edit. All work is done in threads; the pages are told afterwards."""
+"""Questions and requests about task files under edit. All work is done in threads; the pages are told afterwards."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from pydantic import ValidationError
 from grip_bt.base.errors import EditError
 from grip_bt.task.edit import AnyCommand, command_of
 from grip_gui.editing.conversion import conversion_view, convert, forms_view
-from grip_gui.editing.document_store import EditDesk, carry_out, takes_catalogue
+from grip_gui.editing.document_store import DocumentStore, carry_out, takes_catalogue
 from grip_gui.editing.files import StaleEditError
-from grip_gui.editing.open_document import Sheet
+from grip_gui.editing.open_document import OpenDocument
 from grip_gui.editing.palette import catalog_view
 from grip_gui.editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
 from grip_gui.view.documents import catalog_of
@@ -22,27 +22,27 @@ from grip_gui.wire.editing import (
     CatalogView,
     CommentView,
     ConversionView,
-    ConvertWish,
-    DiskWish,
-    EditWish,
+    ConvertRequest,
+    DiskRequest,
+    EditRequest,
+    ExpressionRequest,
     ExpressionView,
-    ExpressionWish,
     Form,
     FormsView,
     NewTask,
     PartsView,
-    PinWish,
+    PinRequest,
     PlacesView,
     ProblemsView,
-    SaveWish,
-    StepWish,
-    TextWish,
+    SaveRequest,
+    StepRequest,
+    TextRequest,
 )
 
 T = TypeVar("T")
 
 
-def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
+def make_edit_router(desk: DocumentStore, notify: Callable[[], None]) -> APIRouter:
     """Return the routes below `/api` that read and change documents.
 
     Args:
@@ -55,60 +55,62 @@ def make_edit_router(desk: EditDesk, notify: Callable[[], None]) -> APIRouter:
     return api
 
 
-def _add_questions(api: APIRouter, desk: EditDesk) -> None:
+def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
     folder = desk.folder
 
     @api.get("/catalog")
     def catalog() -> CatalogView:
-        found, trouble = catalog_of(folder)
+        found, error = catalog_of(folder)
         files = [entry.path for entry in folder.tasks()]
-        return catalog_view(found, files, trouble.message if trouble else "")
+        return catalog_view(found, files, error.message if error else "")
 
     @api.get("/document/forms")
     def forms(path: str) -> FormsView:
-        with desk.reading(path) as sheet:
-            find = forms_view(sheet, catalog_of(folder)[0])
+        with desk.reading(path) as opened:
+            find = forms_view(opened, catalog_of(folder)[0])
         return find()
 
     @api.get("/document/problems")
     def problems(path: str) -> ProblemsView:
-        with desk.reading(path) as sheet:
-            find = problems_view(folder, sheet)
+        with desk.reading(path) as opened:
+            find = problems_view(folder, opened)
         return find()
 
     @api.get("/document/places")
     def places(path: str) -> PlacesView:
-        with desk.reading(path) as sheet:
-            return places_view(sheet)
+        with desk.reading(path) as opened:
+            return places_view(opened)
 
     @api.get("/document/comment")
     def comment(path: str, node: str) -> CommentView:
-        with desk.reading(path) as sheet:
-            return comment_view(sheet, node)
+        with desk.reading(path) as opened:
+            return comment_view(opened, node)
 
     @api.get("/document/parts")
     def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> PartsView:
-        with desk.reading(path) as sheet:
-            return parts_view(sheet, node)
+        with desk.reading(path) as opened:
+            return parts_view(opened, node)
 
     @api.get("/document/conversion")
     def conversion(path: str, node: str, form: Form, approximate: bool = False) -> ConversionView:
-        with desk.reading(path) as sheet:
-            find = conversion_view(sheet, catalog_of(folder)[0], node, form, approximate)
+        with desk.reading(path) as opened:
+            find = conversion_view(opened, catalog_of(folder)[0], node, form, approximate)
         return find()
 
     @api.post("/document/expression")
-    def expression(wish: ExpressionWish) -> ExpressionView:
-        with desk.reading(wish.path) as sheet:
-            return check_expression(folder, sheet, wish)
+    def expression(request: ExpressionRequest) -> ExpressionView:
+        with desk.reading(request.path) as opened:
+            return check_expression(folder, opened, request)
 
 
-def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> None:
-    async def change(path: str, work: Callable[[Sheet], object], since: int | None, status: int = 200) -> Response:
+def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None]) -> None:
+    async def change(
+        path: str, work: Callable[[OpenDocument], object], since: int | None, status: int = 200
+    ) -> Response:
         def changed() -> str:
-            with desk.changing(path) as sheet:
-                work(sheet)
-                return document_view(desk.folder, sheet, since).model_dump_json()
+            with desk.changing(path) as opened:
+                work(opened)
+                return document_view(desk.folder, opened, since).model_dump_json()
 
         body = await asyncio.to_thread(changed)
         notify()
@@ -116,61 +118,63 @@ def _add_wishes(api: APIRouter, desk: EditDesk, notify: Callable[[], None]) -> N
 
     @api.get("/document")
     async def document(path: str, since: int | None = None) -> Response:
-        return await change(path, Sheet.follow_disk, since)
+        return await change(path, OpenDocument.follow_disk, since)
 
     @api.post("/document/edit")
-    async def edit(wish: EditWish, since: int | None = None) -> Response:
-        command = understood(wish.command)
+    async def edit(request: EditRequest, since: int | None = None) -> Response:
+        command = understood(request.command)
         if not takes_catalogue(command):
-            return await change(wish.path, lambda sheet: sheet.do(command, wish.base), since)
+            return await change(request.path, lambda opened: opened.do(command, request.base), since)
         found = catalog_of(desk.folder)[0]
-        return await change(wish.path, lambda sheet: carry_out(desk, sheet, command, wish.base, found), since)
+        return await change(request.path, lambda opened: carry_out(desk, opened, command, request.base, found), since)
 
     @api.post("/document/convert")
-    async def convert_container(wish: ConvertWish, since: int | None = None) -> Response:
+    async def convert_container(request: ConvertRequest, since: int | None = None) -> Response:
         found = catalog_of(desk.folder)[0]
-        return await change(wish.path, lambda sheet: convert(sheet, found, wish), since)
+        return await change(request.path, lambda opened: convert(opened, found, request), since)
 
     @api.post("/document/text")
-    async def text(wish: TextWish, since: int | None = None) -> Response:
+    async def text(request: TextRequest, since: int | None = None) -> Response:
         return await change(
-            wish.path, lambda sheet: sheet.write(wish.text, sheet.revision if wish.over else wish.base), since
+            request.path,
+            lambda opened: opened.write(request.text, opened.revision if request.over else request.base),
+            since,
         )
 
     @api.post("/document/step")
-    async def step(wish: StepWish, since: int | None = None) -> Response:
-        return await change(wish.path, lambda sheet: _step(sheet, wish), since)
+    async def step(request: StepRequest, since: int | None = None) -> Response:
+        return await change(request.path, lambda opened: _step(opened, request), since)
 
     @api.post("/document/pin")
-    async def pin(wish: PinWish, since: int | None = None) -> Response:
-        title = f"place {next(iter(wish.positions), '')}"
-        return await change(wish.path, lambda sheet: sheet.pin(wish.view, wish.positions, title), since)
+    async def pin(request: PinRequest, since: int | None = None) -> Response:
+        title = f"place {next(iter(request.positions), '')}"
+        return await change(request.path, lambda opened: opened.pin(request.view, request.positions, title), since)
 
     @api.post("/document/save")
-    async def save(wish: SaveWish, since: int | None = None) -> Response:
-        return await change(wish.path, lambda sheet: sheet.save(wish.over), since)
+    async def save(request: SaveRequest, since: int | None = None) -> Response:
+        return await change(request.path, lambda opened: opened.save(request.over), since)
 
     @api.post("/document/disk")
-    async def disk(wish: DiskWish, since: int | None = None) -> Response:
-        return await change(wish.path, Sheet.take_from_disk, since)
+    async def disk(request: DiskRequest, since: int | None = None) -> Response:
+        return await change(request.path, OpenDocument.take_from_disk, since)
 
     @api.post("/document/new")
-    async def new(wish: NewTask, since: int | None = None) -> Response:
-        await asyncio.to_thread(desk.create, wish.path, wish.text)
-        return await change(wish.path, lambda _: None, since, 201)
+    async def new(request: NewTask, since: int | None = None) -> Response:
+        await asyncio.to_thread(desk.create, request.path, request.text)
+        return await change(request.path, lambda _: None, since, 201)
 
 
-def _step(sheet: Sheet, wish: StepWish) -> None:
-    if wish.base != sheet.revision:
-        raise StaleEditError("the task has just been changed elsewhere; look at it, then undo or redo again")
-    if wish.step == "undo":
-        sheet.undo()
-    elif wish.step == "redo":
-        sheet.redo(wish.number)
-    elif wish.number is None:
-        raise EditError("", "say to which moment")
+def _step(opened: OpenDocument, request: StepRequest) -> None:
+    if request.base != opened.revision:
+        raise StaleEditError("the task was just changed elsewhere; check it, then undo or redo again")
+    if request.step == "undo":
+        opened.undo()
+    elif request.step == "redo":
+        opened.redo(request.number)
+    elif request.number is None:
+        raise EditError("", "name the state to go to")
     else:
-        sheet.go(wish.number)
+        opened.go(request.number)
 
 
 def understood(command: object) -> AnyCommand:

@@ -34,7 +34,7 @@ FOUND = 1.5
 """How long the graph is looked at before what is in it counts as all [s]."""
 
 
-class Looker:
+class RosInspector:
     """One connection to ROS, in the user's own domain."""
 
     def __init__(self) -> None:
@@ -70,7 +70,7 @@ class Looker:
         ours = self._server is not None
         operation = self._messages.listing()
         if not operation.wait(ANSWERS):
-            raise ExpectedError("the server of messages gives no answer")
+            raise ExpectedError("the message server does not answer")
         answer = operation.result()
         rows = entry_rows(answer)
         types = {row["store"]: row["type"] for row in rows} | STORES
@@ -136,7 +136,7 @@ class Looker:
 
     def _done(self, operation: Any) -> Any:
         if not operation.wait(ANSWERS):
-            raise ExpectedError("the server of messages gives no answer")
+            raise ExpectedError("the message server does not answer")
         return operation.result()
 
     def _view(self, store: str, value: Any) -> ValueView:

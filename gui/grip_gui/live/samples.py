@@ -35,7 +35,7 @@ def form_of(folder: Path, home: Path) -> ComponentForm:
         name = next((name for name, place in project.component_folders().items() if place == home), home.name)
         manifest = catalogue_of(project).get(f"component/{name}")
     except GripError as error:
-        return ComponentForm(name=home.name, inputs=[], trouble=f"Generate its node first. {error}")
+        return ComponentForm(name=home.name, inputs=[], error=f"Generate its node first. {error}")
     recorded = list(_written(project.journal))
     inputs = [
         RequestPort(name=port, type=face.type, doc=face.doc, samples=_fitting(face.type, recorded, folder))

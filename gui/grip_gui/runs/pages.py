@@ -9,20 +9,20 @@ from dataclasses import dataclass
 from itertools import count
 
 from grip_bt.base.errors import GripError
-from grip_gui.wire.runs import Introduce, Onlooker, Selected, Selection
+from grip_gui.wire.runs import Introduce, Selected, Selection, Viewer
 
 GRACE = 5.0
 """How long control waits for a page that has gone away, which a reload does for a moment [s]."""
 
 
-class HeldElsewhereError(GripError):
-    """Another page holds control."""
+class ControlTakenError(GripError):
+    """Another page is in control."""
 
     def __init__(self) -> None:
-        super().__init__("another page holds control; take it over there, or look on. STOP always works")
+        super().__init__("another page is in control; take over, or keep watching. STOP always works")
 
 
-class Lease:
+class ControlLock:
     """Control of the runs, held by one of the pages or by nobody.
 
     Whoever controls something while nobody holds it gets it. It becomes free when its page has been away for `GRACE`;
@@ -47,10 +47,10 @@ class Lease:
             page: its id; empty for somebody without a page, who may as long as nobody holds control.
 
         Raises:
-            HeldElsewhereError: another page holds it.
+            ControlTakenError: another page holds it.
         """
         if self.holder not in (None, page):
-            raise HeldElsewhereError
+            raise ControlTakenError
         if page and self.holder is None:
             self._hold(page)
 
@@ -62,7 +62,7 @@ class Lease:
             over: also from a page that holds it.
 
         Raises:
-            HeldElsewhereError: another page holds it.
+            ControlTakenError: another page holds it.
         """
         if not over:
             self.require(page)
@@ -132,16 +132,15 @@ class Presence:
         self._nameless = 0
 
     @property
-    def viewers(self) -> int:
+    def connections(self) -> int:
         """How many connections look on."""
         return self._nameless + sum(page.connections for page in self._pages.values())
 
     @property
-    def onlookers(self) -> list[Onlooker]:
+    def viewers(self) -> list[Viewer]:
         """Who looks on, in the order in which they came; without those that haven't said which page they are."""
         return [
-            Onlooker(page=page, name=each.name, colour=each.colour, task=each.task)
-            for page, each in self._pages.items()
+            Viewer(page=page, name=each.name, colour=each.colour, task=each.task) for page, each in self._pages.items()
         ]
 
     def selections(self, but: str = "") -> dict[str, Selected]:

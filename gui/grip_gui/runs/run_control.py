@@ -12,9 +12,9 @@ from grip_bt.task.edit.steps import Step
 from grip_gui.runs.breakpoints import Breakpoints
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.launcher import Launcher, RunOptions
-from grip_gui.runs.pages import Lease, Presence
+from grip_gui.runs.pages import ControlLock, Presence
 from grip_gui.runs.session import STOP, Session
-from grip_gui.wire.runs import Breakpoint, Control, DeskView, SessionView
+from grip_gui.wire.runs import Breakpoint, Control, SessionView, SharedState
 
 log = logging.getLogger(__name__)
 
@@ -23,7 +23,7 @@ class BusyError(GripError):
     """A run is under way, or none is where one is needed."""
 
 
-class RunDesk:
+class RunControl:
     """The run under way, if any.
 
     Args:
@@ -36,7 +36,7 @@ class RunDesk:
         self._launcher, self.journal, self._source = launcher, journal, source
         self.session: Session | None = None
         self._shown: SessionView | None = None
-        self.lease = Lease(self.notify)
+        self.lease = ControlLock(self.notify)
         self.presence = Presence(self.notify)
         self._breakpoints = Breakpoints(journal.parent / "breakpoints.json")
         self._starting = False
@@ -69,12 +69,12 @@ class RunDesk:
         )
 
     @property
-    def desk_view(self) -> DeskView:
+    def shared_state(self) -> SharedState:
         """What all pages share."""
-        return DeskView(
+        return SharedState(
             holder=self.lease.holder,
+            connections=self.presence.connections,
             viewers=self.presence.viewers,
-            onlookers=self.presence.onlookers,
             breakpoints=self._breakpoints.all,
         )
 
@@ -91,7 +91,7 @@ class RunDesk:
             run_to: node before which it holds; empty for none.
 
         Raises:
-            HeldElsewhereError: another page holds control.
+            ControlTakenError: another page holds control.
             BusyError: another one is under way.
             OSError: its process can't be started.
         """
@@ -120,18 +120,18 @@ class RunDesk:
         self.notify()
         return self.session.view
 
-    async def command(self, wish: Control) -> SessionView:
+    async def command(self, request: Control) -> SessionView:
         """Pass a command to the run under way; `stop` returns when its process has ended, and is anybody's.
 
         Raises:
-            HeldElsewhereError: another page holds control.
+            ControlTakenError: another page holds control.
             BusyError: there is no run.
         """
         if self.session is None:
             raise BusyError("no run was started")
-        if wish.command != "stop":
-            self.lease.require(wish.page)
-        await self.session.command(wish.fields())
+        if request.command != "stop":
+            self.lease.require(request.page)
+        await self.session.command(request.fields())
         return self.session.view
 
     def follow_edit(self, task: str, steps: Sequence[Step]) -> None:
@@ -141,11 +141,11 @@ class RunDesk:
         except OSError as error:
             log.warning("the breakpoints of %s aren't kept: %s", task, error)
 
-    async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> DeskView:
+    async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> SharedState:
         """Replace the breakpoints of a task, also in the run under way.
 
         Raises:
-            HeldElsewhereError: another page holds control.
+            ControlTakenError: another page holds control.
             OSError: they can't be kept.
         """
         self.lease.require(page)
@@ -153,7 +153,7 @@ class RunDesk:
         if self.session is not None and not self.session.over and self.session.view.task == task:
             await self.session.hold_at(self._breakpoints.of(task))
         self.notify()
-        return self.desk_view
+        return self.shared_state
 
     async def close(self) -> None:
         """Stop the run under way; afterwards no process of it is left."""

@@ -83,8 +83,8 @@ class Session:
                 await self._process.send({"command": "clear", "id": number})
         for key in self._wanted - self._set_points.keys():
             node, when, outcome, condition = key
-            wish = {"command": "break", "node": node, "when": when, "outcome": outcome, "if": condition}
-            await self._process.send({name: value for name, value in wish.items() if value})
+            request = {"command": "break", "node": node, "when": when, "outcome": outcome, "if": condition}
+            await self._process.send({name: value for name, value in request.items() if value})
 
     async def wait(self) -> None:
         """Wait until the process has ended."""
@@ -196,7 +196,7 @@ def _end(facts: Mapping[str, Any]) -> dict[str, Any]:
 
 def _obituary(exit_status: int, tail: str) -> str:
     how = f"was ended by signal {-exit_status}" if exit_status < 0 else f"ended with exit status {exit_status}"
-    said = f" Its last words:\n{tail}" if tail else " It said nothing."
+    said = f" Last output:\n{tail}" if tail else " No output."
     return f"The run's process {how} before the task had ended.{said}"
 
 

@@ -13,11 +13,9 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from grip_bt.base.errors import GripError
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.run_control import RunDesk
+from grip_gui.runs.run_control import RunControl
 from grip_gui.wire.runs import (
     ClientFrame,
-    DeskFrame,
-    DeskView,
     EventsFrame,
     Introduce,
     RefusedFrame,
@@ -27,6 +25,8 @@ from grip_gui.wire.runs import (
     SelectionsFrame,
     SessionFrame,
     SessionView,
+    SharedState,
+    SharedStateFrame,
     Subscribe,
 )
 
@@ -45,13 +45,13 @@ STRIKES = 20
 """After this many refused messages the connection is closed."""
 
 
-class Viewer:
+class ClientConnection:
     """Streams to one page until it leaves."""
 
     def __init__(
         self,
         socket: WebSocket,
-        desk: RunDesk,
+        desk: RunControl,
         source: JournalRuns,
         revisions: Callable[[], dict[str, int]] = dict,
         page: str = "",
@@ -64,7 +64,7 @@ class Viewer:
         self._complete = False
         self._told_revisions: dict[str, int] = {}
         self._told: SessionView | str | None = "nothing"
-        self._told_desk: DeskView | None = None
+        self._told_desk: SharedState | None = None
         self._told_selections: dict[str, Selected] = {}
 
     async def serve(self) -> None:
@@ -102,16 +102,16 @@ class Viewer:
         if len(text) > LARGEST_MESSAGE:
             return f"a message may have {LARGEST_MESSAGE} characters, not {len(text)}"
         try:
-            wish = CLIENT_FRAME.validate_json(text)
+            request = CLIENT_FRAME.validate_json(text)
         except (ValidationError, RecursionError) as error:
             return f"not understood: {' '.join(str(error).splitlines()[:3])}"
-        if isinstance(wish, Introduce):
-            self._desk.presence.introduce(self._page, wish)
+        if isinstance(request, Introduce):
+            self._desk.presence.introduce(self._page, request)
             return ""
-        if isinstance(wish, Selection):
-            self._desk.presence.select(self._page, wish)
+        if isinstance(request, Selection):
+            self._desk.presence.select(self._page, request)
             return ""
-        self._run, self._next, self._complete = wish.run, wish.from_seq, False
+        self._run, self._next, self._complete = request.run, request.from_seq, False
         self._changed.set()
         return ""
 
@@ -132,9 +132,9 @@ class Viewer:
             if self._desk.view != self._told:
                 self._told = self._desk.view
                 await self._write(SessionFrame(session=self._told))
-            if self._desk.desk_view != self._told_desk:
-                self._told_desk = self._desk.desk_view
-                await self._write(DeskFrame(desk=self._told_desk))
+            if self._desk.shared_state != self._told_desk:
+                self._told_desk = self._desk.shared_state
+                await self._write(SharedStateFrame(desk=self._told_desk))
             await self._send_selections()
             await self._send_revisions()
             if await self._send_events_if_readable():

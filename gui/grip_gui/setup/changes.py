@@ -113,11 +113,11 @@ def _loaded(text: str) -> tuple[YAML, Any]:
         root = yaml.load(text)
     except (YAMLError, ValueError, RecursionError) as error:
         reason = str(error).splitlines()[0]
-        raise UnchangeableError(f"fix the text first, which is not valid YAML: {reason}") from None
+        raise UnchangeableError(f"fix the text first, it is not valid YAML: {reason}") from None
     if root is None or (isinstance(root, dict) and not root):
         root = CommentedMap()
     if not isinstance(root, dict):
-        raise UnchangeableError("fix the text first: it isn't a mapping of keys to values")
+        raise UnchangeableError("fix the text first: it is not a mapping of keys to values")
     return yaml, root
 
 

@@ -27,10 +27,10 @@ def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str,
         folder: that relative paths begin in.
 
     Returns:
-        `links`, `joints`, `meshes`, `rest`, `grasp`; only `trouble` where it can't be told.
+        `links`, `joints`, `meshes`, `rest`, `grasp`; only `error` where it can't be told.
     """
     if not robot:
-        return {"trouble": "grip.yaml names no robot"}
+        return {"error": "grip.yaml names no robot"}
     question = {"robot": robot, "hands": dict(hands), "folder": str(folder)}
     return _asked(json.dumps(question, sort_keys=True, default=str), read_from(robot, folder))
 
@@ -42,4 +42,4 @@ def _asked(question: str, stamps: Stamps) -> dict[str, Any]:
         done = subprocess.run(command, input=question, capture_output=True, text=True, timeout=PATIENCE, check=False)
         return dict(json.loads(done.stdout.splitlines()[-1]))
     except (OSError, subprocess.TimeoutExpired, ValueError, IndexError) as error:
-        return {"trouble": f"the robot can't be drawn: {error}"}
+        return {"error": f"the robot can't be drawn: {error}"}

@@ -20,7 +20,7 @@ from grip_bt.ros.interfaces import read_interface
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.ros_config import InterfaceSpec
 from grip_gui.project import ProjectFolder
-from grip_gui.wire.setup import FieldView, InterfaceView, InterfaceWish
+from grip_gui.wire.setup import FieldView, InterfaceRequest, InterfaceView
 
 _TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
 _OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)
@@ -42,39 +42,39 @@ _PACKAGE = """\
 """
 
 
-def look_at(folder: ProjectFolder, wish: InterfaceWish) -> InterfaceView:
+def look_at(folder: ProjectFolder, request: InterfaceRequest) -> InterfaceView:
     """Return what an interface has, and what keeps it from being a component; nothing is written.
 
     Args:
         folder: the project, whose own interface packages are known besides the installed ones.
-        wish: the interface, pasted or named.
+        request: the interface, pasted or named.
 
     Raises:
         DocumentError: it can't be read, or isn't installed.
         GripError: its name, its outcomes, or the component's name are none.
     """
-    with _found(folder, wish) as found:
-        return _view(folder, wish, found.interface)
+    with _found(folder, request) as found:
+        return _view(folder, request, found.interface)
 
 
-def make(folder: ProjectFolder, wish: InterfaceWish) -> tuple[InterfaceView, Path]:
+def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceView, Path]:
     """Write the component's folder; return what was written, and where.
 
     Raises:
         ContractError: something keeps it from being a component.
         GripError: the folder has a component file already, or something can't be read.
     """
-    with _found(folder, wish) as found:
-        view = _view(folder, wish, found.interface)
+    with _found(folder, request) as found:
+        view = _view(folder, request, found.interface)
         if view.problems:
             raise ContractError(found.interface.type_name, view.problems)
-        named = Wish(found.interface, wish.server, wish.name, found.package)
-        outcomes = wish.outcomes or view.suggestion
-        home = make_component(named, components_folder(folder.folder), outcomes, wish.failures)
+        named = Wish(found.interface, request.server, request.name, found.package)
+        outcomes = request.outcomes or view.suggestion
+        home = make_component(named, components_folder(folder.folder), outcomes, request.failures)
     return view.model_copy(update={"path": folder.relative(home / "component.yaml")}), home
 
 
-def _view(folder: ProjectFolder, wish: InterfaceWish, interface: InterfaceSpec) -> InterfaceView:
+def _view(folder: ProjectFolder, request: InterfaceRequest, interface: InterfaceSpec) -> InterfaceView:
     suggestion = suggested_outcomes(interface)
     sides = ("goal", "result") if interface.kind == "action" else ("request", "response")
     sides = ("message", "") if interface.kind == "msg" else sides
@@ -84,12 +84,12 @@ def _view(folder: ProjectFolder, wish: InterfaceWish, interface: InterfaceSpec) 
         for field in part
     ]
     text, problems = "", []
-    name = wish.name or suggested_name(interface)
+    name = request.name or suggested_name(interface)
     try:
         # Who has one of the contract's fields means the contract, and wants to know what it lacks.
         meant = any(f.name in (INPUT, OUTCOME, RETURNED) for f in (*interface.request, *interface.response))
-        outcomes = parse_outcomes(wish.outcomes or ("done,failed" if meant else suggestion))
-        text = component_text(interface, name, wish.server or f"/{name}", outcomes, wish.failures)
+        outcomes = parse_outcomes(request.outcomes or ("done,failed" if meant else suggestion))
+        text = component_text(interface, name, request.server or f"/{name}", outcomes, request.failures)
         component, faults = check_model(parse(text), ComponentFile)
         problems = [message for message, _, _ in faults]
         if component is not None:
@@ -123,22 +123,22 @@ def _unknown_types(folder: ProjectFolder, interface: InterfaceSpec) -> Iterator[
 
 
 @contextmanager
-def _found(folder: ProjectFolder, wish: InterfaceWish) -> Iterator[Wish]:
+def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
     """Give the interface, from an installed type or from a package made of what was pasted."""
-    name = _TYPE.match(wish.type.strip())
+    name = _TYPE.match(request.type.strip())
     if name is None:
-        raise GripError(f"{wish.type!r} isn't the name of an interface, such as my_interfaces/srv/PlanGrasp")
-    if not wish.text.strip():
+        raise GripError(f"{request.type!r} isn't the name of an interface, such as my_interfaces/srv/PlanGrasp")
+    if not request.text.strip():
         own = f"*/interfaces/{name['package']}/{name['kind']}/{name['name']}.{name['kind']}"
         file = next(components_folder(folder.folder).glob(own), None)
-        yield from_type(wish.type.strip()) if file is None else from_file(file)
+        yield from_type(request.type.strip()) if file is None else from_file(file)
         return
     with TemporaryDirectory() as place:
         package = Path(place) / name["package"]
         file = package / name["kind"] / f"{name['name']}.{name['kind']}"
         file.parent.mkdir(parents=True)
-        file.write_text(wish.text, encoding="utf-8")
-        needed = sorted(set(_OTHER.findall(wish.text)) - {name["package"]})
+        file.write_text(request.text, encoding="utf-8")
+        needed = sorted(set(_OTHER.findall(request.text)) - {name["package"]})
         depends = "".join(f"  <depend>{other}</depend>\n" for other in needed)
         (package / "package.xml").write_text(_PACKAGE.format(name=name["package"], depends=depends), encoding="utf-8")
         try:

@@ -70,7 +70,7 @@ def wrong_options(tree: YamlValue, data: Any, options: Mapping[str, Sequence[str
             if isinstance(value, str) and value not in allowed:
                 line, column = find(tree, path)
                 words = "/".join(map(str, path))
-                there = f"available: {listing(allowed)}" if allowed else _NONE_YET.get(pattern, "there is none yet")
+                there = f"available: {listing(allowed)}" if allowed else _NONE_YET.get(pattern, "none are defined yet")
                 message = f"{words}: there is no {value!r}{nearest(value, allowed)} ({there})"
                 faults.append((message, line, column))
     return faults

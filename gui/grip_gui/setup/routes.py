@@ -1,4 +1,4 @@
-"""Questions and wishes about the files that put a project together."""
+"""Questions and requests about the files that put a project together."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from collections.abc import Callable
 from fastapi import APIRouter
 
 from grip_bt.base.errors import GripError
-from grip_gui.processes import Prober
+from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.setup.desk import SetupDesk
 from grip_gui.setup.importing import import_file
 from grip_gui.setup.interfaces import look_at, make
 from grip_gui.setup.named import keep_value
 from grip_gui.setup.options import names_of
+from grip_gui.setup.settings_store import SettingsStore
 from grip_gui.wire.setup import (
+    CommandRequest,
+    CommandResult,
+    ImportRequest,
     ImportView,
-    ImportWish,
+    InterfaceRequest,
     InterfaceView,
-    InterfaceWish,
     NamesView,
-    ProbeView,
-    ProbeWish,
-    RecordWish,
+    RecordRequest,
     SetupChange,
     SetupList,
     SetupSave,
@@ -34,18 +34,18 @@ from grip_gui.wire.setup import (
 
 
 def make_setup_router(
-    folder: ProjectFolder, prober: Prober, source: JournalRuns, changed: Callable[[], None]
+    folder: ProjectFolder, runner: CommandRunner, source: JournalRuns, changed: Callable[[], None]
 ) -> APIRouter:
     """Return the routes below `/api/setup`.
 
     Args:
         folder: the project.
-        prober: tries one thing at a time.
+        runner: tries one thing at a time.
         source: where values of runs are read.
         changed: called in the event loop when the project's nodes may be others.
     """
     api = APIRouter(prefix="/api/setup")
-    desk = SetupDesk(folder)
+    desk = SettingsStore(folder)
 
     @api.get("/files")
     def files() -> SetupList:
@@ -60,45 +60,45 @@ def make_setup_router(
         return NamesView(places=names_of(folder.folder))
 
     @api.post("/check")
-    def check(wish: SetupText) -> SetupView:
-        return desk.check(wish.path, wish.text)
+    def check(request: SetupText) -> SetupView:
+        return desk.check(request.path, request.text)
 
     @api.post("/change")
-    def change(wish: SetupChange) -> SetupView:
-        return desk.change(wish)
+    def change(request: SetupChange) -> SetupView:
+        return desk.change(request)
 
     @api.post("/save")
-    async def save(wish: SetupSave) -> SetupView:
-        view = await asyncio.to_thread(desk.save, wish)
+    async def save(request: SetupSave) -> SetupView:
+        view = await asyncio.to_thread(desk.save, request)
         changed()
         return view
 
     @api.post("/probe")
-    async def probe(wish: ProbeWish) -> ProbeView:
-        view = await prober.probe(wish)
+    async def probe(request: CommandRequest) -> CommandResult:
+        view = await runner.probe(request)
         changed()
         return view
 
     @api.post("/interface")
-    async def interface(wish: InterfaceWish) -> InterfaceView:
-        if not wish.create:
-            return await asyncio.to_thread(look_at, folder, wish)
-        view, home = await asyncio.to_thread(make, folder, wish)
-        generated = await prober.run(("component", "add", str(home)))
+    async def interface(request: InterfaceRequest) -> InterfaceView:
+        if not request.create:
+            return await asyncio.to_thread(look_at, folder, request)
+        view, home = await asyncio.to_thread(make, folder, request)
+        generated = await runner.run(("component", "add", str(home)))
         changed()
         if not generated.ok:
             raise GripError(f"{view.path} was written, but its node can't be generated:\n{generated.output}")
         return view.model_copy(update={"output": generated.output})
 
     @api.post("/import")
-    async def bring(wish: ImportWish) -> ImportView:
-        view = await import_file(folder, prober, wish)
+    async def bring(request: ImportRequest) -> ImportView:
+        view = await import_file(folder, runner, request)
         changed()
         return view
 
     @api.post("/record")
-    async def keep(wish: RecordWish) -> SetupView:
-        path = await asyncio.to_thread(lambda: keep_value(folder, wish.name, source.raw(wish.run, wish.seq)))
+    async def keep(request: RecordRequest) -> SetupView:
+        path = await asyncio.to_thread(lambda: keep_value(folder, request.name, source.raw(request.run, request.seq)))
         return await asyncio.to_thread(desk.open, path)
 
     return api

@@ -29,7 +29,7 @@ def task_view(folder: ProjectFolder, path: str) -> TaskView:
     try:
         text = read_file(file)
     except DocumentError as error:
-        return unreadable_view(path, [trouble_of("document", error)])
+        return unreadable_view(path, [problem_of("document", error)])
     return view_of_text(folder, text, path)
 
 
@@ -38,7 +38,7 @@ def view_of_text(folder: ProjectFolder, text: str, path: str) -> TaskView:
     try:
         document = read_text(text, path)
     except GripError as error:
-        return unreadable_view(path, [trouble_of("document", error)])
+        return unreadable_view(path, [problem_of("document", error)])
     return view_of_document(folder, document, path)
 
 
@@ -55,10 +55,10 @@ def unchecked_view(folder: ProjectFolder, document: Document, path: str) -> Task
 
 def problems_of(folder: ProjectFolder, document: Document) -> list[Problem]:
     """Return what is wrong with a task, and what can be done about that."""
-    catalog, trouble = catalog_of(folder)
-    if trouble is not None:
+    catalog, error = catalog_of(folder)
+    if error is not None:
         # The project's other files are wrong; the task is still drawn, with the built-in nodes' faces.
-        return [trouble]
+        return [error]
     issues = validate(document.task, catalog, document).issues
     fixer = Fixer(document.task, catalog) if issues else None
     return [_problem(issue, fixer if number < FIXED else None) for number, issue in enumerate(issues)]
@@ -69,7 +69,7 @@ def catalog_of(folder: ProjectFolder) -> tuple[Catalog, Problem | None]:
     try:
         return project_catalog(folder.folder), None
     except GripError as error:
-        return Catalog.builtin(), trouble_of("project", error)
+        return Catalog.builtin(), problem_of("project", error)
 
 
 def finder(catalog: Catalog) -> FindManifest:
@@ -106,7 +106,7 @@ def unreadable_view(path: str, problems: list[Problem]) -> TaskView:
     return TaskView(path=path, name=path.rsplit("/", 1)[-1].rsplit(".", 1)[0], problems=problems)
 
 
-def trouble_of(code: str, error: GripError) -> Problem:
+def problem_of(code: str, error: GripError) -> Problem:
     """Return an error as a problem of the whole file, with its place where it has one."""
     line, column = getattr(error, "line", None), getattr(error, "column", None)
     return Problem(code=code, severity="error", message=str(error), line=line, column=column)

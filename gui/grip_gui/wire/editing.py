@@ -54,14 +54,14 @@ class CatalogView(Wire):
     nodes: list[NodeFace]
     tasks: list[NodeFace] = []
     """Task files of the project, as subtasks see them; their id is the file."""
-    trouble: str = ""
+    error: str = ""
     """Why the project's own nodes are missing."""
 
 
 # --- a document -------------------------------------------------------------------------------------------------------
 
 
-class MomentView(Wire):
+class HistoryEntry(Wire):
     """One state of a document in its history."""
 
     number: int
@@ -73,7 +73,7 @@ class HistoryView(Wire):
     """What can be undone and redone, and the branches."""
 
     at: int
-    moments: list[MomentView]
+    moments: list[HistoryEntry]
     """The latest; those before are reached by undo."""
     can_undo: bool
     can_redo: bool
@@ -124,14 +124,14 @@ class FormView(Wire):
 
 
 class FormsView(Wire):
-    """The forms of all composites and state machines of a task; `trouble` says why they aren't known."""
+    """The forms of all composites and state machines of a task; `error` says why they aren't known."""
 
     revision: int
     forms: list[FormView]
-    trouble: str = ""
+    error: str = ""
 
 
-class PlayView(Wire):
+class CounterexampleView(Wire):
     """One form of a task as it was run with scripted leaves: a run that no journal holds."""
 
     task: TaskView
@@ -155,7 +155,7 @@ class ConversionView(Wire):
     """Where they differ: how each leaf ends."""
     does_before: list[str]
     does_after: list[str]
-    plays: list[PlayView] = []
+    plays: list[CounterexampleView] = []
     """Where they differ: what the form as it is does, and what the other one would."""
 
 
@@ -189,10 +189,10 @@ class PartsView(Wire):
     parts: list[Part]
 
 
-# --- wishes -----------------------------------------------------------------------------------------------------------
+# --- requests ---------------------------------------------------------------------------------------------------------
 
 
-class EditWish(Wire):
+class EditRequest(Wire):
     """Carry out a command that was made on a revision."""
 
     path: TaskPath
@@ -200,7 +200,7 @@ class EditWish(Wire):
     command: dict[str, Any]
 
 
-class TextWish(Wire):
+class TextRequest(Wire):
     """Take a text that was typed on a revision."""
 
     path: TaskPath
@@ -210,7 +210,7 @@ class TextWish(Wire):
     """Also where something has changed since; that can be undone."""
 
 
-class StepWish(Wire):
+class StepRequest(Wire):
     """Undo, redo, or go to a moment of any branch."""
 
     path: TaskPath
@@ -219,7 +219,7 @@ class StepWish(Wire):
     number: int | None = None
 
 
-class PinWish(Wire):
+class PinRequest(Wire):
     """Pin nodes at positions, or let them go (null)."""
 
     path: TaskPath
@@ -227,7 +227,7 @@ class PinWish(Wire):
     positions: dict[str, tuple[float, float] | None]
 
 
-class SaveWish(Wire):
+class SaveRequest(Wire):
     """Save a file."""
 
     path: TaskPath
@@ -235,8 +235,8 @@ class SaveWish(Wire):
     """Also over somebody else's change."""
 
 
-class DiskWish(Wire):
-    """Take the file's text for what is here."""
+class DiskRequest(Wire):
+    """Reload from the file for what is here."""
 
     path: TaskPath
 
@@ -248,7 +248,7 @@ class NewTask(Wire):
     text: str | None = None
 
 
-class ConvertWish(Wire):
+class ConvertRequest(Wire):
     """Convert a container, or (`/`) the whole task, to the other form."""
 
     path: TaskPath
@@ -259,7 +259,7 @@ class ConvertWish(Wire):
     """Also what then isn't the same."""
 
 
-class ExpressionWish(Wire):
+class ExpressionRequest(Wire):
     """Check an expression where it would stand; nothing is changed."""
 
     path: TaskPath
@@ -269,6 +269,6 @@ class ExpressionWish(Wire):
 
 
 class ExpressionView(Wire):
-    """What is wrong with an expression; empty when nothing is."""
+    """Problems with an expression; empty when nothing is."""
 
     faults: list[str]

@@ -31,11 +31,11 @@ class TopicsView(Wire):
     topics: list[TopicView]
     domain: str
     """ROS_DOMAIN_ID."""
-    trouble: str = ""
+    error: str = ""
     """Why nothing can be seen; empty when it can."""
 
 
-class ReceiveWish(Wire):
+class ReceiveRequest(Wire):
     """Wait for one message of a topic."""
 
     topic: Word
@@ -49,7 +49,7 @@ class ReceivedView(Wire):
     value: ValueView | None = None
     seconds: float = 0.0
     """How long it took to come."""
-    trouble: str = ""
+    error: str = ""
 
 
 class StoredMessage(Wire):
@@ -80,7 +80,7 @@ class LiveMessages(Wire):
     stores: list[StoreView] = []
     messages: list[StoredMessage] = []
     domain: str = ""
-    trouble: str = ""
+    error: str = ""
     """Why there is none."""
 
 
@@ -90,10 +90,10 @@ class LiveMessage(Wire):
     value: ValueView | None = None
     text: str = ""
     """Its data as YAML, to be changed; empty for what is too much for that."""
-    trouble: str = ""
+    error: str = ""
 
 
-class MessageDeed(Wire):
+class MessageRequest(Wire):
     """Do something with a running server, or start one."""
 
     do: Literal["serve", "end", "delete", "reset", "save"]
@@ -101,7 +101,7 @@ class MessageDeed(Wire):
     name: Word = ""
 
 
-class PutWish(Wire):
+class PutRequest(Wire):
     """Add or replace a named message of a running server."""
 
     store: Annotated[str, Field(min_length=1, max_length=300)]
@@ -113,14 +113,14 @@ class PutWish(Wire):
 
 
 class Done(Wire):
-    """How a wish went."""
+    """How a request went."""
 
-    trouble: str = ""
+    error: str = ""
     said: str = ""
 
 
-class MeasureWish(Wire):
-    """Keep where the robot is now as a named message."""
+class MeasureRequest(Wire):
+    """Save the robot's current position now as a named message."""
 
     robot: Literal["run"] | Robot
     """`run`: where the run under way measured it last."""
@@ -140,14 +140,14 @@ class RobotParts(Wire):
     hands: list[str]
     run: str = ""
     """The run under way, whose robot can be measured; empty for none."""
-    trouble: str = ""
+    error: str = ""
 
 
 class Sample(Wire):
     """A value that was recorded, as an input of a component."""
 
     source: str
-    """`run/SEQ` or `messages/STORE/NAME`: what goes back with the wish."""
+    """`run/SEQ` or `messages/STORE/NAME`: what goes back with the request."""
     title: str
     type: str
 
@@ -166,7 +166,7 @@ class ComponentForm(Wire):
 
     name: str
     inputs: list[RequestPort]
-    trouble: str = ""
+    error: str = ""
 
 
 class Given(Wire):
@@ -178,7 +178,7 @@ class Given(Wire):
     """YAML; used when no sample is named. Empty for nothing."""
 
 
-class TryWish(Wire):
+class TryRequest(Wire):
     """Call a component once."""
 
     path: SetupPath
@@ -200,7 +200,7 @@ class TryView(Wire):
     milliseconds: float = 0.0
     started: str = ""
     """How the component came up."""
-    trouble: str = ""
+    error: str = ""
 
 
 # --- the robot in space -----------------------------------------------------------------------------------------------
@@ -279,7 +279,7 @@ class GeometryView(Wire):
     """Joint -> where it is unless told otherwise [rad or m]."""
     grasp: dict[str, FrameView] = {}
     """Hand -> the frame in which it holds things."""
-    trouble: str = ""
+    error: str = ""
 
 
 class SceneItem(Wire):

@@ -119,7 +119,7 @@ class Breakpoint(Wire):
         return self
 
 
-class BreakpointsWish(Wire):
+class BreakpointsRequest(Wire):
     """Set the breakpoints of a task; those that aren't named are cleared."""
 
     task: Annotated[str, Field(max_length=1024)]
@@ -218,7 +218,7 @@ class SessionView(Wire):
 # --- who holds control ------------------------------------------------------------------------------------------------
 
 
-class LeaseWish(Wire):
+class ControlRequest(Wire):
     """Take control, or give it back."""
 
     page: Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9_-]+$")]
@@ -227,7 +227,7 @@ class LeaseWish(Wire):
     """Also from a page that holds it now."""
 
 
-class Onlooker(Wire):
+class Viewer(Wire):
     """A page that looks on."""
 
     page: str
@@ -239,14 +239,14 @@ class Onlooker(Wire):
     """The task file that it shows; empty for the project's files."""
 
 
-class DeskView(Wire):
+class SharedState(Wire):
     """What all pages share: who looks on, who holds control, and where runs hold."""
 
     holder: str | None = None
     """Id of the page that holds control; None when nobody does."""
-    viewers: int = 0
+    connections: int = 0
     """How many pages look on."""
-    onlookers: list[Onlooker] = []
+    viewers: list[Viewer] = []
     """Those of them that have said who they are."""
     breakpoints: dict[str, list[Breakpoint]] = {}
     """Task file -> breakpoints."""
@@ -289,11 +289,11 @@ class SessionFrame(Wire):
     session: SessionView | None
 
 
-class DeskFrame(Wire):
+class SharedStateFrame(Wire):
     """Server to page: who holds control, and where runs hold."""
 
     type: Literal["desk"] = "desk"
-    desk: DeskView
+    desk: SharedState
 
 
 class EventsFrame(Wire):
@@ -336,7 +336,7 @@ class SelectionsFrame(Wire):
 
 
 ServerFrame = Annotated[
-    SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame | SelectionsFrame,
+    SessionFrame | SharedStateFrame | EventsFrame | RefusedFrame | RevisionsFrame | SelectionsFrame,
     Field(discriminator="type"),
 ]
 ClientFrame = Annotated[Subscribe | Introduce | Selection, Field(discriminator="type")]

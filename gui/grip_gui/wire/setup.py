@@ -49,7 +49,7 @@ class SetupView(Wire):
     title: str
     text: str
     known: str
-    """Tells the file's bytes that the text began with; goes back with the wish to save."""
+    """Tells the file's bytes that the text began with; goes back with the request to save."""
     data: Any
     """None where the text is no YAML."""
     shape: dict[str, Any]
@@ -95,7 +95,7 @@ class SetupSave(Wire):
     """Also over what somebody else has written."""
 
 
-class ProbeWish(Wire):
+class CommandRequest(Wire):
     """Try what is configured."""
 
     what: Literal["robot", "generate", "test"]
@@ -104,7 +104,7 @@ class ProbeWish(Wire):
     page: PageId = ""
 
 
-class ProbeView(Wire):
+class CommandResult(Wire):
     """How a try went."""
 
     ok: bool
@@ -113,7 +113,7 @@ class ProbeView(Wire):
     seconds: float
 
 
-class InterfaceWish(Wire):
+class InterfaceRequest(Wire):
     """An interface to be wrapped: pasted, or the name of an installed type."""
 
     text: Annotated[str, Field(max_length=100_000)] = ""
@@ -152,7 +152,7 @@ class InterfaceView(Wire):
     """What generating said."""
 
 
-class RecordWish(Wire):
+class RecordRequest(Wire):
     """Keep a value of a run as a named message of the project."""
 
     run: Annotated[str, Field(max_length=200)]
@@ -160,8 +160,8 @@ class RecordWish(Wire):
     name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$", max_length=200)]
 
 
-class ImportWish(Wire):
-    """A task from elsewhere; the file is read, not executed."""
+class ImportRequest(Wire):
+    """Import a task; the file is read, not executed."""
 
     source: Literal["smach", "btcpp", "pytrees"]
     name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*\.[a-z]+$", max_length=200)]
@@ -171,6 +171,6 @@ class ImportWish(Wire):
 class ImportView(Wire):
     """What became of it."""
 
-    probe: ProbeView
+    probe: CommandResult
     tasks: list[str]
     """Task files that were written."""

@@ -79,7 +79,7 @@ class VariableView(Wire):
 
 
 class FixView(Wire):
-    """A way to mend a problem with one press."""
+    """A way to fix a problem with one press."""
 
     title: str
     command: dict[str, Any]
@@ -168,7 +168,7 @@ class ProjectView(Wire):
     """The task that `grip edit` was asked to open."""
 
 
-class Trouble(Wire):
+class ErrorBody(Wire):
     """Body of every refused request."""
 
     detail: str

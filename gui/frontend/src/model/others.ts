@@ -1,5 +1,5 @@
 /** What other people have selected: which of them are drawn at a node. */
-import type { Onlooker, Selected } from "../protocol/generated";
+import type { Viewer, Selected } from "../protocol/generated";
 
 export type Selections = Readonly<Record<string, Selected>>;
 
@@ -47,6 +47,6 @@ export function initials(name: string): string {
 }
 
 /** Who has something selected, in words. */
-export function selectedBy(people: readonly Onlooker[]): string {
+export function selectedBy(people: readonly Viewer[]): string {
   return `selected by ${people.map((each) => each.name).join(", ")}`;
 }

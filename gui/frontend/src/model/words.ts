@@ -70,9 +70,9 @@ export function processNotices(session: SessionView | null): Notice[] {
   const lost = state === "ended" && (status === "killed" || status === "died" || session.run === null);
   const found: Notice[] = [];
   if (message && (lost || state !== "ended")) found.push({ text: message, bad: lost });
-  if (contradiction) found.push({ text: `the referee contradicts: ${contradiction}`, bad: true });
+  if (contradiction) found.push({ text: `the simulator's referee disagrees: ${contradiction}`, bad: true });
   if (rest) found.push({ text: `${status}; ${rest}`, bad: unconfirmed.length > 0 });
-  if (zombies.length > 0) found.push({ text: `Left behind at the end, since it hung: ${zombies.join(", ")}`, bad: true });
+  if (zombies.length > 0) found.push({ text: `Hung at the end and left running: ${zombies.join(", ")}`, bad: true });
   return found;
 }
 
@@ -82,9 +82,9 @@ export function factsText(facts: RunFacts): string {
 }
 
 const WENT_ON: Readonly<Record<string, string>> = {
-  resume: "goes on with what was under way",
+  resume: "continues",
   restart: "is started again",
-  result: "has ended as somebody said",
+  result: "has ended as set by hand",
 };
 
 /** One line of the log. */
@@ -113,15 +113,15 @@ export function eventText(event: RunEvent): string {
     case "run_resumed": {
       const back = Object.keys((data["restored"] as object | undefined) ?? {});
       const anew = Object.keys((data["anew"] as object | undefined) ?? {});
-      const parts = [back.length ? `; as before: ${back.join(", ")}` : "", anew.length ? `; anew: ${anew.join(", ")}` : ""];
-      return `the run goes on in another process${parts.join("")}`;
+      const parts = [back.length ? `; as before: ${back.join(", ")}` : "", anew.length ? `; re-initialised: ${anew.join(", ")}` : ""];
+      return `the run resumes in another process${parts.join("")}`;
     }
     case "went_on":
       return WENT_ON[String(data["how"])] ?? `goes on: ${String(data["how"])}`;
     case "kept":
-      return `its ${String(data["part"])} is kept for going on`;
+      return `its ${String(data["part"])} is saved for resuming`;
     case "preempt_requested":
-      return "is asked to come to an end";
+      return "is asked to stop";
     case "interrupted":
       return "is halted";
     case "damaged":

@@ -1,50 +1,50 @@
 /** Talks to the server: questions over HTTP, news over one WebSocket that comes back by itself. */
 import type {
-  BreakpointsWish,
+  BreakpointsRequest,
   CatalogView,
   CloudView,
   CommentView,
   ComponentForm,
   Control,
   ConversionView,
-  ConvertWish,
-  DeskView,
-  DiskWish,
+  ConvertRequest,
+  SharedState,
+  DiskRequest,
   DocumentView,
   Done,
-  EditWish,
+  EditRequest,
   ExpressionView,
-  ExpressionWish,
+  ExpressionRequest,
   FormsView,
   GeometryView,
   ImportView,
-  ImportWish,
+  ImportRequest,
   InterfaceView,
-  InterfaceWish,
+  InterfaceRequest,
   Introduce,
-  LeaseWish,
+  ControlRequest,
   LiveMessage,
   LiveMessages,
-  MeasureWish,
-  MessageDeed,
+  MeasureRequest,
+  MessageRequest,
   MotionView,
   NamesView,
   NewTask,
   PartsView,
-  PinWish,
+  PinRequest,
   PlacesView,
-  ProbeView,
-  ProbeWish,
+  CommandResult,
+  CommandRequest,
   ProblemsView,
   ProjectView,
-  PutWish,
+  PutRequest,
   ReceivedView,
-  ReceiveWish,
-  RecordWish,
+  ReceiveRequest,
+  RecordRequest,
   RobotParts,
   RunRecord,
   RunView,
-  SaveWish,
+  SaveRequest,
   Selection,
   ServerFrame,
   SessionView,
@@ -54,13 +54,13 @@ import type {
   SetupText,
   SetupView,
   StartRun,
-  StepWish,
+  StepRequest,
   Subscribe,
-  TextWish,
+  TextRequest,
   TopicsView,
-  Trouble,
+  ErrorBody,
   TryView,
-  TryWish,
+  TryRequest,
   ValueView,
 } from "./generated";
 
@@ -91,8 +91,8 @@ async function ask<T>(path: string, body?: unknown): Promise<T> {
       : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
   const answer = await fetch(`/api/${path}`, init);
   if (!answer.ok) {
-    const trouble = (await answer.json().catch(() => null)) as Trouble | null;
-    throw new RefusedError(trouble?.detail ?? `the server answered ${answer.status}`, trouble?.kind ?? "");
+    const error = (await answer.json().catch(() => null)) as ErrorBody | null;
+    throw new RefusedError(error?.detail ?? `the server answered ${answer.status}`, error?.kind ?? "");
   }
   return (await answer.json()) as T;
 }
@@ -107,43 +107,43 @@ export const server = {
   comment: (path: string, node: string) => ask<CommentView>(`document/comment?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}`),
   parts: (path: string, nodes: readonly string[]) =>
     ask<PartsView>(`document/parts?path=${encodeURIComponent(path)}${nodes.map((node) => `&node=${encodeURIComponent(node)}`).join("")}`),
-  conversion: (path: string, node: string, form: ConvertWish["form"], approximate: boolean) =>
+  conversion: (path: string, node: string, form: ConvertRequest["form"], approximate: boolean) =>
     ask<ConversionView>(`document/conversion?path=${encodeURIComponent(path)}&node=${encodeURIComponent(node)}&form=${form}&approximate=${approximate}`),
-  convert: (wish: ConvertWish, since: number) => ask<DocumentView>(`document/convert?since=${since}`, wish),
-  edit: (wish: EditWish, since: number) => ask<DocumentView>(`document/edit?since=${since}`, wish),
-  text: (wish: TextWish, since: number) => ask<DocumentView>(`document/text?since=${since}`, wish),
-  step: (wish: StepWish, since: number) => ask<DocumentView>(`document/step?since=${since}`, wish),
-  pin: (wish: PinWish, since: number) => ask<DocumentView>(`document/pin?since=${since}`, wish),
-  save: (wish: SaveWish, since: number) => ask<DocumentView>(`document/save?since=${since}`, wish),
-  disk: (wish: DiskWish, since: number) => ask<DocumentView>(`document/disk?since=${since}`, wish),
-  newTask: (wish: NewTask) => ask<DocumentView>("document/new", wish),
-  expression: (wish: ExpressionWish) => ask<ExpressionView>("document/expression", wish),
+  convert: (request: ConvertRequest, since: number) => ask<DocumentView>(`document/convert?since=${since}`, request),
+  edit: (request: EditRequest, since: number) => ask<DocumentView>(`document/edit?since=${since}`, request),
+  text: (request: TextRequest, since: number) => ask<DocumentView>(`document/text?since=${since}`, request),
+  step: (request: StepRequest, since: number) => ask<DocumentView>(`document/step?since=${since}`, request),
+  pin: (request: PinRequest, since: number) => ask<DocumentView>(`document/pin?since=${since}`, request),
+  save: (request: SaveRequest, since: number) => ask<DocumentView>(`document/save?since=${since}`, request),
+  disk: (request: DiskRequest, since: number) => ask<DocumentView>(`document/disk?since=${since}`, request),
+  newTask: (request: NewTask) => ask<DocumentView>("document/new", request),
+  expression: (request: ExpressionRequest) => ask<ExpressionView>("document/expression", request),
   runs: () => ask<RunRecord[]>("runs"),
   run: (id: string) => ask<RunView>(`runs/${encodeURIComponent(id)}`),
-  start: (wish: StartRun) => ask<SessionView>("session", wish),
-  control: (wish: Control) => ask<SessionView>("session/control", wish),
-  breakpoints: (wish: BreakpointsWish) => ask<DeskView>("breakpoints", wish),
-  lease: (wish: LeaseWish) => ask<DeskView>("lease", wish),
+  start: (request: StartRun) => ask<SessionView>("session", request),
+  control: (request: Control) => ask<SessionView>("session/control", request),
+  breakpoints: (request: BreakpointsRequest) => ask<SharedState>("breakpoints", request),
+  lease: (request: ControlRequest) => ask<SharedState>("lease", request),
   names: () => ask<NamesView>("setup/names"),
   setupFiles: () => ask<SetupList>("setup/files"),
   setupFile: (path: string) => ask<SetupView>(`setup/file?path=${encodeURIComponent(path)}`),
-  setupCheck: (wish: SetupText) => ask<SetupView>("setup/check", wish),
-  setupChange: (wish: SetupChange) => ask<SetupView>("setup/change", wish),
-  setupSave: (wish: SetupSave) => ask<SetupView>("setup/save", wish),
-  setupProbe: (wish: ProbeWish) => ask<ProbeView>("setup/probe", wish),
-  setupInterface: (wish: InterfaceWish) => ask<InterfaceView>("setup/interface", wish),
-  setupImport: (wish: ImportWish) => ask<ImportView>("setup/import", wish),
-  record: (wish: RecordWish) => ask<SetupView>("setup/record", wish),
+  setupCheck: (request: SetupText) => ask<SetupView>("setup/check", request),
+  setupChange: (request: SetupChange) => ask<SetupView>("setup/change", request),
+  setupSave: (request: SetupSave) => ask<SetupView>("setup/save", request),
+  setupProbe: (request: CommandRequest) => ask<CommandResult>("setup/probe", request),
+  setupInterface: (request: InterfaceRequest) => ask<InterfaceView>("setup/interface", request),
+  setupImport: (request: ImportRequest) => ask<ImportView>("setup/import", request),
+  record: (request: RecordRequest) => ask<SetupView>("setup/record", request),
   topics: () => ask<TopicsView>("live/topics"),
-  receive: (wish: ReceiveWish) => ask<ReceivedView>("live/receive", wish),
+  receive: (request: ReceiveRequest) => ask<ReceivedView>("live/receive", request),
   liveMessages: () => ask<LiveMessages>("live/messages"),
   liveMessage: (store: string, name: string) => ask<LiveMessage>(`live/message?store=${encodeURIComponent(store)}&name=${encodeURIComponent(name)}`),
-  putMessage: (wish: PutWish) => ask<Done>("live/put", wish),
-  messageDeed: (wish: MessageDeed) => ask<Done>("live/messages", wish),
+  putMessage: (request: PutRequest) => ask<Done>("live/put", request),
+  messageDeed: (request: MessageRequest) => ask<Done>("live/messages", request),
   robotParts: () => ask<RobotParts>("live/robot"),
-  measure: (wish: MeasureWish) => ask<Done>("live/measure", wish),
+  measure: (request: MeasureRequest) => ask<Done>("live/measure", request),
   componentForm: (path: string) => ask<ComponentForm>(`live/component?path=${encodeURIComponent(path)}`),
-  callComponent: (wish: TryWish) => ask<TryView>("live/component", wish),
+  callComponent: (request: TryRequest) => ask<TryView>("live/component", request),
   geometry: () => ask<GeometryView>("live/geometry"),
   motion: (run: string, after: number) => ask<MotionView>(`live/motion?run=${encodeURIComponent(run)}&after=${after}`),
   cloud: (run: string, seq: number) => ask<CloudView>(`runs/${encodeURIComponent(run)}/values/${seq}/cloud`),
@@ -156,7 +156,7 @@ export interface SocketListener {
   frame(frame: ServerFrame): void;
   connected(yes: boolean): void;
   /** What to subscribe to, asked after every (re)connection. */
-  wish(): Subscribe | null;
+  request(): Subscribe | null;
   /** What this page says of itself, after every (re)connection and whenever it changes. */
   introduction(): Introduce;
   /** What is selected on this page, after every (re)connection. */
@@ -175,8 +175,8 @@ export class Socket {
   }
 
   subscribe(): void {
-    const wish = this.listener.wish();
-    if (wish && this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(wish));
+    const request = this.listener.request();
+    if (request && this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(request));
   }
 
   introduce(): void {

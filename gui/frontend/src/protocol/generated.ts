@@ -9,7 +9,7 @@ export interface Breakpoint {
 }
 
 /** Set the breakpoints of a task; those that aren't named are cleared. */
-export interface BreakpointsWish {
+export interface BreakpointsRequest {
   task: string;
   breakpoints: Breakpoint[];
   page: string;
@@ -19,7 +19,7 @@ export interface BreakpointsWish {
 export interface CatalogView {
   nodes: NodeFace[];
   tasks: NodeFace[];
-  trouble: string;
+  error: string;
 }
 
 /** Points that a variable holds, for drawing them in space. */
@@ -28,6 +28,21 @@ export interface CloudView {
   points: string;
   colors: string;
   of: number;
+}
+
+/** Try what is configured. */
+export interface CommandRequest {
+  what: "robot" | "generate" | "test";
+  path: string;
+  page: string;
+}
+
+/** How a try went. */
+export interface CommandResult {
+  ok: boolean;
+  command: string;
+  output: string;
+  seconds: number;
 }
 
 /** What the comment of a node or of the task says in the file; empty for none, None where the node has just gone. */
@@ -41,7 +56,7 @@ export interface CommentView {
 export interface ComponentForm {
   name: string;
   inputs: RequestPort[];
-  trouble: string;
+  error: string;
 }
 
 /** Ask the run under way for something. */
@@ -51,6 +66,13 @@ export interface Control {
   node: string;
   when: "before" | "after";
   page: string;
+}
+
+/** Take control, or give it back. */
+export interface ControlRequest {
+  page: string;
+  take: boolean;
+  over: boolean;
 }
 
 /** What a conversion would make of a container, and what came of running both forms with scripted leaves. */
@@ -63,11 +85,11 @@ export interface ConversionView {
   script: string[];
   does_before: string[];
   does_after: string[];
-  plays: PlayView[];
+  plays: CounterexampleView[];
 }
 
 /** Convert a container, or (`/`) the whole task, to the other form. */
-export interface ConvertWish {
+export interface ConvertRequest {
   path: string;
   base: number;
   node: string;
@@ -75,22 +97,16 @@ export interface ConvertWish {
   approximate: boolean;
 }
 
-/** Server to page: who holds control, and where runs hold. */
-export interface DeskFrame {
-  type: "desk";
-  desk: DeskView;
+/** One form of a task as it was run with scripted leaves: a run that no journal holds. */
+export interface CounterexampleView {
+  task: TaskView;
+  status: string;
+  outcome: string | null;
+  events: RunEvent[];
 }
 
-/** What all pages share: who looks on, who holds control, and where runs hold. */
-export interface DeskView {
-  holder: string | null;
-  viewers: number;
-  onlookers: Onlooker[];
-  breakpoints: Record<string, Breakpoint[]>;
-}
-
-/** Take the file's text for what is here. */
-export interface DiskWish {
+/** Reload from the file for what is here. */
+export interface DiskRequest {
   path: string;
 }
 
@@ -109,17 +125,23 @@ export interface DocumentView {
   checked: boolean;
 }
 
-/** How a wish went. */
+/** How a request went. */
 export interface Done {
-  trouble: string;
+  error: string;
   said: string;
 }
 
 /** Carry out a command that was made on a revision. */
-export interface EditWish {
+export interface EditRequest {
   path: string;
   base: number;
   command: Record<string, unknown>;
+}
+
+/** Body of every refused request. */
+export interface ErrorBody {
+  detail: string;
+  kind: string;
 }
 
 /** Server to page: more of a run, in order and without gaps. */
@@ -130,17 +152,17 @@ export interface EventsFrame {
   complete: boolean;
 }
 
-/** What is wrong with an expression; empty when nothing is. */
-export interface ExpressionView {
-  faults: string[];
-}
-
 /** Check an expression where it would stand; nothing is changed. */
-export interface ExpressionWish {
+export interface ExpressionRequest {
   path: string;
   node: string;
   key: string[];
   text: string;
+}
+
+/** Problems with an expression; empty when nothing is. */
+export interface ExpressionView {
+  faults: string[];
 }
 
 /** A field of a component's answer. */
@@ -156,7 +178,7 @@ export interface FieldView {
   type: string;
 }
 
-/** A way to mend a problem with one press. */
+/** A way to fix a problem with one press. */
 export interface FixView {
   title: string;
   command: Record<string, unknown>;
@@ -170,11 +192,11 @@ export interface FormView {
   edges: [string, string][];
 }
 
-/** The forms of all composites and state machines of a task; `trouble` says why they aren't known. */
+/** The forms of all composites and state machines of a task; `error` says why they aren't known. */
 export interface FormsView {
   revision: number;
   forms: FormView[];
-  trouble: string;
+  error: string;
 }
 
 /** A frame on a link. */
@@ -191,7 +213,7 @@ export interface GeometryView {
   meshes: MeshView[];
   rest: Record<string, number>;
   grasp: Record<string, FrameView>;
-  trouble: string;
+  error: string;
 }
 
 /** The value of one input: recorded, or typed. */
@@ -211,25 +233,43 @@ export interface Held {
   message: string | null;
 }
 
+/** One state of a document in its history. */
+export interface HistoryEntry {
+  number: number;
+  parent: number | null;
+  title: string;
+}
+
 /** What can be undone and redone, and the branches. */
 export interface HistoryView {
   at: number;
-  moments: MomentView[];
+  moments: HistoryEntry[];
   can_undo: boolean;
   can_redo: boolean;
 }
 
-/** What became of it. */
-export interface ImportView {
-  probe: ProbeView;
-  tasks: string[];
-}
-
-/** A task from elsewhere; the file is read, not executed. */
-export interface ImportWish {
+/** Import a task; the file is read, not executed. */
+export interface ImportRequest {
   source: "smach" | "btcpp" | "pytrees";
   name: string;
   text: string;
+}
+
+/** What became of it. */
+export interface ImportView {
+  probe: CommandResult;
+  tasks: string[];
+}
+
+/** An interface to be wrapped: pasted, or the name of an installed type. */
+export interface InterfaceRequest {
+  text: string;
+  type: string;
+  outcomes: string;
+  failures: string[];
+  name: string;
+  server: string;
+  create: boolean;
 }
 
 /** What an interface has, and what keeps it from being a component. */
@@ -240,17 +280,6 @@ export interface InterfaceView {
   text: string;
   path: string;
   output: string;
-}
-
-/** An interface to be wrapped: pasted, or the name of an installed type. */
-export interface InterfaceWish {
-  text: string;
-  type: string;
-  outcomes: string;
-  failures: string[];
-  name: string;
-  server: string;
-  create: boolean;
 }
 
 /** Page to server: what people call this page, and what it shows. */
@@ -292,13 +321,6 @@ export interface LayoutView {
   tree: Record<string, [number, number]>;
 }
 
-/** Take control, or give it back. */
-export interface LeaseWish {
-  page: string;
-  take: boolean;
-  over: boolean;
-}
-
 /** A link of a robot. */
 export interface LinkView {
   name: string;
@@ -309,7 +331,7 @@ export interface LinkView {
 export interface LiveMessage {
   value: ValueView | null;
   text: string;
-  trouble: string;
+  error: string;
 }
 
 /** What a running server has. */
@@ -319,11 +341,11 @@ export interface LiveMessages {
   stores: StoreView[];
   messages: StoredMessage[];
   domain: string;
-  trouble: string;
+  error: string;
 }
 
-/** Keep where the robot is now as a named message. */
-export interface MeasureWish {
+/** Save the robot's current position now as a named message. */
+export interface MeasureRequest {
   robot: "run" | "sim" | "fake" | "ros";
   part: string;
   what: "joints" | "pose";
@@ -338,7 +360,7 @@ export interface MeshView {
 }
 
 /** Do something with a running server, or start one. */
-export interface MessageDeed {
+export interface MessageRequest {
   do: "serve" | "end" | "delete" | "reset" | "save";
   store: string;
   name: string;
@@ -349,13 +371,6 @@ export interface MimicView {
   joint: string;
   multiplier: number;
   offset: number;
-}
-
-/** One state of a document in its history. */
-export interface MomentView {
-  number: number;
-  parent: number | null;
-  title: string;
 }
 
 /** What has changed at one time. */
@@ -421,14 +436,6 @@ export interface NodeView {
   fields: Record<string, unknown>;
 }
 
-/** A page that looks on. */
-export interface Onlooker {
-  page: string;
-  name: string;
-  colour: number;
-  task: string;
-}
-
 /** A literal that a leaf takes. */
 export interface ParameterFace {
   name: string;
@@ -451,7 +458,7 @@ export interface PartsView {
 }
 
 /** Pin nodes at positions, or let them go (null). */
-export interface PinWish {
+export interface PinRequest {
   path: string;
   view: "flow" | "tree";
   positions: Record<string, [number, number] | null>;
@@ -463,35 +470,12 @@ export interface PlacesView {
   lines: Record<string, number>;
 }
 
-/** One form of a task as it was run with scripted leaves: a run that no journal holds. */
-export interface PlayView {
-  task: TaskView;
-  status: string;
-  outcome: string | null;
-  events: RunEvent[];
-}
-
 /** An input or an output of a leaf. */
 export interface PortFace {
   name: string;
   type: string;
   doc: string;
   required: boolean;
-}
-
-/** How a try went. */
-export interface ProbeView {
-  ok: boolean;
-  command: string;
-  output: string;
-  seconds: number;
-}
-
-/** Try what is configured. */
-export interface ProbeWish {
-  what: "robot" | "generate" | "test";
-  path: string;
-  page: string;
 }
 
 /** Something that the validation found, or why a file can't be read. */
@@ -524,7 +508,7 @@ export interface ProjectView {
 }
 
 /** Add or replace a named message of a running server. */
-export interface PutWish {
+export interface PutRequest {
   store: string;
   name: string;
   type: string;
@@ -532,7 +516,7 @@ export interface PutWish {
 }
 
 /** Wait for one message of a topic. */
-export interface ReceiveWish {
+export interface ReceiveRequest {
   topic: string;
   type: string;
   within: number;
@@ -542,11 +526,11 @@ export interface ReceiveWish {
 export interface ReceivedView {
   value: ValueView | null;
   seconds: number;
-  trouble: string;
+  error: string;
 }
 
 /** Keep a value of a run as a named message of the project. */
-export interface RecordWish {
+export interface RecordRequest {
   run: string;
   seq: number;
   name: string;
@@ -578,7 +562,7 @@ export interface RobotParts {
   arms: string[];
   hands: string[];
   run: string;
-  trouble: string;
+  error: string;
 }
 
 /** One line of the journal. */
@@ -620,7 +604,7 @@ export interface Sample {
 }
 
 /** Save a file. */
-export interface SaveWish {
+export interface SaveRequest {
   path: string;
   over: boolean;
 }
@@ -654,7 +638,7 @@ export interface SelectionsFrame {
   selections: Record<string, Selected | null>;
 }
 
-export type ServerFrame = SessionFrame | DeskFrame | EventsFrame | RefusedFrame | RevisionsFrame | SelectionsFrame;
+export type ServerFrame = SessionFrame | SharedStateFrame | EventsFrame | RefusedFrame | RevisionsFrame | SelectionsFrame;
 
 /** Server to page: how the run under way is; None when none was started. */
 export interface SessionFrame {
@@ -752,6 +736,20 @@ export interface ShapeView {
   mesh: number;
 }
 
+/** What all pages share: who looks on, who holds control, and where runs hold. */
+export interface SharedState {
+  holder: string | null;
+  connections: number;
+  viewers: Viewer[];
+  breakpoints: Record<string, Breakpoint[]>;
+}
+
+/** Server to page: who holds control, and where runs hold. */
+export interface SharedStateFrame {
+  type: "desk";
+  desk: SharedState;
+}
+
 /** Start a run of a task. */
 export interface StartRun {
   task: string;
@@ -766,7 +764,7 @@ export interface StartRun {
 }
 
 /** Undo, redo, or go to a moment of any branch. */
-export interface StepWish {
+export interface StepRequest {
   path: string;
   base: number;
   step: "undo" | "redo" | "go";
@@ -822,7 +820,7 @@ export interface Template {
 }
 
 /** Take a text that was typed on a revision. */
-export interface TextWish {
+export interface TextRequest {
   path: string;
   base: number;
   text: string;
@@ -841,7 +839,7 @@ export interface TopicView {
 export interface TopicsView {
   topics: TopicView[];
   domain: string;
-  trouble: string;
+  error: string;
 }
 
 /** An edge of a state machine, or of the root: what happens after one outcome of a node. */
@@ -851,10 +849,10 @@ export interface Transition {
   ends: boolean;
 }
 
-/** Body of every refused request. */
-export interface Trouble {
-  detail: string;
-  kind: string;
+/** Call a component once. */
+export interface TryRequest {
+  path: string;
+  given: Given[];
 }
 
 /** How a component answered. */
@@ -863,13 +861,7 @@ export interface TryView {
   fields: FieldResult[];
   milliseconds: number;
   started: string;
-  trouble: string;
-}
-
-/** Call a component once. */
-export interface TryWish {
-  path: string;
-  given: Given[];
+  error: string;
 }
 
 /** What was written to a variable, for looking at. */
@@ -891,4 +883,12 @@ export interface VariableView {
   initial: string | null;
   whole: boolean;
   ports: ("input" | "output")[];
+}
+
+/** A page that looks on. */
+export interface Viewer {
+  page: string;
+  name: string;
+  colour: number;
+  task: string;
 }

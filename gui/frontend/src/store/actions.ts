@@ -128,8 +128,8 @@ export async function find(): Promise<void> {
 }
 
 export async function askForName(): Promise<void> {
-  const initial = useRunning.getState().desk.onlookers.find((each) => each.page === PAGE)?.name ?? "";
+  const initial = useRunning.getState().desk.viewers.find((each) => each.page === PAGE)?.name ?? "";
   const check = (text: string): string => (text.trim() === "" ? "a name is needed" : text.trim().length > LONGEST_NAME ? `at most ${LONGEST_NAME} characters` : "");
-  const name = await askText({ title: "Your name", label: "Everybody who looks on sees it.", initial, check });
+  const name = await askText({ title: "Your name", label: "Shown to everyone who has the page open.", initial, check });
   if (name !== null) callMe(name);
 }

@@ -29,23 +29,23 @@ export async function askConversion(node = usePage.getState().selected ?? "/"): 
   const chosen = await askForm(view.name, view.kind);
   if (chosen === null) return;
   const form: Form = chosen === "tree" ? "tree" : "machine";
-  const wish: Wish = { path: document.path, node, name: view.name, form, approximate: chosen === ROUGHLY };
+  const request: Wish = { path: document.path, node, name: view.name, form, approximate: chosen === ROUGHLY };
   try {
-    await decide(wish, await server.conversion(wish.path, node, form, wish.approximate));
+    await decide(request, await server.conversion(request.path, node, form, request.approximate));
   } catch (error) {
-    useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
+    useRun.getState().setError(error instanceof Error ? error.message : String(error));
   }
 }
 
 /** What was found is shown; the person plays it, converts, or leaves it. */
-async function decide(wish: Wish, found: ConversionView): Promise<void> {
+async function decide(request: Wish, found: ConversionView): Promise<void> {
   const plays: Option[] = SIDES.map(([side, label], i) => ({
     value: side,
     label: `Play it ${label.toLowerCase()}`,
     detail: `The counterexample on the time line: ${(i === 0 ? found.does_before : found.does_after).at(-1) ?? ""}`,
   }));
   const answer = await askChoice({
-    title: `${wish.name} as a ${WORDS[wish.form]}`,
+    title: `${request.name} as a ${WORDS[request.form]}`,
     label: "What to do",
     lead: leadOf(found),
     columns: [
@@ -54,18 +54,18 @@ async function decide(wish: Wish, found: ConversionView): Promise<void> {
     ],
     options: [
       ...(found.plays.length > 0 ? plays : []),
-      { value: "yes", label: found.same ? "Convert" : "Convert all the same", detail: "One edit, which undo takes back to the byte" },
+      { value: "yes", label: found.same ? "Convert" : "Convert anyway", detail: "One edit; undo restores the file exactly" },
       { value: "no", label: "Leave it as it is" },
     ],
   });
   if (answer === "now" || answer === "then") {
-    keepPlays(found, () => void decide(wish, found));
+    keepPlays(found, () => void decide(request, found));
     showPlay(answer);
     return;
   }
   if (answer === null) return;
-  if (sideOf(useRun.getState().record) !== null) await openTask(wish.path, wish.node);
-  if (answer === "yes") await convert(wish.node, wish.form, wish.approximate);
+  if (sideOf(useRun.getState().record) !== null) await openTask(request.path, request.node);
+  if (answer === "yes") await convert(request.node, request.form, request.approximate);
 }
 
 const ROUGHLY = "roughly";
@@ -78,7 +78,7 @@ async function askForm(name: string, kind: string): Promise<string | null> {
     { value: "machine", label: "To a state machine", detail: "Sequences, fallbacks and loops in it become states and edges" },
   ];
   if (!hasEdges({ kind })) options.reverse();
-  options.push({ value: ROUGHLY, label: "To a state machine, roughly", detail: "Also what asks again on every tick, as one that remembers: a counterexample shows the difference" });
+  options.push({ value: ROUGHLY, label: "To a state machine, approximately", detail: "Reactive containers too, with memory instead: a counterexample shows the difference" });
   return askChoice({ title: `Convert ${name} (${kindTitle(kind)})`, label: "Form", options });
 }
 
@@ -99,13 +99,13 @@ function selectedNode(): NodeView | undefined {
 export async function extract(): Promise<void> {
   const node = selectedNode();
   if (node === undefined) return;
-  if (node.path === "/") return useRun.getState().setTrouble("The root is the task already; wrap it, and extract the child.");
+  if (node.path === "/") return useRun.getState().setError("The root is the task itself; wrap it, then extract the child.");
   const taken = new Set(useProject.getState().project?.tasks.map((task) => task.path));
   const check = (file: string): string => {
     if (!FILE.test(file)) return "A task file lies below tasks/ and ends with .yaml, such as tasks/fetch.yaml.";
-    return taken.has(file) ? "A task of this name is there." : "";
+    return taken.has(file) ? "A task with this name exists already." : "";
   };
-  const hint = "Its inputs and outputs follow from the variables that the part reads and writes.";
+  const hint = "Its inputs and outputs are the variables that this part reads and writes.";
   const file = await askText({ title: `Extract ${node.name} to a task of its own`, label: "File", initial: freshFile(node.name, taken), hint, check });
   if (file === null) return;
   await handingOver({ do: "extract", path: node.path, file }, `Extract ${node.name}`, node.path, `${node.name} is a subtask now, in ${file}`);
@@ -122,8 +122,8 @@ function freshFile(name: string, taken: ReadonlySet<string>): string {
 /** What is in the selected subtask's file takes the subtask's place; the file stays. */
 export async function inline(): Promise<void> {
   const node = selectedNode();
-  if (node?.kind !== "subtask") return useRun.getState().setTrouble("Select a subtask: its file's inside takes its place.");
-  await handingOver({ do: "inline", path: node.path }, `Inline ${node.name}`, node.path, `the inside of ${node.label} is here now`);
+  if (node?.kind !== "subtask") return useRun.getState().setError("Select a subtask first; the contents of its file replace it.");
+  await handingOver({ do: "inline", path: node.path }, `Inline ${node.name}`, node.path, `the contents of ${node.label} are here now`);
 }
 
 /** Where it would make a difference, the person says whether it is done all the same. */
@@ -136,7 +136,7 @@ async function handingOver(command: Command, title: string, select: string, said
   if (why !== "") {
     const options = [
       { value: "no", label: "Leave it as it is" },
-      { value: "yes", label: `${title} all the same`, detail: "Values go in when it starts and out when it ends; undo takes it back" },
+      { value: "yes", label: `${title} anyway`, detail: "Values are copied in at the start and out at the end; undo restores it" },
     ];
     if ((await askChoice({ title: `${title}?`, label: "What to do", lead: why, options })) !== "yes") return;
     done = await edit({ ...command, approximate: true }, select, said);

@@ -16,7 +16,7 @@ export async function newPort(side: Side): Promise<void> {
   const { variables } = useRun.getState().task;
   const other = variables.filter((each) => each.ports.length === 1 && each.ports[0] !== side);
   const taken = variables.filter((each) => each.scope === "" && !other.includes(each)).map((each) => each.name);
-  const name = await askText({ title: `New ${side}`, label: "Name", initial: "", check: nameCheck(taken), hint: "The name of a port on the other side makes it one that goes in and comes out" });
+  const name = await askText({ title: `New ${side}`, label: "Name", initial: "", check: nameCheck(taken), hint: "The name of a port on the other side makes it an in/out port" });
   if (name === null) return;
   const both = other.find((each) => each.name === name);
   const type = both?.type ?? (await askText({ title: `Type of ${name}`, label: "Type", initial: "PointCloud", hint: TYPES }));

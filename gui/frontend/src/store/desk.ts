@@ -11,8 +11,8 @@ import { isKept, useRun } from "./run";
 import { useRunning } from "./runDesk";
 
 let socket: Socket | null = null;
-/** Grows with every wish to show something; an answer to an older wish comes too late and is left out. */
-let wishes = 0;
+/** Grows with every request to show something; an answer to an older request comes too late and is left out. */
+let requests = 0;
 /** Whether the person has chosen what to look at: then the last run, that ended before the page came, stays behind. */
 let chosen = false;
 /** Whether the server has told of its last run. */
@@ -28,7 +28,7 @@ export function connect(): () => void {
     },
     introduction: () => ({ type: "introduce", name: givenName(), task: lookedAt() }),
     selection: ownSelection,
-    wish: () => {
+    request: () => {
       const { record, history } = useRun.getState();
       const run = record?.id;
       return isKept(run) ? { type: "subscribe", run, from_seq: history.nextSeq } : null;
@@ -83,18 +83,18 @@ function heard(frame: ServerFrame): void {
       heardOfRevisions(frame.revisions);
       break;
     case "refused":
-      run.setTrouble(`The server refused a message: ${frame.reason}`);
+      run.setError(`The server refused a message: ${frame.reason}`);
       break;
   }
 }
 
 /** Run something that asks the server; what goes wrong is shown, not thrown. */
 export async function trying(work: () => Promise<void>): Promise<void> {
-  useRun.getState().setTrouble("");
+  useRun.getState().setError("");
   try {
     await work();
   } catch (error) {
-    useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
+    useRun.getState().setError(error instanceof Error ? error.message : String(error));
   }
 }
 
@@ -113,10 +113,10 @@ export function chooseRun(id: string): Promise<void> {
 
 /** Show a task, with this node selected; the root by default. */
 export function openTask(path: string, node?: string): Promise<void> {
-  const wish = ++wishes;
+  const request = ++requests;
   return trying(async () => {
     const document = await server.document(path);
-    if (wish !== wishes) return;
+    if (request !== requests) return;
     useDocument.getState().setConflict(null);
     usePage.setState({ closed: foldedAtFirst(document.task.nodes), opened: new Set() });
     useRun.getState().showTask(document.task);
@@ -128,10 +128,10 @@ export function openTask(path: string, node?: string): Promise<void> {
 }
 
 function openRun(id: string): Promise<void> {
-  const wish = ++wishes;
+  const request = ++requests;
   return trying(async () => {
     const view = await server.run(id);
-    if (wish !== wishes) return;
+    if (request !== requests) return;
     useRun.getState().showTask(view.task, view.run);
     usePage.getState().setFoot("run");
     socket?.subscribe();

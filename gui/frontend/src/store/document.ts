@@ -3,7 +3,7 @@ import { create } from "zustand";
 
 import type { CatalogView, DocumentView, FormsView } from "../protocol/generated";
 
-/** Why the last wish wasn't done, where the person can decide. */
+/** Why the last request wasn't done, where the person can decide. */
 export interface Conflict {
   readonly kind: string;
   readonly message: string;
@@ -30,7 +30,7 @@ export interface DocumentStore {
 
 export const useDocument = create<DocumentStore>()((set) => ({
   document: null,
-  catalog: { nodes: [], tasks: [], trouble: "" },
+  catalog: { nodes: [], tasks: [], error: "" },
   forms: null,
   conflict: null,
   said: "",

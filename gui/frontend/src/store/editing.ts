@@ -2,7 +2,7 @@
 import type { Command } from "../model/commands";
 import { sharing, whereNow } from "../model/changes";
 import { RefusedError, server } from "../protocol/client";
-import type { DocumentView, PinWish } from "../protocol/generated";
+import type { DocumentView, PinRequest } from "../protocol/generated";
 import { type Conflict, useDocument } from "./document";
 import { usePage } from "./page";
 import { useRun } from "./run";
@@ -53,7 +53,7 @@ function keepSelection(moved: Readonly<Record<string, string>>): void {
   if (gone(opened)) usePage.setState({ opened: followed(opened) });
 }
 
-/** What takes a refusal over, so that it isn't told as trouble; false where it doesn't. */
+/** What takes a refusal over, so that it isn't told as error; false where it doesn't. */
 type Refused = (kind: string, message: string) => boolean;
 
 /** A setting of a node as it is now: what a change of it has to start from. */
@@ -61,15 +61,15 @@ export function settingNow(path: string, key: string): unknown {
   return useRun.getState().index.byPath.get(path)?.fields[key];
 }
 
-/** Send a wish when its turn comes; one that finds nothing to wish for any more (null) is left out. */
-function send(wish: (document: DocumentView) => Promise<DocumentView> | null, text?: string, taken: Refused = () => false): Promise<boolean> {
+/** Send a request when its turn comes; one that finds nothing to request for any more (null) is left out. */
+function send(request: (document: DocumentView) => Promise<DocumentView> | null, text?: string, taken: Refused = () => false): Promise<boolean> {
   const sent = queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null) return false;
     useDocument.getState().setConflict(null);
-    useRun.getState().setTrouble("");
+    useRun.getState().setError("");
     try {
-      const answer = wish(document);
+      const answer = request(document);
       if (answer === null) return false;
       take(await answer);
       return true;
@@ -88,13 +88,13 @@ async function refused(path: string, error: unknown, text?: string): Promise<voi
     const conflict: Conflict = text === undefined ? { kind: error.kind, message } : { kind: error.kind, message, text };
     useDocument.getState().setConflict(conflict);
     take(await server.document(path));
-  } else useRun.getState().setTrouble(message);
+  } else useRun.getState().setError(message);
 }
 
 /** Carry out a command; afterwards these nodes are selected. One that depends on how things are is made when its turn comes. */
 export async function edit(command: Command | (() => Command), select?: string | readonly string[], said?: string, taken?: Refused): Promise<boolean> {
   if (!editable()) {
-    useRun.getState().setTrouble("What is shown is the record of a run; go back to the task to edit it.");
+    useRun.getState().setError("This is the record of a run; go back to the task to edit it.");
     return false;
   }
   const { picks } = usePage.getState();
@@ -130,7 +130,7 @@ export function typeText(text: string, base: number | null): Promise<boolean> {
   return send(({ path, revision }) => server.text({ path, base: base ?? revision, text, over: base === null }, revision), text);
 }
 
-export function pin(view: PinWish["view"], positions: Record<string, [number, number] | null>): Promise<boolean> {
+export function pin(view: PinRequest["view"], positions: Record<string, [number, number] | null>): Promise<boolean> {
   return send(({ path, revision }) => server.pin({ path, view, positions }, revision));
 }
 

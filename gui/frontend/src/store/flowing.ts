@@ -47,7 +47,7 @@ export async function connect(path: string, outcome: string, target: string): Pr
   const ways = lastFirst(meanings(around, path, outcome, target));
   const way = await askChoice({
     title: `${nameOf(path)}.${outcome} to ${target}?`,
-    label: "What is meant",
+    label: "Choose what this edge means",
     lead: `${around.name} is a ${kindTitle(around.kind)}: its order decides, and there are no edges between its children.`,
     options: ways,
   });
@@ -99,7 +99,7 @@ export async function disconnect(path: string, outcome: string, derived: boolean
   const around = nodes().get(parentOf(path) ?? "/");
   if (around === undefined) return;
   const answer = await askChoice({
-    title: "This edge comes from the order of the children",
+    title: "This edge follows from the order of the children",
     label: "What to do",
     lead: `${around.name} is a ${kindTitle(around.kind)}; only the edges of a state machine can be removed one by one.`,
     options: [{ value: "machine", label: `Make ${around.name} a state machine`, detail: "Its order becomes edges, which can be changed" }],

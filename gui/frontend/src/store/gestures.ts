@@ -11,12 +11,12 @@ import { useRun } from "./run";
 
 const nodes = (): ReadonlyMap<string, NodeView> => useRun.getState().index.byPath;
 export const selection = (): string[] => topmost(useRun.getState().task, usePage.getState().marked);
-const trouble = (words: string): void => useRun.getState().setTrouble(words);
+const report = (words: string): void => useRun.getState().setError(words);
 
 export function nameCheck(taken: readonly string[]): (name: string) => string {
   return (name) => {
-    if (!/^[A-Za-z_][A-Za-z0-9_ -]*$/.test(name)) return "A name has letters, digits, _, - and spaces, a letter or _ first.";
-    return taken.includes(name) ? "A sibling has this name." : "";
+    if (!/^[A-Za-z_][A-Za-z0-9_ -]*$/.test(name)) return "Use letters, digits, _, - and spaces; start with a letter or _.";
+    return taken.includes(name) ? "A sibling has this name already." : "";
   };
 }
 
@@ -36,7 +36,7 @@ export async function add(what: string, at?: Spot): Promise<void> {
   const { task } = useRun.getState();
   const spot = at ?? spotFor(nodes(), focusPath());
   if (spot === null) {
-    trouble("There is no container with room: wrap the root in a sequence first.");
+    report("No container takes another child: wrap the root in a sequence first.");
     return;
   }
   const { command, path } = addNew(task, nodes(), useDocument.getState().catalog, what, spot);
@@ -78,7 +78,7 @@ export async function rename(path = usePage.getState().selected): Promise<void> 
 
 export async function remove(): Promise<void> {
   const paths = selection();
-  if (paths.includes("/")) return trouble("The root can't be removed; change its kind, or remove what is in it.");
+  if (paths.includes("/")) return report("The root can't be removed; change its kind, or remove what is in it.");
   if (paths.length > 0) await edit(removal(paths), undefined, `${paths.length === 1 ? paths[0] : `${paths.length} nodes`} removed`);
 }
 
@@ -92,7 +92,7 @@ export async function copy(): Promise<boolean> {
     useDocument.getState().say(`${parts.length === 1 ? parts[0]?.name : `${parts.length} nodes`} copied`);
     return true;
   } catch (error) {
-    trouble(error instanceof Error ? error.message : String(error));
+    report(error instanceof Error ? error.message : String(error));
     return false;
   }
 }
@@ -104,8 +104,8 @@ export async function cut(): Promise<void> {
 export async function paste(at?: Spot): Promise<void> {
   const parts = keptParts();
   const spot = at ?? spotFor(nodes(), focusPath());
-  if (parts.length === 0) return trouble("Nothing was copied yet.");
-  if (spot === null) return trouble("There is no container with room here.");
+  if (parts.length === 0) return report("Nothing was copied yet.");
+  if (spot === null) return report("No container here takes another child.");
   const { command, paths } = pasting(nodes(), parts, spot);
   await edit(command, paths, `${parts.length === 1 ? parts[0]?.name : `${parts.length} nodes`} pasted`);
 }
@@ -150,7 +150,7 @@ export async function changeKind(path = usePage.getState().selected): Promise<vo
     return;
   }
   const fitting = kinds().filter((face) => face.kind !== node.kind && face.holds === kindOf(node.kind)?.holds);
-  const kind = await askChoice({ title: `Make ${node.name} another kind`, label: "Kind", options: fitting.map(kindOption) });
+  const kind = await askChoice({ title: `Change the kind of ${node.name}`, label: "Kind", options: fitting.map(kindOption) });
   if (kind !== null) await edit({ do: "change_kind", path, kind, fields: kindFields(kind, node) }, path, `now a ${kindTitle(kind)}`);
 }
 
@@ -173,7 +173,7 @@ export async function shift(where: "up" | "down" | "out" | "in"): Promise<void> 
   const parent = first === undefined ? null : parentOf(first);
   if (first === undefined || parent === null) return;
   const spot = spotOf(where, paths, parent);
-  if (spot === null) return useDocument.getState().say("It can't go further");
+  if (spot === null) return useDocument.getState().say("It cannot be moved further");
   const { command, paths: now } = moving(nodes(), paths, spot);
   await edit(command, now, `moved ${where}, now in ${spot.parent}`);
 }
@@ -212,7 +212,7 @@ export async function connectFree(path?: string): Promise<void> {
   const candidates = [path, selected, selected === null ? null : parentOf(selected), container];
   const machine = candidates.find((each) => each && hasEdges(nodes().get(each)));
   const command = machine ? connectingFree(nodes(), machine) : null;
-  if (command === null) return trouble(machine ? "Every outcome leads somewhere." : "Select a state machine, or a node in one.");
+  if (command === null) return report(machine ? "Every outcome leads somewhere." : "Select a state machine, or a node in one.");
   await edit(command, undefined, "free outcomes connected");
 }
 

@@ -12,12 +12,12 @@ export interface LiveStore {
   readonly topics: TopicsView | null;
   readonly looking: boolean;
   readonly messages: LiveMessages | null;
-  /** What went wrong with the last wish, or what was done. */
-  readonly trouble: string;
+  /** What went wrong with the last request, or what was done. */
+  readonly error: string;
   readonly said: string;
 }
 
-export const useLive = create<LiveStore>()(() => ({ topics: null, looking: false, messages: null, trouble: "", said: "" }));
+export const useLive = create<LiveStore>()(() => ({ topics: null, looking: false, messages: null, error: "", said: "" }));
 
 export function messageOf(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
@@ -29,7 +29,7 @@ export async function lookAtTopics(): Promise<void> {
   try {
     useLive.setState({ topics: await server.topics() });
   } catch (error) {
-    useLive.setState({ topics: { topics: [], domain: "", trouble: messageOf(error) } });
+    useLive.setState({ topics: { topics: [], domain: "", error: messageOf(error) } });
   } finally {
     useLive.setState({ looking: false });
   }
@@ -55,20 +55,20 @@ export async function lookAtMessages(): Promise<void> {
   try {
     useLive.setState({ messages: await server.liveMessages() });
   } catch (error) {
-    useLive.setState({ messages: { served: false, ours: false, stores: [], messages: [], domain: "", trouble: messageOf(error) } });
+    useLive.setState({ messages: { served: false, ours: false, stores: [], messages: [], domain: "", error: messageOf(error) } });
   }
 }
 
 /** Do something with the running server, say what came of it, and look again. */
-export async function wished(work: () => Promise<{ trouble: string; said?: string }>): Promise<boolean> {
-  useLive.setState({ trouble: "", said: "" });
+export async function wished(work: () => Promise<{ error: string; said?: string }>): Promise<boolean> {
+  useLive.setState({ error: "", said: "" });
   try {
-    const { trouble, said = "" } = await work();
-    useLive.setState({ trouble, said });
+    const { error, said = "" } = await work();
+    useLive.setState({ error, said });
     await lookAtMessages();
-    return trouble === "";
+    return error === "";
   } catch (error) {
-    useLive.setState({ trouble: messageOf(error) });
+    useLive.setState({ error: messageOf(error) });
     return false;
   }
 }
@@ -92,7 +92,7 @@ export async function loadGeometry(): Promise<void> {
   try {
     useRobot.setState({ view: await server.geometry() });
   } catch (error) {
-    useRobot.setState({ view: { name: "", links: [], joints: [], meshes: [], rest: {}, grasp: {}, trouble: messageOf(error) } });
+    useRobot.setState({ view: { name: "", links: [], joints: [], meshes: [], rest: {}, grasp: {}, error: messageOf(error) } });
   }
 }
 

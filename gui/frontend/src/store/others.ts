@@ -2,7 +2,7 @@
 import { create } from "zustand";
 
 import { pagesAt, type Selections, taken, toTell } from "../model/others";
-import type { Onlooker, Selected, Selection } from "../protocol/generated";
+import type { Viewer, Selected, Selection } from "../protocol/generated";
 import { usePage } from "./page";
 import { lookedAt } from "./presence";
 import { useRun } from "./run";
@@ -20,15 +20,15 @@ export const useOthers = create<OthersStore>()((set) => ({
   forget: () => set({ selections: {} }),
 }));
 
-const NOBODY: readonly Onlooker[] = [];
+const NOBODY: readonly Viewer[] = [];
 
 /** Who else has this node selected, or, where it is `folded`, something inside it. */
-export function useOthersAt(path: string, folded: boolean): readonly Onlooker[] {
+export function useOthersAt(path: string, folded: boolean): readonly Viewer[] {
   const task = useRun((s) => s.task.path);
   // As text, which is the same as long as the same pages are meant.
   const pages = useOthers((s) => pagesAt(s.selections, task, path, folded).join(" "));
-  const onlookers = useRunning((s) => s.desk.onlookers);
-  return pages === "" ? NOBODY : onlookers.filter((each) => pages.split(" ").includes(each.page));
+  const viewers = useRunning((s) => s.desk.viewers);
+  return pages === "" ? NOBODY : viewers.filter((each) => pages.split(" ").includes(each.page));
 }
 
 /** What this page tells the others. */

@@ -3,7 +3,7 @@ import { create } from "zustand";
 
 import { History } from "../model/history";
 import { Moment, TaskIndex } from "../model/status";
-import type { ConversionView, PlayView, RunEvent, RunRecord, SessionView, TaskView } from "../protocol/generated";
+import type { ConversionView, CounterexampleView, RunEvent, RunRecord, SessionView, TaskView } from "../protocol/generated";
 import { usePage } from "./page";
 
 const NO_TASK: TaskView = { path: "", name: "", doc: "", outcomes: {}, nodes: [], variables: [], problems: [] };
@@ -23,7 +23,7 @@ export interface RunStore {
   readonly session: SessionView | null;
   /** Null before the first connection. */
   readonly connected: boolean | null;
-  readonly trouble: string;
+  readonly error: string;
 
   showTask(task: TaskView, record?: RunRecord | null): void;
   /** The same task, with what is wrong with it. */
@@ -32,7 +32,7 @@ export interface RunStore {
   scrub(cursor: number | null): void;
   setSession(session: SessionView | null): void;
   setConnected(connected: boolean): void;
-  setTrouble(trouble: string): void;
+  setError(error: string): void;
 }
 
 export const useRun = create<RunStore>()((set, get) => ({
@@ -41,7 +41,7 @@ export const useRun = create<RunStore>()((set, get) => ({
   version: 0,
   session: null,
   connected: null,
-  trouble: "",
+  error: "",
 
   showTask: (task, record = null) => set((s) => ({ ...fresh(task), record, version: s.version + 1 })),
 
@@ -63,7 +63,7 @@ export const useRun = create<RunStore>()((set, get) => ({
 
   setSession: (session) => set({ session }),
   setConnected: (connected) => set({ connected }),
-  setTrouble: (trouble) => set({ trouble }),
+  setError: (error) => set({ error }),
 }));
 
 function fresh(task: TaskView): Pick<RunStore, "task" | "index" | "history" | "moment" | "cursor" | "complete"> {
@@ -113,7 +113,7 @@ export type Side = "now" | "then";
 
 interface PlaysStore {
   /** What is played: the form as it is, and the other one. */
-  readonly plays: readonly PlayView[];
+  readonly plays: readonly CounterexampleView[];
   readonly script: readonly string[];
   /** Asks again what to do with the conversion. */
   readonly decide: () => void;

@@ -2,7 +2,7 @@
 import { create } from "zustand";
 
 import { PAGE } from "../protocol/client";
-import type { Breakpoint, DeskView, StartRun } from "../protocol/generated";
+import type { Breakpoint, SharedState, StartRun } from "../protocol/generated";
 
 export type RunOptions = Pick<StartRun, "robot" | "target" | "seed" | "pace">;
 
@@ -10,16 +10,16 @@ export interface RunningStore {
   readonly options: RunOptions;
   /** Node -> script that is played in its place, of the next run. */
   readonly mocks: Readonly<Record<string, string>>;
-  readonly desk: DeskView;
+  readonly desk: SharedState;
   setOptions(options: RunOptions): void;
   setMock(node: string, script: string): void;
-  setDesk(desk: DeskView): void;
+  setDesk(desk: SharedState): void;
 }
 
 export const useRunning = create<RunningStore>()((set) => ({
   options: { robot: "sim", target: "bt", seed: 0, pace: 1 },
   mocks: {},
-  desk: { holder: null, viewers: 0, onlookers: [], breakpoints: {} },
+  desk: { holder: null, connections: 0, viewers: [], breakpoints: {} },
   setOptions: (options) => set({ options }),
   setMock: (node, script) =>
     set(({ mocks }) => {
@@ -30,19 +30,19 @@ export const useRunning = create<RunningStore>()((set) => ({
 }));
 
 /** Whether another page holds control. */
-export function isHeldElsewhere(desk: DeskView): boolean {
+export function isHeldElsewhere(desk: SharedState): boolean {
   return desk.holder !== null && desk.holder !== PAGE;
 }
 
 /** Who holds control, in words. */
-export function holderText(desk: DeskView): string {
-  if (desk.holder === null) return "Nobody controls";
+export function holderText(desk: SharedState): string {
+  if (desk.holder === null) return "Nobody is in control";
   if (desk.holder === PAGE) return "You control";
-  return `${desk.onlookers.find((each) => each.page === desk.holder)?.name ?? "Another page"} controls`;
+  return `${desk.viewers.find((each) => each.page === desk.holder)?.name ?? "Another page"} controls`;
 }
 
 const NONE: readonly Breakpoint[] = [];
 
-export function breakpointsOf(desk: DeskView, task: string): readonly Breakpoint[] {
+export function breakpointsOf(desk: SharedState, task: string): readonly Breakpoint[] {
   return desk.breakpoints[task] ?? NONE;
 }

@@ -28,7 +28,7 @@ async function askToTakeOver(): Promise<boolean> {
     { value: "take", label: "Take over control", mark: "" },
     { value: "no", label: "Look on", mark: "" },
   ];
-  return (await askChoice({ title: "Another page holds control", label: "It starts, pauses and steps runs. STOP always works.", options })) === "take";
+  return (await askChoice({ title: "Another page is in control", label: "It starts, pauses and steps runs. STOP always works.", options })) === "take";
 }
 
 export async function takeOver(): Promise<void> {

@@ -2,7 +2,7 @@
 import { create } from "zustand";
 
 import { RefusedError, server } from "../protocol/client";
-import type { ProbeView, SetupEntry, SetupView } from "../protocol/generated";
+import type { CommandResult, SetupEntry, SetupView } from "../protocol/generated";
 import { askChoice } from "./ask";
 import { useDocument } from "./document";
 import { useRun } from "./run";
@@ -17,7 +17,7 @@ export interface SetupStore {
   readonly busy: string;
   /** Whether what is said of the file is of an older text than is shown: the answer about this one is on its way. */
   readonly checking: boolean;
-  readonly probe: ProbeView | null;
+  readonly probe: CommandResult | null;
   /** The line that a problem is about, to be shown in the text. */
   readonly line: number | null;
 }
@@ -27,8 +27,8 @@ export const useSetup = create<SetupStore>()(() => ({ files: [], view: null, sav
 /** Grows with every text; an answer about an older one is left out. */
 let texts = 0;
 
-export function trouble(error: unknown): void {
-  useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
+export function report(error: unknown): void {
+  useRun.getState().setError(error instanceof Error ? error.message : String(error));
 }
 
 export async function listSetup(): Promise<void> {
@@ -47,9 +47,9 @@ export async function openSetup(path: string): Promise<void> {
   if (view !== null && isDirty() && view.path !== path) {
     const options = [
       { value: "save", label: `Save ${view.path}` },
-      { value: "drop", label: "Give up what was changed" },
+      { value: "drop", label: "Discard the changes" },
     ];
-    const answer = await askChoice({ title: `${view.path} isn't saved`, label: "Before another file is opened", options });
+    const answer = await askChoice({ title: `${view.path} isn't saved`, label: "Before opening another file", options });
     if (answer === null || (answer === "save" && !(await saveSetup()))) return;
   }
   try {
@@ -57,7 +57,7 @@ export async function openSetup(path: string): Promise<void> {
     texts++;
     useSetup.setState({ view: opened, saved: opened.text, known: opened.known, checking: false, probe: null, line: null });
   } catch (error) {
-    trouble(error);
+    report(error);
   }
 }
 
@@ -65,13 +65,13 @@ async function looked(work: (view: SetupView) => Promise<SetupView>): Promise<vo
   const { view } = useSetup.getState();
   if (view === null) return;
   const text = ++texts;
-  useRun.getState().setTrouble("");
+  useRun.getState().setError("");
   useSetup.setState({ checking: true });
   try {
     const next = await work(view);
     if (text === texts) useSetup.setState({ view: next });
   } catch (error) {
-    trouble(error);
+    report(error);
   } finally {
     if (text === texts) useSetup.setState({ checking: false });
   }
@@ -119,12 +119,12 @@ export async function saveSetup(over = false): Promise<boolean> {
     return true;
   } catch (error) {
     if (!(error instanceof RefusedError) || error.kind !== "disk") {
-      trouble(error);
+      report(error);
       return false;
     }
     const options = [
-      { value: "over", label: "Save mine over it" },
-      { value: "theirs", label: "Take the file as it is now" },
+      { value: "over", label: "Overwrite the file" },
+      { value: "theirs", label: "Reload the file" },
     ];
     const answer = await askChoice({ title: `${view.path} was changed elsewhere`, label: error.message, options });
     if (answer === "over") return saveSetup(true);
@@ -150,7 +150,7 @@ export async function probe(what: "robot" | "generate" | "test"): Promise<void> 
     useSetup.setState({ probe: await server.setupProbe({ what, path: view.path, page: "" }) });
     await refreshed();
   } catch (error) {
-    trouble(error);
+    report(error);
   } finally {
     useSetup.setState({ busy: "" });
   }

@@ -23,8 +23,8 @@ export async function loadProject(): Promise<ProjectView> {
 export async function newTask(): Promise<void> {
   const taken = new Set(useProject.getState().project?.tasks.map((task) => task.path));
   const check = (name: string): string => {
-    if (!/^[A-Za-z_][A-Za-z0-9_ /-]*$/.test(name)) return "A name has letters, digits, _, - and spaces; / makes a folder.";
-    return taken.has(`tasks/${name}.yaml`) ? "A task of this name is there." : "";
+    if (!/^[A-Za-z_][A-Za-z0-9_ /-]*$/.test(name)) return "Use letters, digits, _, - and spaces; / makes a folder.";
+    return taken.has(`tasks/${name}.yaml`) ? "A task with this name exists already." : "";
   };
   const name = await askText({ title: "New task", label: "Name", initial: "", hint: "It becomes tasks/<name>.yaml", check });
   if (name === null) return;
@@ -34,7 +34,7 @@ export async function newTask(): Promise<void> {
     await chooseTask(`tasks/${name}.yaml`);
     goToTree();
   } catch (error) {
-    useRun.getState().setTrouble(error instanceof Error ? error.message : String(error));
+    useRun.getState().setError(error instanceof Error ? error.message : String(error));
   }
 }
 

@@ -29,7 +29,7 @@ export function Holds(): JSX.Element {
           {points.length > 0 && <button onClick={() => void setBreakpoints([])}>Clear all</button>}
         </div>
         <div className="scroll padded" tabIndex={0} role="group" aria-labelledby="holds-title">
-          {points.length === 0 && <p className="hint">Runs hold nowhere. Select a node and press F9.</p>}
+          {points.length === 0 && <p className="hint">No breakpoints. Select a node and press F9.</p>}
           <ul className="plain">
             {points.map((point, at) => (
               <PointRow key={`${point.node} ${point.when} ${point.outcome}`} point={point} change={(next) => void setBreakpoints(points.flatMap((each, i) => (i === at ? (next ? [next] : []) : [each])))} />
@@ -86,7 +86,7 @@ function Mocks({ selected }: { selected: string | null }): JSX.Element {
   const paths = [...new Set([...Object.keys(mocks), ...(selected === null ? [] : [selected])])];
   return (
     <section className="panel" aria-labelledby="mocks-title">
-      <h2 id="mocks-title">In place of nodes</h2>
+      <h2 id="mocks-title">Mocks</h2>
       <div className="scroll padded" tabIndex={0} role="group" aria-labelledby="mocks-title">
         <p className="hint">
           A script plays the node's part in the next runs from this page: <code>failure.no_ik,success</code> fails once, then succeeds.

@@ -27,12 +27,12 @@ const SetupPage = lazy(() => import("./setup/SetupPage"));
 
 export function Page(): JSX.Element {
   const project = useProject((s) => s.project);
-  const [trouble, setTrouble] = useState("");
+  const [error, setError] = useState("");
   const title = useRun((s) => s.task.name);
   useEffect(() => {
     let disconnect: (() => void) | undefined;
     let left = false;
-    void server.catalog().then(useDocument.getState().setCatalog, (error: unknown) => setTrouble(String(error)));
+    void server.catalog().then(useDocument.getState().setCatalog, (error: unknown) => setError(String(error)));
     loadProject()
       .then(async (found) => {
         if (left) return;
@@ -42,7 +42,7 @@ export function Page(): JSX.Element {
         showContainer(wanted.get("at"));
         if (!left) disconnect = connect();
       })
-      .catch((error: unknown) => setTrouble(String(error)));
+      .catch((error: unknown) => setError(String(error)));
     return () => {
       left = true;
       disconnect?.();
@@ -57,7 +57,7 @@ export function Page(): JSX.Element {
   const said = useDocument((s) => s.said);
   const room = usePage((s) => s.room);
 
-  if (!project) return <p className="hint padded">{trouble || "Opening the project ..."}</p>;
+  if (!project) return <p className="hint padded">{error || "Opening the project ..."}</p>;
   return (
     <div className="page">
       <TopBar project={project} />
@@ -126,7 +126,7 @@ export function Stage(): JSX.Element {
     <div className={`stage stage-${view}${robot ? " stage-robot" : ""}`}>
       {stale && (
         <p className="stale-note" role="status">
-          {drawn ? "The text isn't a task at the moment: this is the last one that it was." : "This file isn't a task yet; its text has to be mended."}{" "}
+          {drawn ? "The text is not a valid task: the last valid version is shown." : "This file is not a valid task yet; fix its text."}{" "}
           <button onClick={() => usePage.getState().setView("text")}>Show the text</button>
         </p>
       )}
@@ -149,16 +149,16 @@ export function Stage(): JSX.Element {
 }
 
 export function Notices(): JSX.Element {
-  const trouble = useRun((s) => s.trouble);
+  const message = useRun((s) => s.error);
   const session = useRun((s) => s.session);
   const error = useRun((s) => s.moment.facts.error);
   return (
     <div className="notices">
       <Conflicts />
-      {trouble && (
+      {message && (
         <div className="notice bad" role="alert">
-          <p>{trouble}</p>
-          <button onClick={() => useRun.getState().setTrouble("")}>Close</button>
+          <p>{message}</p>
+          <button onClick={() => useRun.getState().setError("")}>Close</button>
         </div>
       )}
       {processNotices(session).map(({ text, bad }) => (
@@ -196,8 +196,8 @@ export function Conflicts(): JSX.Element {
             {conflict.kind === "disk" && <DiskButtons />}
             {conflict.kind === "stale" && conflict.text !== undefined && (
               <>
-                <button onClick={() => void typeText(conflict.text as string, null)}>Put my text over it</button>
-                <button onClick={() => useDocument.getState().resetText()}>Take the new text</button>
+                <button onClick={() => void typeText(conflict.text as string, null)}>Overwrite with my text</button>
+                <button onClick={() => useDocument.getState().resetText()}>Use the new text</button>
               </>
             )}
             {conflict.kind === "unfinished" && (
@@ -226,8 +226,8 @@ function DiskButtons(): JSX.Element {
   const change = useDocument((s) => s.document?.change);
   return (
     <>
-      {change === "changed" && <button onClick={() => void takeFromDisk()}>Take the file's text</button>}
-      <button onClick={() => void save(true)}>Save mine over it</button>
+      {change === "changed" && <button onClick={() => void takeFromDisk()}>Reload from the file</button>}
+      <button onClick={() => void save(true)}>Overwrite the file</button>
     </>
   );
 }

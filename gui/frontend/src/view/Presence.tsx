@@ -2,7 +2,7 @@
 import type { JSX } from "react";
 
 import { PAGE } from "../protocol/client";
-import type { Onlooker } from "../protocol/generated";
+import type { Viewer } from "../protocol/generated";
 import { askForName } from "../store/actions";
 import { initials, selectedBy } from "../model/others";
 import { useOthersAt } from "../store/others";
@@ -15,9 +15,9 @@ const SHOWN = 4;
 export function Presence(): JSX.Element | null {
   const desk = useRunning((s) => s.desk);
   const elsewhere = isHeldElsewhere(desk);
-  if (!elsewhere && desk.viewers < 2) return null;
-  const own = desk.onlookers.filter((each) => each.page === PAGE);
-  const others = desk.onlookers.filter((each) => each.page !== PAGE);
+  if (!elsewhere && desk.connections < 2) return null;
+  const own = desk.viewers.filter((each) => each.page === PAGE);
+  const others = desk.viewers.filter((each) => each.page !== PAGE);
   // Who holds control is always among those that are shown.
   others.sort((a, b) => Number(b.page === desk.holder) - Number(a.page === desk.holder));
   const shown = [...own, ...others].slice(0, SHOWN);
@@ -46,7 +46,7 @@ export function Presence(): JSX.Element | null {
   );
 }
 
-function Chip({ each, holds }: { each: Onlooker; holds: boolean }): JSX.Element {
+function Chip({ each, holds }: { each: Viewer; holds: boolean }): JSX.Element {
   const own = each.page === PAGE;
   const place = each.task ? `looks at ${each.task}` : "looks at the project's files";
   const words = `${each.name}${own ? " (you)" : ""}${holds ? ", controls" : ""}`;
@@ -88,7 +88,7 @@ export function OthersRing({ path, folded }: { path: string; folded: boolean }):
 }
 
 /** Initials beside each other, without words for those who hear the page: what they stand at says it. */
-export function OtherDots({ others }: { others: readonly Onlooker[] }): JSX.Element | null {
+export function OtherDots({ others }: { others: readonly Viewer[] }): JSX.Element | null {
   if (others.length === 0) return null;
   return (
     <span className="other-dots" title={selectedBy(others)} aria-hidden="true">

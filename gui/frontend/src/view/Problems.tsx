@@ -18,7 +18,7 @@ export function Problems(): JSX.Element {
       <h2 id="problems-title">
         Problems: {count(errors, "error")}, {count(problems.length - errors, "warning")}
       </h2>
-      {problems.length > 0 ? <ProblemList problems={problems} label="Problems of the task" /> : <p className="hint padded">Nothing is wrong with this task.</p>}
+      {problems.length > 0 ? <ProblemList problems={problems} label="Problems of the task" /> : <p className="hint padded">No problems.</p>}
     </section>
   );
 }
@@ -57,7 +57,7 @@ function ProblemItem({ problem, short }: { problem: Problem; short: boolean }): 
         </>
       )}
       {!short && problem.line !== null && <span className="hint"> line {problem.line}</span>} {problem.message}
-      {problem.fix && problem.fixes.length === 0 && <em> To mend it: {problem.fix}.</em>}
+      {problem.fix && problem.fixes.length === 0 && <em> Fix: {problem.fix}.</em>}
       {!locked && problem.fixes.length > 0 && (
         <span className="fixes">
           {problem.fixes.map((fix) => (

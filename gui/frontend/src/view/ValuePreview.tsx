@@ -7,18 +7,18 @@ import { askText } from "../store/ask";
 
 export function ValuePreview({ run, seq, name }: { run: string; seq: number; name: string }): JSX.Element {
   const [view, setView] = useState<ValueView | null>(null);
-  const [trouble, setTrouble] = useState("");
+  const [error, setError] = useState("");
   useEffect(() => {
     let left = false;
     server.value(run, seq).then(
       (found) => left || setView(found),
-      (error: unknown) => left || setTrouble(error instanceof Error ? error.message : String(error)),
+      (error: unknown) => left || setError(error instanceof Error ? error.message : String(error)),
     );
     return () => {
       left = true;
     };
   }, [run, seq]);
-  if (!view) return <p className="hint">{trouble || "Fetching ..."}</p>;
+  if (!view) return <p className="hint">{error || "Fetching ..."}</p>;
   return (
     <ValueShown view={view} name={name}>
       {(view.type === "Pose" || view.type === "JointState") && <Keep run={run} seq={seq} name={name} />}

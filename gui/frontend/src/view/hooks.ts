@@ -152,7 +152,7 @@ export function drop(event: DragEvent, spot: Spot | null): void {
   event.stopPropagation();
   const what = event.dataTransfer.getData(NEW);
   const moved = event.dataTransfer.getData(NODES);
-  if (spot === null) useRun.getState().setTrouble("There is no room here: this container has one child. Wrap the child in a sequence first.");
+  if (spot === null) useRun.getState().setError("This container takes one child only. Wrap the child in a sequence first.");
   else if (what) void add(what, spot);
   else if (moved) void dropAt(JSON.parse(moved) as string[], spot);
 }

@@ -76,10 +76,10 @@ function Setting({ field, node, locked, brief = false }: SettingProps): JSX.Elem
 
 const LABELS: Record<string, string> = {
   precondition: "Precondition",
-  memory: "Remembers where it was",
+  memory: "With memory",
   times: "Times",
   seconds: "Seconds",
-  child_first: "Ticks the child before it looks at the clock",
+  child_first: "Ticks the child before checking the clock",
   if: "Only while",
   while: "While",
   on_value: "Value",
@@ -87,19 +87,19 @@ const LABELS: Record<string, string> = {
   items: "List",
   item: "Item",
   policy: "Needs",
-  cancel: "The others then",
+  cancel: "The other children",
   order: "Order",
-  prompt: "Decides after each child",
-  retick: "Asks the finished again",
+  prompt: "Decide after each child",
+  retick: "Tick finished children again",
   task: "File",
   initial: "Begins with",
   as: "Always ends with",
 };
 
 const DOCS: Record<string, string> = {
-  precondition: "Where it is false on entry, the node fails at once.",
-  memory: "No: it is decided anew on every tick, not only on entry.",
+  precondition: "If false on entry, the node fails at once.",
+  memory: "No: reactive, decided again on every tick.",
   child_first: "py_trees' order: what ends at the deadline has ended. No: at the deadline nothing begins or is ticked any more.",
-  prompt: "The later ones are not ticked any more once it is decided.",
+  prompt: "Once decided, later children are not ticked.",
   retick: "Children that have ended are activated again on every tick, until it is decided.",
 };

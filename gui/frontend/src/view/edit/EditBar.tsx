@@ -146,7 +146,7 @@ export function FormBadge({ path }: { path: string }): JSX.Element | null {
   if (form === undefined) return null;
   if (form.both) {
     return (
-      <span className="form-badge" title="Tree and flow chart edit it alike">
+      <span className="form-badge" title="Can be edited as a tree and as a flow chart">
         = both forms
       </span>
     );

@@ -108,8 +108,8 @@ async function addOutcome(node: NodeView): Promise<void> {
     title: `What does ${name} mean?`,
     label: "Meaning",
     options: [
-      { value: "success", label: "success", detail: "Who is around goes on" },
-      { value: "failure", label: "failure", detail: "Who is around tries something else" },
+      { value: "success", label: "success", detail: "The parent continues" },
+      { value: "failure", label: "failure", detail: "The parent tries something else" },
     ],
   });
   if (meaning !== null) await edit({ do: "set", path: node.path, key: ["outcomes", name], value: meaning }, node.path);

@@ -38,7 +38,7 @@ export function Palette(): JSX.Element {
       <h2 id="palette-title">Palette</h2>
       <input className="palette-search" type="search" aria-label="Search the palette" placeholder="Type to find a node" value={text} onChange={(event) => setText(event.target.value)} />
       <div className="scroll" tabIndex={0} role="group" aria-labelledby="palette-title">
-        {catalog.trouble && <p className="fault padded">{catalog.trouble}</p>}
+        {catalog.error && <p className="fault padded">{catalog.error}</p>}
         {[...groups].map(([name, entries]) => (
           <details key={`${name}${text ? "!" : ""}`} open={text !== "" || name === "containers"}>
             <summary>
@@ -55,7 +55,7 @@ export function Palette(): JSX.Element {
             </ul>
           </details>
         ))}
-        {groups.size === 0 && !catalog.trouble && <p className="hint padded">{catalog.nodes.length === 0 ? "Looking for nodes ..." : "Nothing is called like this."}</p>}
+        {groups.size === 0 && !catalog.error && <p className="hint padded">{catalog.nodes.length === 0 ? "Looking for nodes ..." : "Nothing is called like this."}</p>}
       </div>
     </section>
   );

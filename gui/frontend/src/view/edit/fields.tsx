@@ -40,7 +40,7 @@ interface TextProps {
   readonly options?: readonly string[] | undefined;
   /** Called with a value, or with undefined for an empty field. */
   readonly set: (value: unknown) => void;
-  /** What is wrong with a text while it is typed. */
+  /** Problems with a text while it is typed. */
   readonly check?: (text: string) => Promise<string>;
 }
 

@@ -47,7 +47,7 @@ export function FlowCanvas(): JSX.Element {
   const onConnect = useCallback(({ source, sourceHandle, target }: Connection): void => {
     if (isStart(target)) return;
     if (chartedIn(source, container) !== chartedIn(target, container)) {
-      useRun.getState().setTrouble("An edge leads within its container: to a sibling, or to an end of the container. Lead it to an end, and go on from there.");
+      useRun.getState().setError("An edge stays within its container: connect it to a sibling or to an end of the container.");
     } else if (isStart(source)) void beginWith(target);
     else void connect(source, sourceHandle ?? "success", targetName(target));
   }, [container]);

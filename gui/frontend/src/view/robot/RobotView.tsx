@@ -27,17 +27,17 @@ export default function RobotView(): JSX.Element {
   const clouds = useMemo(() => found.filter((cloud) => cloud.frame === "world" || view?.links.some((link) => link.name === cloud.frame)), [found, view]);
   const [shown, setShown] = useState(true);
   const [frames, setFrames] = useState(false);
-  const [trouble, setTrouble] = useState("");
+  const [error, setError] = useState("");
   const [grasps, setGrasps] = useState<ReadonlyMap<string, readonly [number, number, number]>>(new Map());
   const canvas = useRef<HTMLCanvasElement>(null);
   const space = useRef<Space | null>(null);
   useEffect(() => void loadGeometry(), []);
   useEffect(() => {
-    if (!canvas.current || !view || view.trouble) return;
+    if (!canvas.current || !view || view.error) return;
     try {
       space.current = makeSpace(canvas.current, view);
     } catch (error) {
-      setTrouble(`This browser can't draw in 3D: ${error instanceof Error ? error.message : String(error)}`);
+      setError(`This browser cannot draw in 3D: ${error instanceof Error ? error.message : String(error)}`);
     }
     return () => {
       space.current?.close();
@@ -58,7 +58,7 @@ export default function RobotView(): JSX.Element {
   }
   const origin = useRun((s) => s.history.start);
   const known = stand && view ? view.joints.filter((joint) => stand.joints.has(joint.name)).length : 0;
-  const said = view === null ? "Fetching the robot ..." : view.trouble || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured at ${seconds(Math.max(0, stand.t - origin))}`);
+  const said = view === null ? "Fetching the robot ..." : view.error || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured at ${seconds(Math.max(0, stand.t - origin))}`);
   return (
     <section className="robot-view" aria-label="Robot in 3D">
       <div className="edit-bar" role="toolbar" aria-label="Camera">
@@ -79,15 +79,15 @@ export default function RobotView(): JSX.Element {
           ✕
         </button>
       </div>
-      <p className={view?.trouble ? "fault padded" : "hint padded"} role="status" aria-label="What is drawn">
-        {trouble || said}
+      <p className={view?.error ? "fault padded" : "hint padded"} role="status" aria-label="What is drawn">
+        {error || said}
       </p>
       <div className="robot-canvas">
-        {view !== null && !view.trouble && (
+        {view !== null && !view.error && (
           <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${said}. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
         )}
       </div>
-      {stand && view && !view.trouble && <InWords stand={stand} places={places} clouds={found} drawn={clouds} grasps={grasps} />}
+      {stand && view && !view.error && <InWords stand={stand} places={places} clouds={found} drawn={clouds} grasps={grasps} />}
     </section>
   );
 }

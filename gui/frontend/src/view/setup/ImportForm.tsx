@@ -2,19 +2,19 @@
 import { type ChangeEvent, type JSX, useEffect, useState } from "react";
 
 import { server } from "../../protocol/client";
-import type { ImportView, ImportWish, InterfaceView, InterfaceWish } from "../../protocol/generated";
+import type { ImportView, ImportRequest, InterfaceView, InterfaceRequest } from "../../protocol/generated";
 import { chooseTask } from "../../store/desk";
 import { usePage } from "../../store/page";
-import { openSetup, refreshed, trouble } from "../../store/setup";
+import { openSetup, refreshed, report } from "../../store/setup";
 
-const SOURCES: readonly [ImportWish["source"], string, string][] = [
+const SOURCES: readonly [ImportRequest["source"], string, string][] = [
   ["smach", "SMACH state machine (.py)", ".py"],
   ["btcpp", "BehaviorTree.CPP 4 (.xml)", ".xml"],
   ["pytrees", "py_trees (.xml)", ".xml"],
 ];
 
 export function ImportForm(): JSX.Element {
-  const [source, setSource] = useState<ImportWish["source"]>("smach");
+  const [source, setSource] = useState<ImportRequest["source"]>("smach");
   const [view, setView] = useState<ImportView | null>(null);
   const [said, setSaid] = useState("");
   const suffix = SOURCES.find(([name]) => name === source)?.[2] ?? "";
@@ -34,11 +34,11 @@ export function ImportForm(): JSX.Element {
   }
   return (
     <section className="setup-interface" aria-labelledby="import-title">
-      <h3 id="import-title">A task from elsewhere</h3>
-      <p className="hint">The file is kept in legacy/ and read. Nothing of it is executed.</p>
+      <h3 id="import-title">Import a task</h3>
+      <p className="hint">The file is copied to legacy/ and read. No code in it is executed.</p>
       <div className="form-field">
         <label htmlFor="import-source">What it is</label>
-        <select id="import-source" value={source} onChange={(event) => setSource(event.target.value as ImportWish["source"])}>
+        <select id="import-source" value={source} onChange={(event) => setSource(event.target.value as ImportRequest["source"])}>
           {SOURCES.map(([name, label]) => (
             <option key={name} value={name}>
               {label}
@@ -77,23 +77,23 @@ export function ImportForm(): JSX.Element {
 }
 
 const CONTRACT = "sensor_msgs/PointCloud2 input\n---\nint32 outcome\ngeometry_msgs/PoseStamped[] returned_object\n";
-const EMPTY: InterfaceWish = { text: "", type: "", outcomes: "", failures: [], name: "", server: "", create: false };
+const EMPTY: InterfaceRequest = { text: "", type: "", outcomes: "", failures: [], name: "", server: "", create: false };
 const PAUSE = 400;
 
 export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
-  const [wish, setWish] = useState<InterfaceWish>(EMPTY);
+  const [request, setWish] = useState<InterfaceRequest>(EMPTY);
   const [view, setView] = useState<InterfaceView | null>(null);
   const [refusal, setRefusal] = useState("");
   const [busy, setBusy] = useState(false);
   useEffect(() => {
-    if (!wish.type.trim()) {
+    if (!request.type.trim()) {
       setView(null);
-      setRefusal(wish.text.trim() ? "Say above what it is called, such as my_interfaces/srv/PlanGrasp, or my_interfaces/action/PlanGrasp." : "");
+      setRefusal(request.text.trim() ? "Enter its name above, such as my_interfaces/srv/PlanGrasp, or my_interfaces/action/PlanGrasp." : "");
       return;
     }
     let left = false;
     const timer = setTimeout(() => {
-      server.setupInterface(wish).then(
+      server.setupInterface(request).then(
         (found) => {
           if (left) return;
           setView(found);
@@ -110,17 +110,17 @@ export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
       left = true;
       clearTimeout(timer);
     };
-  }, [wish]);
-  const change = (part: Partial<InterfaceWish>): void => setWish({ ...wish, ...part });
+  }, [request]);
+  const change = (part: Partial<InterfaceRequest>): void => setWish({ ...request, ...part });
   async function create(): Promise<void> {
     setBusy(true);
     try {
-      const made = await server.setupInterface({ ...wish, create: true });
+      const made = await server.setupInterface({ ...request, create: true });
       await refreshed();
       await openSetup(made.path);
       done();
     } catch (error) {
-      trouble(error);
+      report(error);
     } finally {
       setBusy(false);
     }
@@ -128,16 +128,16 @@ export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
   return (
     <section className="setup-interface" aria-labelledby="interface-title">
       <h3 id="interface-title">A new component</h3>
-      <Text label="Interface" value={wish.type} hint="such as my_interfaces/srv/PlanGrasp, or an installed type" set={(type) => change({ type })} />
+      <Text label="Interface" value={request.type} hint="such as my_interfaces/srv/PlanGrasp, or an installed type" set={(type) => change({ type })} />
       <div className="form-field">
         <label htmlFor="interface-text">Its .srv or .action</label>
-        <textarea id="interface-text" rows={5} value={wish.text} placeholder="empty for an installed type" onChange={(event) => change({ text: event.target.value })} />
-        <button onClick={() => change({ text: CONTRACT, type: wish.type || "my_interfaces/srv/PlanGrasp" })}>Template</button>
+        <textarea id="interface-text" rows={5} value={request.text} placeholder="empty for an installed type" onChange={(event) => change({ text: event.target.value })} />
+        <button onClick={() => change({ text: CONTRACT, type: request.type || "my_interfaces/srv/PlanGrasp" })}>Template</button>
       </div>
-      <Text label="Outcomes" value={wish.outcomes} hint={view?.suggestion ? `such as ${view.suggestion}` : "names of 0, 1 ...: one,none"} set={(outcomes) => change({ outcomes })} />
-      <Text label="Failures" value={wish.failures.join(",")} hint="those that mean failure: none" set={(text) => change({ failures: text.split(",").map((each) => each.trim()).filter(Boolean) })} />
-      <Text label="Component" value={wish.name} hint="its name; from the server's by default" set={(name) => change({ name })} />
-      <Text label="Server" value={wish.server} hint="such as /plan_grasp" set={(text) => change({ server: text })} />
+      <Text label="Outcomes" value={request.outcomes} hint={view?.suggestion ? `such as ${view.suggestion}` : "names of 0, 1 ...: one,none"} set={(outcomes) => change({ outcomes })} />
+      <Text label="Failures" value={request.failures.join(",")} hint="those that mean failure: none" set={(text) => change({ failures: text.split(",").map((each) => each.trim()).filter(Boolean) })} />
+      <Text label="Component" value={request.name} hint="its name; from the server's by default" set={(name) => change({ name })} />
+      <Text label="Server" value={request.server} hint="such as /plan_grasp" set={(text) => change({ server: text })} />
       {refusal && (
         <p className="fault" role="alert">
           {refusal}
@@ -159,7 +159,7 @@ export function InterfaceForm({ done }: { done: () => void }): JSX.Element {
             </tbody>
           </table>
           {view.problems.length > 0 ? (
-            <ul className="plain fault" aria-label="What is wrong">
+            <ul className="plain fault" aria-label="Problems">
               {view.problems.map((problem) => (
                 <li key={problem}>{problem}</li>
               ))}

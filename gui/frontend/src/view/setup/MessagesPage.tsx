@@ -23,7 +23,7 @@ interface Shown {
 
 export function MessagesPage(): JSX.Element {
   const found = useLive((s) => s.messages);
-  const trouble = useLive((s) => s.trouble);
+  const error = useLive((s) => s.error);
   const said = useLive((s) => s.said);
   const [shown, setShown] = useState<Shown | null>(null);
   useEffect(() => {
@@ -49,14 +49,14 @@ export function MessagesPage(): JSX.Element {
             ? "Looking for a server ..."
             : found.served
               ? `✓ ${found.messages.length} by name under /grip/messages, ROS domain ${found.domain}${found.ours ? "; served by this editor" : ""}`
-              : `No server: ${found.trouble}`}
+              : `No server: ${found.error}`}
         </p>
         <p className="live-bar">
           {found !== null && !found.served && <button onClick={() => void wished(() => server.messageDeed({ do: "serve", store: "", name: "" }))}>Serve the project's messages</button>}
           {found?.served && (
             <>
               <button onClick={() => setShown({ store: "poses", name: "" })}>Add</button>
-              <button title="Everything stays over a restart of the server" onClick={() => void wished(() => server.messageDeed({ do: "save", store: "", name: "" }))}>
+              <button title="Kept across restarts of the server" onClick={() => void wished(() => server.messageDeed({ do: "save", store: "", name: "" }))}>
                 Keep all
               </button>
               <button title="Empty all stores and read the project's files again" onClick={() => void reset()}>
@@ -66,12 +66,12 @@ export function MessagesPage(): JSX.Element {
             </>
           )}
         </p>
-        {trouble && (
+        {error && (
           <p className="fault" role="alert">
-            {trouble}
+            {error}
           </p>
         )}
-        {said && <output aria-label="What came of it">{said}</output>}
+        {said && <output aria-label="Result">{said}</output>}
         {found?.served &&
           found.stores
             .filter((store) => store.queued > 0 || found.messages.some((each) => each.store === store.name))
@@ -111,7 +111,7 @@ export function MessagesPage(): JSX.Element {
 }
 
 async function reset(): Promise<void> {
-  const options = [{ value: "yes", label: "Reset", detail: "What only the server has is lost" }];
+  const options = [{ value: "yes", label: "Reset", detail: "Messages that only the server has are lost" }];
   if ((await askChoice({ title: "Reset the server", label: "Empty all stores and read the project's files again", options })) === "yes")
     await wished(() => server.messageDeed({ do: "reset", store: "", name: "" }));
 }
@@ -139,7 +139,7 @@ function Message({ shown, type, open }: { shown: Shown; type: string; open: (sho
         setMessage(found);
         setText(found.text);
       },
-      (error: unknown) => left || setMessage({ value: null, text: "", trouble: messageOf(error) }),
+      (error: unknown) => left || setMessage({ value: null, text: "", error: messageOf(error) }),
     );
     return () => {
       left = true;
@@ -152,7 +152,7 @@ function Message({ shown, type, open }: { shown: Shown; type: string; open: (sho
   return (
     <div className="live-detail" role="group" aria-label={fresh ? "New message" : `Message ${shown.name}`}>
       <h4>{fresh ? "A new message" : shown.name}</h4>
-      {message?.trouble && <p className="fault">{message.trouble}</p>}
+      {message?.error && <p className="fault">{message.error}</p>}
       {message?.value && <ValueShown view={message.value} name={shown.name} />}
       {fresh && (
         <>
@@ -195,7 +195,7 @@ function Message({ shown, type, open }: { shown: Shown; type: string; open: (sho
           </p>
         </>
       ) : (
-        message?.value && <p className="hint">It is shown only: a value of this size or type isn't typed.</p>
+        message?.value && <p className="hint">Read-only: a value of this size or type cannot be edited as text.</p>
       )}
     </div>
   );

@@ -16,7 +16,7 @@ interface FieldProps {
 }
 
 export function SchemaForm({ view }: { view: SetupView }): JSX.Element {
-  if (view.data === null || typeof view.data !== "object") return <p className="hint">The text is no YAML at the moment; mend it on the right.</p>;
+  if (view.data === null || typeof view.data !== "object") return <p className="hint">The text is not valid YAML; fix it on the right.</p>;
   return <Value view={view} place={[]} shape={view.shape as Shape} />;
 }
 

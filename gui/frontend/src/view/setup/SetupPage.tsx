@@ -4,7 +4,7 @@ import { type JSX, useEffect, useState } from "react";
 
 import { formKind, freeName, type Shape, shapeAt, valueAt } from "../../model/shapes";
 import type { SetupView, Template } from "../../protocol/generated";
-import { listSetup, openSetup, probe, saveSetup, setValue, trouble, useSetup } from "../../store/setup";
+import { listSetup, openSetup, probe, saveSetup, setValue, report, useSetup } from "../../store/setup";
 import { ImportForm, InterfaceForm } from "./ImportForm";
 import { MessagesPage } from "./MessagesPage";
 import { SchemaForm } from "./SchemaForm";
@@ -23,7 +23,7 @@ export default function SetupPage(): JSX.Element {
   useEffect(() => {
     listSetup()
       .then(() => (useSetup.getState().view === null ? openSetup("grip.yaml") : undefined))
-      .catch(trouble);
+      .catch(report);
   }, []);
   useEffect(() => {
     window.addEventListener("keydown", onKeyDown);
@@ -135,7 +135,7 @@ function Open({ view }: { view: SetupView }): JSX.Element {
 
 function Found({ view }: { view: SetupView }): JSX.Element | null {
   const checking = useSetup((s) => s.checking);
-  if (checking) return <p className="hint" role="status">Looking at what has changed ...</p>;
+  if (checking) return <p className="hint" role="status">Checking ...</p>;
   if (view.problems.length === 0) return <p className="phase-success">✓ Nothing is wrong with it.</p>;
   return (
     <ul className="plain setup-problems" aria-label="Problems of the file">
@@ -178,7 +178,7 @@ function Tried(): JSX.Element | null {
   const tried = useSetup((s) => s.probe);
   if (!tried) return null;
   return (
-    <div className={`notice${tried.ok ? "" : " bad"}`} role="status" aria-label="What the try said">
+    <div className={`notice${tried.ok ? "" : " bad"}`} role="status" aria-label="Output of the command">
       <div>
         <p>
           {tried.ok ? "✓" : "✗"} <code>{tried.command}</code> after {tried.seconds.toFixed(1)} s

@@ -25,10 +25,10 @@ export function TopicsPage({ done }: { done: () => void }): JSX.Element {
   return (
     <section className="live" aria-labelledby="topics-title">
       <div className="live-list">
-        <h3 id="topics-title">Topics that somebody publishes</h3>
-        {found?.trouble ? (
+        <h3 id="topics-title">Published topics</h3>
+        {found?.error ? (
           <p className="fault" role="alert">
-            {found.trouble}
+            {found.error}
           </p>
         ) : (
           <p className="hint" role="status">
@@ -41,8 +41,8 @@ export function TopicsPage({ done }: { done: () => void }): JSX.Element {
             Look again
           </button>
         </p>
-        {found !== null && found.trouble === "" && found.topics.length === 0 && (
-          <p className="hint">Nobody publishes anything. Start the sensor's driver in a shell with the same ROS_DOMAIN_ID, or with `grip launch`.</p>
+        {found !== null && found.error === "" && found.topics.length === 0 && (
+          <p className="hint">No topics are published. Start the sensor's driver in a shell with the same ROS_DOMAIN_ID, or with `grip launch`.</p>
         )}
         <ul className="plain" aria-label="Topics">
           {shown.map((topic) => (
@@ -72,7 +72,7 @@ function Topic({ topic, done }: { topic: TopicView; done: () => void }): JSX.Ele
     try {
       setReceived(await server.receive({ topic: topic.name, type: topic.type, within: 5 }));
     } catch (error) {
-      setReceived({ value: null, seconds: 0, trouble: messageOf(error) });
+      setReceived({ value: null, seconds: 0, error: messageOf(error) });
     } finally {
       setBusy(false);
     }
@@ -90,7 +90,7 @@ function Topic({ topic, done }: { topic: TopicView; done: () => void }): JSX.Ele
         </button>
       </p>
       <div role="status" aria-label="Received message">
-        {received?.trouble && <p className="fault">{received.trouble}</p>}
+        {received?.error && <p className="fault">{received.error}</p>}
         {received?.value && (
           <>
             <p className="hint">came after {received.seconds.toFixed(2)} s</p>
@@ -100,7 +100,7 @@ function Topic({ topic, done }: { topic: TopicView; done: () => void }): JSX.Ele
       </div>
       {camera && <CameraForm camera={camera} suggested={topic.name.split("/")[1] ?? ""} done={done} />}
       <fieldset>
-        <legend>Use it as a sensor</legend>
+        <legend>Use as a sensor</legend>
         <div className="form-field">
           <label htmlFor="sensor-name">Sensor</label>
           <input id="sensor-name" type="text" value={sensor} placeholder="depth_camera" onChange={(event) => setSensor(event.target.value)} />
@@ -127,7 +127,7 @@ function CameraForm({ camera, suggested, done }: { camera: CameraTopics; suggest
   const [name, setName] = useState("");
   return (
     <fieldset>
-      <legend>Use it as a camera of the real robot</legend>
+      <legend>Use as a camera of the real robot</legend>
       <dl className="live-camera">
         {Object.entries(camera).map(([part, topic]) => (
           <div key={part}>

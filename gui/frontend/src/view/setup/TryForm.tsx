@@ -2,7 +2,7 @@
 import { type JSX, useEffect, useState } from "react";
 
 import { server } from "../../protocol/client";
-import type { ComponentForm, MeasureWish, RequestPort, RobotParts, TryView } from "../../protocol/generated";
+import type { ComponentForm, MeasureRequest, RequestPort, RobotParts, TryView } from "../../protocol/generated";
 import { messageOf, useLive, wished } from "../../store/live";
 import { ValueShown } from "../ValuePreview";
 
@@ -22,7 +22,7 @@ export function TryForm({ path }: { path: string }): JSX.Element {
     let left = false;
     server.componentForm(path).then(
       (found) => left || setForm(found),
-      (error: unknown) => left || setForm({ name: "", inputs: [], trouble: messageOf(error) }),
+      (error: unknown) => left || setForm({ name: "", inputs: [], error: messageOf(error) }),
     );
     return () => {
       left = true;
@@ -34,7 +34,7 @@ export function TryForm({ path }: { path: string }): JSX.Element {
     try {
       setView(await server.callComponent({ path, given: Object.entries(given).map(([port, choice]) => ({ port, ...choice })) }));
     } catch (error) {
-      setView({ outcome: "", fields: [], milliseconds: 0, started: "", trouble: messageOf(error) });
+      setView({ outcome: "", fields: [], milliseconds: 0, started: "", error: messageOf(error) });
     } finally {
       setBusy(false);
     }
@@ -43,21 +43,21 @@ export function TryForm({ path }: { path: string }): JSX.Element {
   return (
     <fieldset aria-label="Try it with a sample">
       <legend>Try it with a sample</legend>
-      {form.trouble && <p className="fault">{form.trouble}</p>}
+      {form.error && <p className="fault">{form.error}</p>}
       {form.inputs.map((port) => (
         <Input key={port.name} port={port} choice={given[port.name] ?? NOTHING} set={(choice) => setGiven({ ...given, [port.name]: choice })} />
       ))}
-      {form.trouble === "" && (
+      {form.error === "" && (
         <p>
           <button className="main" disabled={busy} onClick={() => void call()}>
             {busy ? "Calling it ..." : "Call it once"}
           </button>{" "}
-          <span className="hint">It is started, called and stopped; what isn't given stays empty.</span>
+          <span className="hint">Starts the component, calls it once and stops it; inputs that are not given stay empty.</span>
         </p>
       )}
       <div role="status" aria-label="Its answer">
-        {view?.trouble && <pre className="fault">{view.trouble}</pre>}
-        {view && view.trouble === "" && (
+        {view?.error && <pre className="fault">{view.error}</pre>}
+        {view && view.error === "" && (
           <>
             <p>
               Outcome <strong>{view.outcome}</strong> after {view.milliseconds.toFixed(1)} ms <span className="hint">{view.started}</span>
@@ -109,7 +109,7 @@ function Input({ port, choice, set }: { port: RequestPort; choice: Choice; set: 
   );
 }
 
-const ROBOTS: readonly [MeasureWish["robot"], string][] = [
+const ROBOTS: readonly [MeasureRequest["robot"], string][] = [
   ["run", "the run under way"],
   ["ros", "the real robot (ROS)"],
   ["sim", "a fresh simulation"],
@@ -118,9 +118,9 @@ const ROBOTS: readonly [MeasureWish["robot"], string][] = [
 
 export function MeasureForm(): JSX.Element {
   const [parts, setParts] = useState<RobotParts | null>(null);
-  const [robot, setRobot] = useState<MeasureWish["robot"] | "">("");
+  const [robot, setRobot] = useState<MeasureRequest["robot"] | "">("");
   const [part, setPart] = useState("");
-  const [what, setWhat] = useState<MeasureWish["what"]>("joints");
+  const [what, setWhat] = useState<MeasureRequest["what"]>("joints");
   const [name, setName] = useState("");
   const [serve, setServe] = useState(true);
   const [busy, setBusy] = useState(false);
@@ -129,7 +129,7 @@ export function MeasureForm(): JSX.Element {
     let left = false;
     server.robotParts().then(
       (found) => left || setParts(found),
-      (error: unknown) => left || setParts({ robot: "", arms: [], hands: [], run: "", trouble: messageOf(error) }),
+      (error: unknown) => left || setParts({ robot: "", arms: [], hands: [], run: "", error: messageOf(error) }),
     );
     return () => {
       left = true;
@@ -146,14 +146,14 @@ export function MeasureForm(): JSX.Element {
   }
   return (
     <fieldset aria-label="Where the robot is">
-      <legend>Keep where the robot is</legend>
+      <legend>Save the robot's current position</legend>
       {parts !== null && all.length === 0 ? (
-        <p className="hint">{parts.trouble || "grip.yaml names no arm and no hand yet."}</p>
+        <p className="hint">{parts.error || "grip.yaml names no arm and no hand yet."}</p>
       ) : (
         <>
           <div className="form-field">
             <label htmlFor="measure-robot">Measured at</label>
-            <select id="measure-robot" value={whose} onChange={(event) => setRobot(event.target.value as MeasureWish["robot"])}>
+            <select id="measure-robot" value={whose} onChange={(event) => setRobot(event.target.value as MeasureRequest["robot"])}>
               {ROBOTS.filter(([each]) => each !== "run" || parts?.run).map(([each, label]) => (
                 <option key={each} value={each}>
                   {label}
@@ -171,7 +171,7 @@ export function MeasureForm(): JSX.Element {
           </div>
           <div className="form-field">
             <label htmlFor="measure-what">What</label>
-            <select id="measure-what" value={hand ? "joints" : what} disabled={hand} onChange={(event) => setWhat(event.target.value as MeasureWish["what"])}>
+            <select id="measure-what" value={hand ? "joints" : what} disabled={hand} onChange={(event) => setWhat(event.target.value as MeasureRequest["what"])}>
               <option value="joints">its joints</option>
               <option value="pose">the pose of its grasp frame</option>
             </select>
@@ -182,12 +182,12 @@ export function MeasureForm(): JSX.Element {
           </div>
           {served && (
             <div className="form-field">
-              <label htmlFor="measure-serve">To the server too</label>
+              <label htmlFor="measure-serve">Also to the server</label>
               <input id="measure-serve" type="checkbox" checked={serve} onChange={(event) => setServe(event.target.checked)} />
             </div>
           )}
           <button disabled={busy || name.trim() === ""} onClick={() => void measure()}>
-            {busy ? "Measuring ..." : "Measure and keep"}
+            {busy ? "Measuring ..." : "Measure and save"}
           </button>
         </>
       )}

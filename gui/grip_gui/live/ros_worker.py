@@ -1,4 +1,4 @@
-"""`python -m grip_gui.live.worker`: answers the questions of `RosWindow` about the running ROS graph."""
+"""`python -m grip_gui.live.ros_worker`: answers the questions of `RosClientProcess` about the running ROS graph."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def main() -> int:
             from grip_bt.ros.environment import require
 
             require()  # before anything of ROS is loaded: it says how to install what isn't there
-            from grip_gui.live.inspector import Looker
+            from grip_gui.live.inspector import RosInspector
 
             with opening:
                 if not looker:
-                    looker.append(Looker())
+                    looker.append(RosInspector())
             say(number, value=getattr(looker[0], do)(**fields))
         except ExpectedError as error:
             say(number, error=error.message)

@@ -25,11 +25,11 @@ LONGEST_LINE = 1 << 26
 CLOSING = 5.0
 
 
-class WindowError(GripError):
+class RosClientError(GripError):
     """The process that looks at ROS can't, or says why something can't be done."""
 
 
-class RosWindow:
+class RosClientProcess:
     """Asks the process; all methods belong to the event loop.
 
     Args:
@@ -51,7 +51,7 @@ class RosWindow:
         """Return the answer to a question.
 
         Raises:
-            WindowError: it can't be answered; the message says why.
+            RosClientError: it can't be answered; the message says why.
         """
         async with self._starting:
             process = self._process or await self._start()
@@ -64,14 +64,14 @@ class RosWindow:
             async with asyncio.timeout(PATIENCE):
                 found = await answer
         except TimeoutError:
-            raise WindowError(f"no answer within {PATIENCE:g} s") from None
+            raise RosClientError(f"no answer within {PATIENCE:g} s") from None
         except OSError as error:
-            raise WindowError(f"the process that looks at ROS is gone: {error}") from None
+            raise RosClientError(f"the ROS process is gone: {error}") from None
         finally:
             self._waiting.pop(number, None)
             self._stay()
         if "error" in found:
-            raise WindowError(found["error"])
+            raise RosClientError(found["error"])
         return dict(found["value"])
 
     def keep(self, kept: bool) -> None:
@@ -99,7 +99,7 @@ class RosWindow:
 
     async def _start(self) -> asyncio.subprocess.Process:
         process = self._process = await asyncio.create_subprocess_exec(
-            *python_command("-m", "grip_gui.live.worker"),
+            *python_command("-m", "grip_gui.live.ros_worker"),
             cwd=self._project,
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
@@ -131,7 +131,7 @@ class RosWindow:
             self._process = None
         elif self._process is not None:
             return  # another one answers what is waited for now
-        reason = f"the process that looks at ROS has ended ({status}){': ' + said if said else ''}"
+        reason = f"the ROS process has ended ({status}){': ' + said if said else ''}"
         for waiting in list(self._waiting.values()):
             if not waiting.done():
                 waiting.set_result({"error": reason})

@@ -20,7 +20,7 @@ from .options import doubtful_names, options_of, robot_error, wrong_options
 from .templates import templates_of
 
 
-class SetupDesk:
+class SettingsStore:
     """What the page asks about settings files.
 
     Args:
@@ -50,37 +50,37 @@ class SetupDesk:
         """Return what a text would be; nothing is written."""
         return self._view(path, kind_of(path), text, "")
 
-    def change(self, wish: SetupChange) -> SetupView:
+    def change(self, request: SetupChange) -> SetupView:
         """Return the text with one value changed; nothing is written.
 
         Raises:
             UnchangeableError: it can't be.
         """
-        match wish.do:
+        match request.do:
             case "set":
-                text = set_value(wish.text, wish.key, wish.value)
+                text = set_value(request.text, request.key, request.value)
             case "remove":
-                text = remove(wish.text, wish.key)
+                text = remove(request.text, request.key)
             case "rename":
-                if not isinstance(wish.value, str) or not wish.value:
+                if not isinstance(request.value, str) or not request.value:
                     raise UnchangeableError("a name is a text")
-                text = rename(wish.text, wish.key, wish.value)
-        return self.check(wish.path, text)
+                text = rename(request.text, request.key, request.value)
+        return self.check(request.path, text)
 
-    def save(self, wish: SetupSave) -> SetupView:
+    def save(self, request: SetupSave) -> SetupView:
         """Write a text.
 
         Raises:
             ChangedOnDiskError: somebody else has changed the file since it was opened.
             DocumentError: it can't be written.
         """
-        kind = kind_of(wish.path)
-        file = TextFile(self.folder.settings_file(wish.path), wish.path)
-        file.known = wish.known
-        if not wish.over and (how := file.change()):
-            raise ChangedOnDiskError(wish.path, how)
-        file.write(wish.text)
-        return self._view(wish.path, kind, wish.text, file.known)
+        kind = kind_of(request.path)
+        file = TextFile(self.folder.settings_file(request.path), request.path)
+        file.known = request.known
+        if not request.over and (how := file.change()):
+            raise ChangedOnDiskError(request.path, how)
+        file.write(request.text)
+        return self._view(request.path, kind, request.text, file.known)
 
     def _view(self, path: str, kind: Kind, text: str, known: str) -> SetupView:
         data, options, problems = self._looked_at(path, kind, text)
