@@ -33,6 +33,7 @@ class KindNode(Node):
         state: the kind's.
         running: positions of the children that run.
         resting: whether nobody runs until the next tick.
+        ended: whether a child has ended in this tick.
         last: the child that has ended last.
         enter: called when it is entered anew; it resets the container's variables.
         leave: called when it has ended by itself, before anybody learns of it.
@@ -52,10 +53,10 @@ class KindNode(Node):
         self.path, self.meaning, self.kind, self.answers = answers.path, dict(meaning), kind, answers
         answers.node = self
         self.named: list[Any] = []
-        self.rename()
         self.state: Any = None
         self.running: tuple[int, ...] = ()
-        self.resting = False
+        self.rename()
+        self.resting = self.ended = False
         self.last: Any = None
         self.why: Any = CHILD
 
@@ -76,27 +77,32 @@ class KindNode(Node):
             self.rename()
         if self.status is not R:
             self.last, self.state, self.asked, self.running, self.resting = None, None, False, (), False
+            self.ended = False
             self.begin()
             if self.enter is not None:
                 self.enter()
             if kind.resets:
-                self._reset(self.children)
+                self.reset(self.children)
             answers.ends = [None] * len(self.children)
             if kind.shown == "selector":
                 self.current_child = self.children[0] if self.children else None
             return kind.begin(None, answers)
-        if self.resting:
-            return kind.begin(self.state, answers)
+        if self.resting or not self.running:
+            return kind.begin(self.state if self.resting else None, answers)
         if kind.reactive:
             return kind.again(self.state, self.running, answers)
         if kind.shown == "selector":
-            self._reset(self.children[: self.running[0]])
+            self.reset(self.children[: self.running[0]])
         return Run(self.running, self.state)
 
     def rename(self) -> None:
-        """Note which children there are now."""
+        """Note which children there are now; those that run, and how others have ended, are found again."""
+        answers, running = self.answers, [self.named[i] for i in self.running]
+        ended = {id(child): end for child, end in zip(self.named, answers.ends, strict=False)}
         self.named = list(self.children)
-        self.answers.names = [child.name for child in self.named]
+        self.running = tuple(i for i, child in enumerate(self.named) if child in running)
+        answers.ends = [ended.get(id(child)) for child in self.named]
+        answers.names = [child.name for child in self.named]
 
     def _follow(self, step: Step) -> Iterator[Behaviour]:
         while type(step) is Run:
@@ -118,7 +124,7 @@ class KindNode(Node):
         if self.resting:
             self.resting, self.running = False, run
         if first:
-            self._halt_others(run)
+            self.halt_others(run)
         if self.kind.concurrent:
             for i in run:
                 self.answers.ends[i] = None
@@ -127,12 +133,15 @@ class KindNode(Node):
     def ticked(self, run: tuple[int, ...]) -> Step:
         """Return the step that follows when all of them were ticked."""
         self.running = tuple(i for i in run if self.children[i].status is R)
-        self._halt_others(run)
-        return self.kind.settle(self.state, self.answers) if self.kind.settles else Stay(self.state)
+        self.halt_others(run)
+        ended, self.ended = self.ended, False
+        if self.kind.settles and (ended or not run or not self.kind.concurrent):
+            return self.kind.settle(self.state, self.answers)
+        return Stay(self.state)
 
     def after(self, i: int, child: Any) -> Step | None:
         """Return the step that follows the end of a child; None when its siblings are ticked first."""
-        self.last = child
+        self.last, self.ended = child, True
         end = Ended(child.name, child.outcome, child.meaning[child.outcome], child.code, child.failure)
         if not self.kind.late_exits:
             target = self.answers.exit(end)
@@ -150,8 +159,8 @@ class KindNode(Node):
         """End the tick."""
         if type(step) is End:
             self.why, self.outcome = step.reason, step.outcome
-            self._halt_others(())
-            self._reset_after(self.last)
+            self.halt_others(())
+            self.reset_after(self.last)
             if self.leave is not None:
                 self.leave()
             if not isinstance(self, decorators.Decorator):
@@ -165,7 +174,7 @@ class KindNode(Node):
             self.running = ()
             self.context.wake()
         elif self.running:
-            self._reset_after(self.children[self.running[0]])
+            self.reset_after(self.children[self.running[0]])
         if not isinstance(self, decorators.Decorator):
             if self.kind.concurrent:
                 self.current_child = self.children[-1] if self.children else None
@@ -176,20 +185,22 @@ class KindNode(Node):
         """Return the status, which ticks settle."""
         return self.status
 
-    def _halt_others(self, run: Sequence[int]) -> None:
+    def halt_others(self, run: Sequence[int]) -> None:
+        """Halt the children that run and aren't among these."""
         for i, child in enumerate(self.children):
             if child.status is R and i not in run:
                 child.stop(INVALID)
 
-    def _reset_after(self, child: Any) -> None:
+    def reset_after(self, child: Any) -> None:
         """Reset the children after the one that was come to, as a Selector and a reactive Sequence of py_trees do."""
         match self.kind.shown:
             case "selector" if child is not None and child.status is not F and child is not self.current_child:
-                self._reset(self.children[self.children.index(child) + 1 :])
+                self.reset(self.children[self.children.index(child) + 1 :])
             case "sequence" if child is not None and child.status is not S and self.kind.reactive:
-                self._reset(self.children[self.children.index(child) + 1 :])
+                self.reset(self.children[self.children.index(child) + 1 :])
 
-    def _reset(self, children: Iterable[Any]) -> None:
+    def reset(self, children: Iterable[Any]) -> None:
+        """Stop those that aren't INVALID."""
         for child in children:
             if child.status is not INVALID:
                 child.stop(INVALID)

@@ -23,7 +23,7 @@ class TooManyError(Exception):
     """The kind has too many states."""
 
 
-class _NoWayError(Exception):
+class NoWayError(Exception):
     """A document names a child that isn't there; a rule of the validation says so."""
 
 
@@ -113,7 +113,7 @@ class Oracle:
     def at(self, name: str) -> int:
         """Return the position of a child."""
         if name not in self.names:
-            raise _NoWayError
+            raise NoWayError
         return self.names.index(name)
 
     def now(self) -> Any:
@@ -180,7 +180,7 @@ class Oracle:
         """Return where the document leads; nowhere is no way."""
         target = self.labels.edges.target(end.child, end.outcome, end.code)
         if target is None:
-            raise _NoWayError
+            raise NoWayError
         return target
 
     def ask(self, text: str) -> None:
@@ -220,7 +220,7 @@ def answered(
         oracle = Oracle(labels, todo.popleft(), ends)
         try:
             step = call(oracle)
-        except _NoWayError:
+        except NoWayError:
             step = None
         for at in range(len(oracle.answers), len(oracle.trail)):
             todo.extend((*oracle.trail[:at], other) for other in range(1, len(oracle.asked[at])))

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
-from grip_bt.task.kinds.base import Run
+from grip_bt.nodes.node import SILENT, STATUS
+from grip_bt.task.edges import Edges
+from grip_bt.task.exploration import UNKNOWN, Labels, NoWayError, Oracle
+from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Run, Step
 
 from .composites import Look
-from .halting import Compiled, Tick
-from .known import F, R
+from .halting import Compiled, Halt, Tick, report
+from .known import INVALID, F, R, S
 
 
 def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
@@ -41,27 +44,177 @@ def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
 
 
 def automaton(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
-    """The tick of a container whose kind is an automaton."""
+    """The tick of a container: its kind is asked, or the rows that were made of its answers are followed."""
+    rows = _rows(node, parts)
+    return _asking(node, look, parts) if rows is None else _following(node, look, rows, [part.halt for part in parts])
+
+
+Row = tuple[Any, Tick, Any, Any]
+"""A child, its tick, and what follows its success and its failure: the position of another child, or an outcome."""
+
+
+def _rows(node: Any, parts: Sequence[Compiled]) -> list[Row] | None:
+    """Return what follows the ends of children; None for a kind that asks, counts, or looks at more than meanings.
+
+    Its first child is the one in the first row.
+    """
+    kind, q = node.kind, Oracle(Labels({part.node.name: () for part in parts}, Edges(), Edges()))
+    if kind.concurrent or kind.settles or kind.late_exits or type(kind).over is not Kind.over:
+        return None
+
+    def follows(step: Step) -> Any:
+        if type(step) is Run and len(step.children) == 1 and step[1:] == (0, False) and not q.asked:
+            return step.children[0]
+        return step.outcome if type(step) is End and step.reason is CHILD and not q.asked else None
+
+    try:
+        starts = [kind.begin(None, q), *(kind.again(0, (i,), q) for i in range(len(parts)) if kind.reactive)]
+        if not parts or any(follows(step) != 0 for step in starts):
+            return None
+        rows = []
+        for i, part in enumerate(parts):
+            after = [follows(kind.ended(0, i, Ended(UNKNOWN, UNKNOWN, said, UNKNOWN), q)) for said in STATUS]
+            if None in after:
+                return None
+            rows.append((part.node, part.tick, *after))
+    except (TypeError, NoWayError):
+        return None
+    return rows
+
+
+def _following(node: Any, look: Look, rows: Sequence[Row], halts: Sequence[Halt]) -> Tick:
+    """The tick of a container whose kind asks nothing: `KindNode.tick`, with the kind's answers known."""
     changed, changed_below, outdated = look
-    ticks = [part.tick for part in parts]
-    kids = [part.node for part in parts]
+    kind, reactive, selects = node.kind, node.kind.reactive, node.kind.shown == "selector"
+    target = node.answers.exits.target if node.answers.exits else None
+    composite, runs = kind.shown != "decorator", [(i,) for i in range(len(rows))]
+    begin, end = _begin(node, rows, halts), _end(node)
 
     def tick(known: int) -> Status:
         if not known:
             known = node.status is not R
             if (changed_below if known else changed)():
                 return outdated(known)
-        step = node.opening()
-        while type(step) is Run:
-            run = node.run(step)
-            following = None
+        if node.kind is not kind:
+            return outdated(known)
+        at = 0
+        if node.status is not R:
+            begin()
+        elif not reactive and node.running:
+            at = node.running[0]
+            if selects and at:
+                node.reset([row[0] for row in rows[:at]])
+        while True:
+            kid, advance, success, failure = rows[at]
+            status = advance(known)
+            if status is R:
+                break
+            following = success if status is S else failure
+            if target is not None:
+                following = target(kid.name, kid.outcome, kid.code) or following
+            if following.__class__ is not int:
+                return end(kid, following)
+            at = following
+        node.running, node.state, node.status = runs[at], 0, R
+        if reactive:
+            node.halt_others(runs[at])
+            node.reset_after(kid)
+        elif selects and kid is not node.current_child:
+            node.reset_after(kid)
+        if composite:
+            node.current_child = kid
+        return R
+
+    return tick
+
+
+def _begin(node: Any, rows: Sequence[Row], halts: Sequence[Halt]) -> Callable[[], None]:
+    """Return what begins an activation."""
+    pairs = [(row[0], halt) for row, halt in zip(rows, halts, strict=True)] if node.kind.resets else ()
+    first = rows[0][0] if node.kind.shown == "selector" else None
+
+    def begin() -> None:
+        node.last = node.state = node.outcome = node.failure = None
+        node.asked = node.resting = False
+        node.running, node.active = (), True
+        if node.observer is not SILENT:
+            node.observer.entered(node.path)
+        if node.enter is not None:
+            node.enter()
+        for kid, halt in pairs:
+            if kid.status is not INVALID:
+                halt()
+        if first is not None:
+            node.current_child = first
+
+    return begin
+
+
+def _end(node: Any) -> Callable[[Any, str], Status]:
+    """Return what ends an activation by a child, with an outcome."""
+    kind, statuses = node.kind, {outcome: STATUS[meaning] for outcome, meaning in node.meaning.items()}
+    reactive, composite, tidies = kind.reactive, kind.shown != "decorator", kind.shown == "selector" or kind.reactive
+
+    def end(kid: Any, outcome: str) -> Status:
+        node.last, node.why, node.outcome = kid, CHILD, outcome
+        if reactive:
+            node.halt_others(())
+        if tidies:
+            node.reset_after(kid)
+        if node.leave is not None:
+            node.leave()
+        if composite:
+            node.current_child = kid
+        status = statuses[outcome]
+        node.failure = kid.failure if status is F else None
+        node.state, node.status = None, status
+        report(node)
+        return status
+
+    return end
+
+
+def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
+    """The tick of any container: `KindNode.tick`, without its generators."""
+    changed, changed_below, outdated = look
+    kids, ticks = [part.node for part in parts], [part.tick for part in parts]
+    kind, answers = node.kind, node.answers
+    reactive, patient, again = kind.reactive, kind.concurrent or not kind.settles, kind.again
+
+    def first_step() -> Step | None:
+        """Return the first step of a tick; None where those who run go on."""
+        if node.status is not R or node.resting or not node.running:
+            opened: Step = node.opening()
+            return opened
+        return again(node.state, node.running, answers) if reactive else None
+
+    def tick(known: int) -> Status:
+        if not known:
+            known = node.status is not R
+            if (changed_below if known else changed)():
+                return outdated(known)
+        if node.kind is not kind:
+            return outdated(known)
+        step, before = first_step(), node.running
+        while step is None or type(step) is Run:
+            if step is None:
+                run = before
+            elif step[0] == before and not kind.concurrent:
+                run, node.state = before, step[1]
+            else:
+                run = node.run(step)
+            step, going = None, patient and run is before
             for i in run:
-                ticks[i](known)
-                if kids[i].status is not R:
-                    following = node.after(i, kids[i])
-                    if following is not None:
+                if ticks[i](known) is not R:
+                    going = False
+                    step = node.after(i, kids[i])
+                    if step is not None:
                         break
-            step = following if following is not None else node.ticked(run)
+            if going:
+                node.status = R
+                return R
+            if step is None:
+                step = node.ticked(run)
         node.land(step)
         return node.status
 

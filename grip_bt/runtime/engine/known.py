@@ -44,10 +44,10 @@ _KNOWN = {
     decorators.Decorator.tick: (Rules.DECORATOR, decorators.Decorator.stop),
 }
 _LEAF_TICK, _OURS_STOP = Leaf.tick, Node.stop
-_KINDS = [
-    (KindNode.tick, Node.stop, stop)
-    for stop in (composites.Composite.stop, composites.Parallel.stop, decorators.Decorator.stop)
-]
+_KIND_STOPS = {
+    each.stop for each in (composites.Composite, composites.Sequence, composites.Selector, composites.Parallel)
+} | {decorators.Decorator.stop}
+_KIND_TICK = KindNode.tick
 _CONDITIONAL = Conditional.tick
 _VALIDATION = composites.Parallel.validate_policy_configuration
 _PLAIN = {
@@ -67,7 +67,8 @@ def rules_of(node: Behaviour) -> Rules:
     if issubclass(cls, KindNode):
         if tick is _CONDITIONAL:
             tick = _after(cls, Conditional, "tick")
-        return Rules.KIND if (tick, stop, _after(cls, Node, "stop")) in _KINDS else Rules.OWN
+        known = tick is _KIND_TICK and stop is _OURS_STOP and _after(cls, Node, "stop") in _KIND_STOPS
+        return Rules.KIND if known else Rules.OWN
     if issubclass(cls, Node):
         if tick is _CONDITIONAL:
             tick = _after(cls, Conditional, "tick")

@@ -36,7 +36,7 @@ def by_generator(node: Behaviour, verdict: Verdict) -> Tick:
         for yielded in node.tick():
             if yielded is node and node.status in verdict.leave:
                 return node.status
-        return verdict.onward
+        return verdict.onward if verdict.leave else node.status
 
     return tick
 

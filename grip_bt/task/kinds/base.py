@@ -5,7 +5,8 @@ An automaton answers five questions, and each answer is a step:
 * `begin(state, q)`: no child runs. `state` is None when the container is entered, else what `Next` said a tick ago.
 * `ended(state, child, end, q)`: a child that was run has ended.
 * `again(state, running, q)`: a further tick, before any child is ticked; only asked of kinds that are `reactive`.
-* `settle(state, q)`: every child was ticked and nothing has ended the container; only asked of kinds that `settle`.
+* `settle(state, q)`: every child was ticked and nothing has ended the container; only asked of kinds that `settle`,
+  and of those that are `concurrent` only where a child has ended since.
 * `over(state, q)` is told, once, that an activation has ended or was halted.
 
 A kind holds no state of its own and never compares data: it asks `q`. A run answers from its variables and its clock;
