@@ -83,7 +83,7 @@ def test_what_is_not_to_be_run_is_not_started_twice(component, domain, serve):
 @pytest.mark.ros
 def test_a_launch_file_that_is_wrong_is_quoted(component, domain):
     (component.home / "up.launch.xml").write_text("<launch><nod/></launch>")
-    with pytest.raises(ServerLostError, match=r"<nod> isn't understood here; did you mean 'node'"):
+    with pytest.raises(ServerLostError, match=r"<nod> is not supported; did you mean 'node'"):
         component("{launch: up.launch.xml}", domain)
 
 
