@@ -10,9 +10,9 @@ from grip_bt.base.values import JointState
 from grip_bt.commanders.kinematics.fingertips import TOLERANCE, _Tips, fingers_of, fingertip_posture
 
 
-def fingertip_positions(model, hand, names=None):
-    """Where fingertips, or other links of the hand, are in its grasp frame [m]."""
-    tips = _Tips(model, tuple(fingers_of(model, "hand") if names is None else names), "hand", "grasp")
+def fingertip_positions(model, hand, names=None, frame="grasp"):
+    """Where fingertips, or other links of the hand, are in a frame of its palm [m]."""
+    tips = _Tips(model, tuple(fingers_of(model, "hand") if names is None else names), "hand", frame)
     return dict(zip(tips.fingers, tips.places(model.configuration(hand)), strict=True))
 
 
