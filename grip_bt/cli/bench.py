@@ -51,7 +51,7 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
     add_no_code(parser)
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print the summary as one JSON object")
-    form.add_argument("--csv", action="store_true", help="print a line a trial")
+    form.add_argument("--csv", action="store_true", help="print one line per trial")
     parser.set_defaults(run=run)
 
 

@@ -64,10 +64,10 @@ def add_import(parser: argparse.ArgumentParser) -> None:
         "--output",
         type=Path,
         metavar="OUT",
-        help="a .yaml file for one task, a folder for several, of grip a project folder; without it smach and grip"
-        " write nothing, the others stdout",
+        help="a .yaml file for one task, a folder for several, of grip a project folder; without it, smach and grip"
+        " write nothing, and the others write to stdout",
     )
-    parser.add_argument("--machine", metavar="NAME", help="only this one of several machines, or trees")
+    parser.add_argument("--machine", metavar="NAME", help="only this one of several machines or trees")
     parser.add_argument(
         "--execute",
         action="store_true",

@@ -74,7 +74,7 @@ def _show_arguments(what: Sequence[str]) -> int:
         choices = f", one of {', '.join(argument.choices)}" if argument.choices else ""
         print(f"{argument.name}: {default}{choices}{f'; {argument.doc}' if argument.doc else ''}")
     if not arguments:
-        print("it declares no arguments")
+        print("the file declares no arguments")
     return 0
 
 

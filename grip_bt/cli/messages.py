@@ -145,7 +145,7 @@ def _run_show(args: argparse.Namespace) -> int:
         print(json.dumps({**about, "type": type_name(type(entry.value)), "message": plain_of(entry.value)}))
     else:
         said = text_of(entry.value) if args.message else text_of_message(args.store, entry.value)
-        print(said.rstrip() or f"# a {type_name(type(entry.value))}, too big to be written")
+        print(said.rstrip() or f"# a {type_name(type(entry.value))}, too large to print")
     return 0
 
 
@@ -202,7 +202,7 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
     """
     given = [way for way in (args.value, args.file, args.topic) if way is not None]
     if len(given) != 1:
-        several = "one way only" if given else "the value is missing"
+        several = "give the value in one way only" if given else "the value is missing"
         raise GripError(f"{several}: say YAML, `-` (the standard input), `--file FILE` or `--topic TOPIC`")
     if args.topic is not None:
         return server.next_of(args.topic, args.type, args.within)

@@ -34,7 +34,7 @@ _WATCHDOG = 10.0
 def add_run(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument(
-        "task", type=Path, nargs="?", help="the task file; with --resume or --fork, where the run's is now"
+        "task", type=Path, nargs="?", help="the task file; with --resume or --fork, its current location"
     )
     add_run_options(parser)
     parser.add_argument("--set", dest="data", action="append", default=[], metavar="VAR=VALUE", type=_assignment)

@@ -33,9 +33,11 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--to", choices=("jsonl", "csv", "mcap"), help="export the run; mcap opens in Foxglove")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--data", action="store_true", help="the last value of each variable that the run wrote")
-    what.add_argument("--timing", action="store_true", help="how long the nodes of the run took")
-    parser.add_argument("--coverage", type=Path, metavar="TASK", help="which outcomes of a task its runs have seen")
+    what.add_argument("--data", action="store_true", help="show the last value of each variable that the run wrote")
+    what.add_argument("--timing", action="store_true", help="show how long the nodes of the run took")
+    parser.add_argument(
+        "--coverage", type=Path, metavar="TASK", help="show which outcomes of a task its runs have reached"
+    )
     parser.add_argument(
         "--prune",
         nargs="?",
@@ -170,18 +172,18 @@ def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> None
 def add_replay(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
-    parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal than that of this project")
+    parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")
     parser.add_argument(
         "--speed",
         type=number(),
         metavar="X",
-        help="seconds of the run in a second (default: 1 in a terminal; else as fast as it goes, which is 0)",
+        help="playback speed (default: 1 on a terminal, otherwise 0: as fast as possible)",
     )
     parser.add_argument("--until", default="", metavar="PLACE", help="end after SEQ, NODE or NODE:OUTCOME")
     parser.add_argument("--step", action="store_true", help="wait for Enter after each event; q ends")
-    parser.add_argument("--json", action="store_true", help="an event a line, as JSON")
+    parser.add_argument("--json", action="store_true", help="print one JSON event per line")
     parser.add_argument("--gui", action="store_true", help="open the page on this run")
-    parser.add_argument("--no-browser", action="store_true", help="with --gui: only print the address")
+    parser.add_argument("--no-browser", action="store_true", help="with --gui: only print its address")
     parser.set_defaults(run=_run_replay)
 
 
@@ -250,7 +252,7 @@ def add_capsule(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to (default: RUN.html)")
-    parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal than that of this project")
+    parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")
     parser.set_defaults(run=_run_capsule)
 
 

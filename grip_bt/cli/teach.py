@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 def add_teach(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument("name", nargs="?", help="a word; without it, what was taught is listed")
+    parser.add_argument("name", nargs="?", help="the name; without it, what was taught is listed")
     parser.add_argument("--project", default=".", help="a project folder, or a file in it (default: this folder)")
     part = parser.add_mutually_exclusive_group()
     part.add_argument("--arm", default="", help="which arm (default: the only one)")

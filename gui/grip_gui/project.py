@@ -29,7 +29,7 @@ class ProjectFolder:
     def __init__(self, folder: Path | str):
         self.folder = Path(folder).resolve()
         if not self.folder.is_dir():
-            raise DocumentError("this folder isn't there; make one with `grip new`", str(folder))
+            raise DocumentError("this folder doesn't exist; make one with `grip new`", str(folder))
 
     @property
     def name(self) -> str:

@@ -35,7 +35,7 @@ def test_a_file_without_arguments_says_so(tmp_path: Path, capsys) -> None:
     file = tmp_path / "it.launch.yaml"
     file.write_text('launch:\n- executable: {cmd: "echo hi"}\n')
     assert main(["launch", "--show-args", str(file)]) == 0
-    assert capsys.readouterr().out == "it declares no arguments\n"
+    assert capsys.readouterr().out == "the file declares no arguments\n"
 
 
 @pytest.mark.parametrize(

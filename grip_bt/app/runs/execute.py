@@ -178,7 +178,7 @@ def open_session(
             again = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
             log, re_execution, back = again
             for part, seq in back.restored.items():
-                progress(part, f"as it was at event {seq}")
+                progress(part, f"restored to event {seq}")
             for part, why in back.anew.items():
                 progress(part, f"starts from its initial state: it {why}")
         context = resources.context(None if re_execution is None else re_execution.clock)

@@ -136,8 +136,8 @@ def parts_lost(nodes: Mapping[str, tuple[str, str]], events: Sequence[Event], ro
 
 
 _LOST_WORDS = {
-    SCENE: "what they changed in the planning scene isn't there",
-    MESSAGES: "what they changed in message stores isn't there",
+    SCENE: "their changes to the planning scene are lost",
+    MESSAGES: "their changes to message stores are lost",
     WORLD: "the robot and the objects it moved are back at their initial positions",
 }
 

@@ -60,7 +60,7 @@ class PlannedRobot:
             GripError: it doesn't come up.
         """
         if not self.process.wait_until_ready():
-            raise GripError("the planning process doesn't come up; run `grip doctor`")
+            raise GripError("the planning process does not start; run `grip doctor`")
         names = planners_in_force(opening.project, self.description)
         opening.progress("planner", f"process {self.process.pid}: {names}")
 

@@ -180,6 +180,6 @@ class _Controllers:
         if gripper is None:
             return ControlledHand(self.executor(name, joints), self.limits)
         if len(joints) != 1:
-            reason = f"a gripper is asked through one joint, not {len(joints)}; name it: `joints: [NAME]`"
+            reason = f"a gripper is commanded through one joint, not {len(joints)}; name it: `joints: [NAME]`"
             raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")
         return GripperHand(self.bus, gripper, joints[0], self.states, self.settings.ready)
