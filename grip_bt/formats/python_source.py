@@ -14,14 +14,14 @@ _STEP = 4
 
 
 @dataclass(frozen=True)
-class Code:
+class Raw:
     """Text that is Python already: a name, a lambda; never a value of a task."""
 
     text: str
 
 
 @dataclass(frozen=True)
-class Items:
+class Bracketed:
     """Something between brackets.
 
     Attributes:
@@ -35,14 +35,14 @@ class Items:
     after: str
 
 
-Expr = Code | Items
+Expr = Raw | Bracketed
 
 
-def call(function: str, /, *given: object, **named: object) -> Items:
+def call(function: str, /, *given: object, **named: object) -> Bracketed:
     """Return a call; arguments are expressions, or values that are written as literals."""
     items = [("", literal(value)) for value in given]
     items += [(f"{name}=", literal(value)) for name, value in named.items()]
-    return Items(f"{function}(", tuple(items), ")")
+    return Bracketed(f"{function}(", tuple(items), ")")
 
 
 def literal(value: object) -> Expr:
@@ -51,25 +51,25 @@ def literal(value: object) -> Expr:
     Raises:
         TypeError: the value isn't a literal.
     """
-    if isinstance(value, Code | Items):
+    if isinstance(value, Raw | Bracketed):
         return value
     if isinstance(value, float) and not math.isfinite(value):
-        return Code(f"float({py(str(value))})")
+        return Raw(f"float({py(str(value))})")
     if isinstance(value, Mapping):
-        return Items("{", tuple((f"{flat(literal(k))}: ", literal(v)) for k, v in value.items()), "}")
+        return Bracketed("{", tuple((f"{flat(literal(k))}: ", literal(v)) for k, v in value.items()), "}")
     if isinstance(value, list | tuple):
-        return Items("[", tuple(("", literal(item)) for item in value), "]")
-    return Code(py(value))
+        return Bracketed("[", tuple(("", literal(item)) for item in value), "]")
+    return Raw(py(value))
 
 
 def flat(expression: Expr) -> str:
     """Return an expression on one line."""
-    if isinstance(expression, Code):
+    if isinstance(expression, Raw):
         return expression.text
     return expression.before + ", ".join(b + flat(item) for b, item in expression.items) + expression.after
 
 
-def lay_out(expression: Expr, indent: int, column: int, tail: int = 0) -> str:
+def format_expression(expression: Expr, indent: int, column: int, tail: int = 0) -> str:
     """Return an expression as it is written.
 
     Args:
@@ -79,19 +79,18 @@ def lay_out(expression: Expr, indent: int, column: int, tail: int = 0) -> str:
         tail: columns that follow on its last line.
     """
     line = flat(expression)
-    if isinstance(expression, Code) or not expression.items or column + len(line) + tail <= WIDTH:
+    if isinstance(expression, Raw) or not expression.items or column + len(line) + tail <= WIDTH:
         return line
     inner = indent + _STEP
-    lines = (
-        f"{' ' * inner}{before}{lay_out(item, inner, inner + len(before), 1)},\n" for before, item in expression.items
-    )
+    parts = ((before, format_expression(item, inner, inner + len(before), 1)) for before, item in expression.items)
+    lines = (f"{' ' * inner}{before}{text},\n" for before, text in parts)
     return f"{expression.before}\n{''.join(lines)}{' ' * indent}{expression.after}"
 
 
 def statement(target: str, expression: Expr, indent: int = _STEP) -> str:
     """Return `target = expression`, indented; no target makes it the expression alone."""
     before = f"{' ' * indent}{target} = " if target else " " * indent
-    return before + lay_out(expression, indent, len(before))
+    return before + format_expression(expression, indent, len(before))
 
 
 def remarked(text: str, remark: str, indent: int = _STEP) -> str:

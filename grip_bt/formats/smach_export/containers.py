@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from grip_bt.compilers.behaviour_state import Refined, labels
 from grip_bt.compilers.machine_table import AGAIN, chooses, counts, state_labels, table_of
 from grip_bt.compilers.resolve import Part
-from grip_bt.formats.python_source import Code, Items, call
+from grip_bt.formats.python_source import Bracketed, Raw, call
 from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model
 
@@ -15,7 +15,7 @@ from .forms import outcome_function, outcome_map, smach_form
 from .legacy import constants_before, is_next_item, is_obeyed, legacy_state, names_inside, reads, writes
 from .states import SourceBuilder, keys_of, legacy, tree
 
-Made = Items | Code
+Made = Bracketed | Raw
 
 
 def state(builder: SourceBuilder, part: Part, needed: Refined) -> Made:
@@ -25,7 +25,7 @@ def state(builder: SourceBuilder, part: Part, needed: Refined) -> Made:
         return legacy(builder, part)
     if form == "tree":
         return tree(builder, part, needed)
-    return Code(_CONTAINERS[form](builder, part, needed))
+    return Raw(_CONTAINERS[form](builder, part, needed))
 
 
 def machine(
@@ -72,13 +72,13 @@ def machine(
     if counter:
         end = "failure" if isinstance(part.node, model.Retry) else "success"
         leads = {"again": names[part.children[0].name], "enough": ends.get(end, end)}
-        builder.write(call("smach.StateMachine.add", AGAIN, Code(counter), transitions=leads), "", 8)
+        builder.write(call("smach.StateMachine.add", AGAIN, Raw(counter), transitions=leads), "", 8)
     if choice:
         leads = {f"do {child.name}": names[child.name] for child in part.children}
         leads |= {end: ends.get(end, end) for end in labels(("success", "failure"), _failures(needed))}
         if isinstance(part.node, model.Switch):  # a child without a case is never next
             leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in _cased(part.node)}
-        builder.write(call("smach.StateMachine.add", AGAIN, Code(choice), transitions=leads), "", 8)
+        builder.write(call("smach.StateMachine.add", AGAIN, Raw(choice), transitions=leads), "", 8)
     initial = led.get(table.initial, table.initial)
     if initial != names[children[0].name]:
         builder.write(call(f"{name}.set_initial_state", [initial]), "", 4)
@@ -90,7 +90,7 @@ def _counter(builder: SourceBuilder, part: Part, name: str) -> str:
     builder.parts.add("count")
     counter = builder.identifiers.take(f"attempts_of_{name}")
     builder.write(call("Count", part.node.times), counter)
-    builder.write(call(f"{name}.register_start_cb", Code(f"{counter}.begin")))
+    builder.write(call(f"{name}.register_start_cb", Raw(f"{counter}.begin")))
     return counter
 
 
@@ -105,15 +105,15 @@ def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> s
         for child, literal in part.node.literals():
             cases.setdefault(child, []).append(literal)
         default = {"default": part.node.default} if part.node.default else {}
-        made = call("Choose.case", Code("run"), part.node.on_value, cases, **default, **more)
+        made = call("Choose.case", Raw("run"), part.node.on_value, cases, **default, **more)
     else:
         assert isinstance(part.node, model.Loop), "the others are no machines"
         said = {"condition": part.node.while_, "times": part.node.times}
         given = {key: value for key, value in said.items() if value not in ("", None)}
-        made = call("Choose.loop", Code("run"), part.children[0].name, **given, **more)
+        made = call("Choose.loop", Raw("run"), part.children[0].name, **given, **more)
     choice = builder.identifiers.take(f"choice_of_{name}")
     builder.write(made, choice)
-    builder.write(call(f"{name}.register_start_cb", Code(f"{choice}.begin")))
+    builder.write(call(f"{name}.register_start_cb", Raw(f"{choice}.begin")))
     return choice
 
 
@@ -160,11 +160,11 @@ def _iterator(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     name, keys = builder.take(part), {"input_keys": [], "output_keys": [], **keys_of(part)}
     outcomes = labels(part.meaning, needed)
     own = _own(builder, part, "Each", "smach.Iterator")
-    run = [Code("run")] if own == "Each" else []
+    run = [Raw("run")] if own == "Each" else []
     builder.begin(name, call(own, *run, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
     items, item = part.node.items, part.node.item
     given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
-    builder.write(call(f"{name}.register_start_cb", Code(given)))
+    builder.write(call(f"{name}.register_start_cb", Raw(given)))
     (row,) = table.rows.values()
     _contained(builder, name, child, made, row, {AGAIN}, {})
     return name
@@ -189,7 +189,7 @@ def _items(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     name = builder.take(part)
     builder.body.append("")
     own = _own(builder, part, "Each", "smach.Iterator")
-    run = [Code("run")] if own == "Each" else []
+    run = [Raw("run")] if own == "Each" else []
     builder.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
     again = {child.name for child in part.children if is_next_item(child)}
     mapped: dict[str, str] = {}
@@ -254,7 +254,7 @@ def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     else:
         function = builder.identifiers.take(f"outcome_of_{name}")
         builder.functions.append(outcome_function(part, function, names))
-        given["outcome_cb"] = Code(function)
+        given["outcome_cb"] = Raw(function)
     outcomes = labels(part.meaning, needed)
     made = call(own, outcomes=outcomes, default_outcome=default, **keys_of(part), **given)
     builder.begin(name, made, part)

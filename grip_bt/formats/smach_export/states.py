@@ -12,7 +12,7 @@ from grip_bt.compilers.behaviour_state import Refined
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import Cell
 from grip_bt.formats.names import Identifiers
-from grip_bt.formats.python_source import Code, Items, call, literal, statement
+from grip_bt.formats.python_source import Bracketed, Raw, call, literal, statement
 from grip_bt.task import model
 
 from .legacy import legacy_state, reads, writes
@@ -57,11 +57,11 @@ class SourceBuilder:
         above = part.path.strip("/").split("/")[:-1]
         return self.identifiers.take(part.name, f"{above[-1] if above else 'whole'}_{part.name}")
 
-    def write(self, expression: Items | Code, target: str = "", indent: int = 4) -> None:
+    def write(self, expression: Bracketed | Raw, target: str = "", indent: int = 4) -> None:
         """Add a statement."""
         self.body.append(statement(target, expression, indent))
 
-    def begin(self, name: str, made: Items, part: Part) -> None:
+    def begin(self, name: str, made: Bracketed, part: Part) -> None:
         """Write a container's object, and what begins its variables anew."""
         self.body.append("")
         self.write(made, name)
@@ -72,7 +72,7 @@ class SourceBuilder:
         values = {cell.name: initial(declared, cell) for cell in part.scope.cells.values()}
         given = {key: held[0] for key, held in values.items() if held}
         unset = [key for key, held in values.items() if not held]
-        self.write(call(f"{name}.register_start_cb", Code("begin_anew"), [given, unset]))
+        self.write(call(f"{name}.register_start_cb", Raw("begin_anew"), [given, unset]))
 
 
 def initial(declared: Mapping[str, model.Variable | str], cell: Cell) -> list[Any]:
@@ -97,13 +97,13 @@ def set_key(builder: SourceBuilder, userdata: str, name: str, value: object) -> 
     builder.write(_expression(value), f"{userdata}.{name}" if plain else f"{userdata}[{name!r}]")
 
 
-def _expression(value: object) -> Items | Code:
+def _expression(value: object) -> Bracketed | Raw:
     found = literal(value)
-    assert isinstance(found, Items | Code), "these are all expressions"
+    assert isinstance(found, Bracketed | Raw), "these are all expressions"
     return found
 
 
-def tree(builder: SourceBuilder, part: Part, needed: Refined) -> Items:
+def tree(builder: SourceBuilder, part: Part, needed: Refined) -> Bracketed:
     """Return the state that ticks a node as GRIP does."""
     document = _ordered(part.node.model_dump(by_alias=True, exclude_unset=True, mode="json", exclude={"on", "x"}))
     used = {**reads(part), **writes(part)}
@@ -119,7 +119,7 @@ def tree(builder: SourceBuilder, part: Part, needed: Refined) -> Items:
     for below in part.walk():
         if below.manifest is not None and isinstance(below.node, model.Leaf):
             builder.nodes[below.manifest.id] = None
-    return call("BehaviourTree.of_node", document, Code("run"), place=part.path, **more)
+    return call("BehaviourTree.of_node", document, Raw("run"), place=part.path, **more)
 
 
 def _ordered(document: dict[str, Any]) -> dict[str, Any]:
@@ -132,13 +132,13 @@ def _ordered(document: dict[str, Any]) -> dict[str, Any]:
     return {**first, **{key: value for key, value in document.items() if key not in {*first, *below}}, **below}
 
 
-def legacy(builder: SourceBuilder, part: Part) -> Code:
+def legacy(builder: SourceBuilder, part: Part) -> Raw:
     """Return the expression that makes a legacy state."""
     state = legacy_state(part)
     assert state is not None, "this form is for legacy states"
     own = ast.parse(ast.unparse(state.source), mode="eval").body  # a copy, which is changed
     made = _Renaming(builder, state.modules).visit(own)
-    return Code(ast.unparse(ast.fix_missing_locations(made)))
+    return Raw(ast.unparse(ast.fix_missing_locations(made)))
 
 
 class _Renaming(ast.NodeTransformer):

@@ -15,9 +15,9 @@ from grip_bt.formats.python_source import call, comment, literal, remarked, stat
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog
 
+from .builder import ORDER, ModuleBuilder, asks_for_codes
 from .containers import container, table, wrapped
 from .leaves import foreign, is_file, leaf, manifest_text, needs_grip
-from .plan import ORDER, Plan, asks_for_codes
 
 _STANDARD: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("copy", "logging", "time"), ()),
@@ -51,41 +51,43 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
         NotExpressibleError: a part of it has no equivalent in such a file.
     """
     resolved = resolve(task, catalog)
-    plan = Plan(grip=needs_grip(resolved), codes=asks_for_codes(resolved))
-    _variables(resolved, plan)
-    root = _nodes(resolved, plan, catalog.code)
-    return _environment().get_template("module.py.j2").render(_meaning(resolved, catalog, plan, root, folder))
+    builder = ModuleBuilder(grip=needs_grip(resolved), codes=asks_for_codes(resolved))
+    _variables(resolved, builder)
+    root = _nodes(resolved, builder, catalog.code)
+    return (
+        _environment().get_template("module.py.j2").render(_template_values(resolved, catalog, builder, root, folder))
+    )
 
 
-def _variables(resolved: Resolved, plan: Plan) -> None:
+def _variables(resolved: Resolved, builder: ModuleBuilder) -> None:
     for scope in resolved.scopes:
         for cell in scope.cells.values():
             parent = scope.path.rsplit("/", 1)[-1]
-            name = plan.identifiers.take(cell.name, f"{parent}_{cell.name}")
-            plan.variables[id(cell)] = name
-            plan.parts.add("variable")
+            name = builder.identifiers.take(cell.name, f"{parent}_{cell.name}")
+            builder.variables[id(cell)] = name
+            builder.parts.add("variable")
             made = call("Variable", cell.name, *(() if cell.value is UNSET else (cell.value,)))
-            plan.statements.append(remarked(statement(name, made), cell.type))
+            builder.statements.append(remarked(statement(name, made), cell.type))
 
 
-def _nodes(resolved: Resolved, plan: Plan, code: AllowedImports) -> str:
+def _nodes(resolved: Resolved, builder: ModuleBuilder, code: AllowedImports) -> str:
     """Write the nodes, children first; return the root's name."""
     builtin = Catalog.builtin()
     names: dict[str, str] = {}
     for part in _children_first(resolved.root):
         parent = part.path.rsplit("/", 2)[-2] if "/" in part.path.strip("/") else "root"
         name = "root" if part.path == "/" else part.name
-        inner = plan.identifiers.take(name, f"{parent}_{name}")
+        inner = builder.identifiers.take(name, f"{parent}_{name}")
         if isinstance(part.node, model.Leaf):
-            made = leaf(part, plan, builtin)
+            made = leaf(part, builder, builtin)
         elif isinstance(part.node, model.Foreign):
-            made = foreign(part, plan, code)
+            made = foreign(part, builder, code)
         else:
-            made = container(part, [names[child.path] for child in part.children], plan)
-        rows = wrapped(part, made, inner, plan)
+            made = container(part, [names[child.path] for child in part.children], builder)
+        rows = wrapped(part, made, inner, builder)
         if part.node.doc:
-            plan.statements.append(comment(part.node.doc, 4))
-        plan.statements += [statement(name, expression) for name, expression in rows]
+            builder.statements.append(comment(part.node.doc, 4))
+        builder.statements += [statement(name, expression) for name, expression in rows]
         names[part.path] = rows[-1][0]
     return names["/"]
 
@@ -100,45 +102,47 @@ def _children_first(root: Part) -> list[Part]:
     return order[::-1]
 
 
-def _meaning(resolved: Resolved, catalog: Catalog, plan: Plan, root: str, folder: Path | None) -> dict[str, object]:
+def _template_values(
+    resolved: Resolved, catalog: Catalog, builder: ModuleBuilder, root: str, folder: Path | None
+) -> dict[str, object]:
     """Return what the template fills in."""
-    others = [(catalog.get(id), name) for id, name in plan.manifests.items()]
+    others = [(catalog.get(id), name) for id, name in builder.manifests.items()]
     manifests = [manifest_text(manifest, name, folder) for manifest, name in others]
     if any(is_file(manifest) for manifest, _ in others):
         manifests.insert(0, "HERE = Path(__file__).parent")
-    if plan.builtin:
+    if builder.builtin:
         manifests.insert(0, "NODES = Catalog.builtin()")
-    meaning: dict[str, object] = {
-        "head": _head(resolved.task, plan),
-        "grip": plan.grip,
-        "codes": plan.codes,
-        "parts": [part for part in ORDER if part in plan.parts],
-        "kinds": plan.kinds.text(),
-        "asked": plan.kinds.questions,
+    values: dict[str, object] = {
+        "head": _head(resolved.task, builder),
+        "grip": builder.grip,
+        "codes": builder.codes,
+        "parts": [part for part in ORDER if part in builder.parts],
+        "kinds": builder.kinds.text(),
+        "asked": builder.kinds.questions,
         "manifests": "\n".join(manifests),
-        "statements": plan.statements,
+        "statements": builder.statements,
         "root": root,
         "ends": statement("ENDS", literal(table(resolved.ends).get("/", {})), 0),
     }
-    body = _environment().get_template("module.py.j2").render({**meaning, "standard_imports": (), "imports": ()})
+    body = _environment().get_template("module.py.j2").render({**values, "standard_imports": (), "imports": ()})
     used = {node.id for node in ast.walk(ast.parse(body)) if isinstance(node, ast.Name)}
-    return {**meaning, "standard_imports": _lines(_STANDARD, used), "imports": _imports(plan, used)}
+    return {**values, "standard_imports": _lines(_STANDARD, used), "imports": _imports(builder, used)}
 
 
-def _head(task: model.Task, plan: Plan) -> str:
+def _head(task: model.Task, builder: ModuleBuilder) -> str:
     lines = [comment(f"Task {task.name}, written by `grip convert --to pytrees-py`.")]
     if task.doc:
         lines += ["#", comment(task.doc)]
-    if plan.grip:
+    if builder.grip:
         why = "It imports grip, since leaves of it are grip's own: they get the robot's parts from the run's context."
         lines += ["#", comment(why)]
     return "\n".join(lines)
 
 
-def _imports(plan: Plan, used: set[str]) -> list[str]:
+def _imports(builder: ModuleBuilder, used: set[str]) -> list[str]:
     """Return the import lines of py_trees, of grip where a leaf needs it, and of the leaves."""
     modules = {module: list(names) for module, names in _OTHERS.items()}
-    for module, classes in plan.imports.items():
+    for module, classes in builder.imports.items():
         own = [name if name == local else f"{name} as {local}" for name, local in classes.items()]
         modules[module] = [*modules.get(module, ()), *own]
         used = used | set(own)

@@ -14,13 +14,13 @@ from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.expression import CONSTANTS, parse_expression
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.resolve import Part, Resolved
-from grip_bt.formats.python_source import WIDTH, Code, Items, call, statement
-from grip_bt.formats.standalone.plan import TARGET
+from grip_bt.formats.python_source import WIDTH, Bracketed, Raw, call, statement
+from grip_bt.formats.standalone.builder import TARGET
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog, Manifest
 from grip_bt.task.catalog.source_code import line_of, source_of
 
-from .plan import Plan
+from .builder import ModuleBuilder
 
 _EQUAL = {"flow/wait", "flow/succeed", "flow/fail", "flow/log"}
 """Nodes of grip that have an equivalent without it."""
@@ -36,7 +36,7 @@ def needs_grip(resolved: Resolved) -> bool:
     )
 
 
-def leaf(part: Part, plan: Plan, builtin: Catalog) -> Items:
+def leaf(part: Part, builder: ModuleBuilder, builtin: Catalog) -> Bracketed:
     """Return the expression that makes a leaf.
 
     Raises:
@@ -44,77 +44,77 @@ def leaf(part: Part, plan: Plan, builtin: Catalog) -> Items:
     """
     node, manifest = cast(model.Leaf, part.node), cast(Manifest, part.manifest)
     parameters = {k: p.default for k, p in manifest.parameters.items() if not p.required} | dict(node.with_)
-    if not plan.grip and manifest.id in _EQUAL and not node.meaning:
-        return _equal(part, plan, parameters)
+    if not builder.grip and manifest.id in _EQUAL and not node.meaning:
+        return _equal(part, builder, parameters)
     if not is_plain(manifest):
-        return _grips(part, plan, builtin, parameters)
+        return _grips(part, builder, builtin, parameters)
     if node.in_ or node.out or node.meaning:
         what = f"{manifest.id}, a behaviour of py_trees, with `in`, `out` or `meaning`"
         raise NotExpressibleError(part.path, what, TARGET)
     odd = [name for name in parameters if not name.isidentifier() or keyword.iskeyword(name)]
     if odd:
         raise NotExpressibleError(part.path, f"the parameter {odd[0]!r}, which is no name in Python,", TARGET)
-    return call(_imported(manifest, plan), part.name, **parameters)
+    return call(_imported(manifest, builder), part.name, **parameters)
 
 
-def foreign(part: Part, plan: Plan, code: AllowedImports) -> Items:
+def foreign(part: Part, builder: ModuleBuilder, code: AllowedImports) -> Bracketed:
     """Return the expression that makes somebody's own behaviour, in a node that has the part's name."""
     node = cast(model.Foreign, part.node)
     module, _, name = node.behaviour.partition(":")
     first, *rest = name.split(".")
     own = {"name": part.name} if takes_name(node.behaviour, code) else {}
-    made = call(".".join((_class_name(module, first, plan), *rest)), **{**own, **node.args})
-    if plan.codes:
-        plan.parts.add("foreign")
-    return call("Foreign" if plan.codes else "py_trees.decorators.PassThrough", part.name, made)
+    made = call(".".join((_class_name(module, first, builder), *rest)), **{**own, **node.args})
+    if builder.codes:
+        builder.parts.add("foreign")
+    return call("Foreign" if builder.codes else "py_trees.decorators.PassThrough", part.name, made)
 
 
-def _equal(part: Part, plan: Plan, parameters: dict[str, object]) -> Items:
+def _equal(part: Part, builder: ModuleBuilder, parameters: dict[str, object]) -> Bracketed:
     node = cast(model.Leaf, part.node)
     match node.node:
         case "flow/succeed":
             return call("py_trees.behaviours.Success", part.name)
         case "flow/wait":
             return call("py_trees.timers.Timer", part.name, duration=parameters["seconds"])
-        case "flow/fail" if not plan.codes:
+        case "flow/fail" if not builder.codes:
             return call("py_trees.behaviours.Failure", part.name)
         case "flow/fail":
-            plan.parts.add("fail")
+            builder.parts.add("fail")
             return call("Fail", part.name, code=parameters["code"])
-    plan.parts.add("log")
-    value = {"value": Code(f"{plan.visible(part)[node.in_['value']]}.get")} if "value" in node.in_ else {}
+    builder.parts.add("log")
+    value = {"value": Raw(f"{builder.visible(part)[node.in_['value']]}.get")} if "value" in node.in_ else {}
     return call("Log", part.name, message=parameters["message"], **value)
 
 
-def _grips(part: Part, plan: Plan, builtin: Catalog, parameters: dict[str, object]) -> Items:
+def _grips(part: Part, builder: ModuleBuilder, builtin: Catalog, parameters: dict[str, object]) -> Bracketed:
     node, manifest = cast(model.Leaf, part.node), cast(Manifest, part.manifest)
     known = manifest.id in builtin and builtin.get(manifest.id) == manifest
-    plan.builtin = plan.builtin or known
-    if not known and manifest.id not in plan.manifests:
-        plan.manifests[manifest.id] = plan.identifiers.take(manifest.id.upper().replace("/", "_"))
-    face = call("NODES.get", manifest.id) if known else Code(plan.manifests[manifest.id])
-    made = call(_imported(manifest, plan), part.name, part.path, face, parameters, dict(node.meaning))
+    builder.builtin = builder.builtin or known
+    if not known and manifest.id not in builder.manifests:
+        builder.manifests[manifest.id] = builder.identifiers.take(manifest.id.upper().replace("/", "_"))
+    face = call("NODES.get", manifest.id) if known else Raw(builder.manifests[manifest.id])
+    made = call(_imported(manifest, builder), part.name, part.path, face, parameters, dict(node.meaning))
     if not (node.in_ or node.out):
         return made
-    plan.parts |= {"bind", "variable"}
-    seen = plan.visible(part)
+    builder.parts |= {"bind", "variable"}
+    seen = builder.visible(part)
     inputs, outputs = (
-        {port: Code(seen[variable]) for port, variable in bound.items()} for bound in (node.in_, node.out)
+        {port: Raw(seen[variable]) for port, variable in bound.items()} for bound in (node.in_, node.out)
     )
     return call("bind", made, inputs=inputs, outputs=outputs)
 
 
-def _imported(manifest: Manifest, plan: Plan) -> str:
+def _imported(manifest: Manifest, builder: ModuleBuilder) -> str:
     where, _, name = manifest.implementation.rpartition(":")
     if is_file(manifest):
-        return f"load_implementation({plan.manifests[manifest.id]})"
-    return _class_name(where, name, plan)
+        return f"load_implementation({builder.manifests[manifest.id]})"
+    return _class_name(where, name, builder)
 
 
-def _class_name(module: str, name: str, plan: Plan) -> str:
-    classes = plan.imports.setdefault(module, {})
+def _class_name(module: str, name: str, builder: ModuleBuilder) -> str:
+    classes = builder.imports.setdefault(module, {})
     if name not in classes:
-        classes[name] = plan.identifiers.take(name, f"{name}Of{module.rsplit('.', 1)[-1].title()}")
+        classes[name] = builder.identifiers.take(name, f"{name}Of{module.rsplit('.', 1)[-1].title()}")
     return classes[name]
 
 
@@ -137,7 +137,7 @@ def manifest_text(manifest: Manifest, name: str, folder: Path | None) -> str:
     if is_file(manifest):
         file = os.path.relpath(Path(where).resolve(), (folder or Path.cwd()).resolve())
         inside = f"{Path(file).as_posix()}:{class_name}".replace("{", "{{").replace("}", "}}")
-        given["implementation"] = Code("f" + py(f"{{HERE}}/{inside}"))
+        given["implementation"] = Raw("f" + py(f"{{HERE}}/{inside}"))
     return statement(name, call("Manifest.model_validate", given), 0)
 
 
@@ -180,33 +180,33 @@ def _file_of(where: str) -> Path | None:
         return None
 
 
-def function_of(text: str, part: Part, plan: Plan, *, around: bool = False) -> Code:
+def function_of(text: str, part: Part, builder: ModuleBuilder, *, around: bool = False) -> Raw:
     """Return a function that computes a condition: a lambda, or the name of one that is too long for a line.
 
     Args:
         text: the expression; every variable of it is declared.
         part: the node that has it.
-        plan: takes the function, where it has a name.
+        builder: takes the function, where it has a name.
         around: whether it sees the variables around the node, and not the node's own.
     """
-    inner = _python(text, plan.visible(part, around=around))
+    inner = _python(text, builder.visible(part, around=around))
     # What an attribute of a value compares to may be numpy's kind of bool, which py_trees refuses.
     own = any(isinstance(node, ast.Attribute) for node in ast.walk(parse_expression(text).tree))
-    return _function(f"bool({inner})" if own else inner, "bool", f"condition_of_{part.name}", plan)
+    return _function(f"bool({inner})" if own else inner, "bool", f"condition_of_{part.name}", builder)
 
 
-def value_of(text: str, part: Part, plan: Plan) -> Code:
+def value_of(text: str, part: Part, builder: ModuleBuilder) -> Raw:
     """Return a function that computes any value, likewise."""
-    return _function(_python(text, plan.visible(part)), "Any", f"value_of_{part.name}", plan)
+    return _function(_python(text, builder.visible(part)), "Any", f"value_of_{part.name}", builder)
 
 
-def _function(body: str, returns: str, name: str, plan: Plan) -> Code:
+def _function(body: str, returns: str, name: str, builder: ModuleBuilder) -> Raw:
     if len(body) < WIDTH // 2 - 8:
-        return Code(f"lambda: {body}")
-    name = plan.identifiers.take(name)
+        return Raw(f"lambda: {body}")
+    name = builder.identifiers.take(name)
     skip = "  # fmt: skip" if len(body) + len("        return ") > WIDTH else ""
-    plan.statements.append(f"\n    def {name}() -> {returns}:\n        return {body}{skip}\n")
-    return Code(name)
+    builder.statements.append(f"\n    def {name}() -> {returns}:\n        return {body}{skip}\n")
+    return Raw(name)
 
 
 def _python(text: str, variables: Mapping[str, str]) -> str:

@@ -141,7 +141,7 @@ def test_long_texts_keep_the_file_formatted(texts: list[str]) -> None:
 
 
 def test_what_has_no_equal_is_refused_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    from grip_bt.formats.standalone import plan
+    from grip_bt.formats.standalone import builder
 
     asks = {"kind": "parallel", "cancel": "ask", "children": {"x": {"node": "flow/fail"}}}
     with pytest.raises(
@@ -149,7 +149,7 @@ def test_what_has_no_equal_is_refused_by_its_name(monkeypatch: pytest.MonkeyPatc
     ):
         of({"kind": "sequence", "children": {"odd": asks}})
     loop = {"kind": "loop", "times": 2, "child": {"x": {"node": "flow/fail"}}}
-    monkeypatch.setattr(plan, "_ANSWERED", plan._ANSWERED - {"reached"})
+    monkeypatch.setattr(builder, "_ANSWERED", builder._ANSWERED - {"reached"})
     with pytest.raises(NotExpressibleError, match="odd: a loop, which asks for `reached`, can't be expressed exactly"):
         of({"kind": "sequence", "children": {"odd": loop}})
 

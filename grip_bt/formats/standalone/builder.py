@@ -20,7 +20,7 @@ from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.python_literals import py
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.formats.names import Identifiers
-from grip_bt.formats.python_source import Items, call
+from grip_bt.formats.python_source import Bracketed, call
 from grip_bt.task import model
 from grip_bt.task.kinds import base
 from grip_bt.task.kinds.base import every_kind
@@ -60,7 +60,7 @@ class KindSource:
         self._texts: dict[object, str] = {}
         self._settings: dict[type, list[str]] = {}
 
-    def made(self, part: Part, kind: base.Kind) -> Items:
+    def made(self, part: Part, kind: base.Kind) -> Bracketed:
         """Return the expression that makes a kind.
 
         Raises:
@@ -77,7 +77,7 @@ class KindSource:
         root = _class(base.Kind, "Settings", [f"{' = '.join(_FLAGS)} = False"], _ASKED)
         return "\n\n\n".join([_HEAD, *steps, root, *self._texts.values(), "# fmt: on"])
 
-    def _call(self, model: BaseModel) -> Items:
+    def _call(self, model: BaseModel) -> Bracketed:
         given: dict[str, object] = {}
         for name in self._settings[type(model)]:
             value = getattr(model, name)
@@ -181,7 +181,7 @@ _OWN_NAMES = (
 
 
 @dataclass
-class Plan:
+class ModuleBuilder:
     """The file under construction.
 
     Attributes:
