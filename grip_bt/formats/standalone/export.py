@@ -169,5 +169,5 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # what is made is Python; values enter it through `layout.literal` alone
+        autoescape=False,  # what is made is Python; values enter it through `python_source.literal` alone
     )
