@@ -398,7 +398,7 @@ class Loop(Kind):
         if self.times is None:
             return Run((0,))
         if state is not None and q.reached(state, self.times):
-            return End("failure", Reason("loop_limit", f"it was still looping after {self.times} passes"))
+            return End("failure", Reason("loop_limit", f"it reached the limit of {self.times} passes"))
         return Run((0,), q.up(0 if state is None else state))
 
     def ended(self, state, child, end, q):
@@ -414,7 +414,7 @@ class Cooldown(Kind):
         ready = q.kept
         if ready is None or q.passed(ready):
             return Run((0,), "ran")
-        return End("failure", Reason("cooldown", f"{q.names[0]} rests for {ready - q.now():g} s more"))
+        return End("failure", Reason("cooldown", f"{q.names[0]} is cooling down for another {ready - q.now():g} s"))
 
     def over(self, state, q):
         """Begin to rest, when the child has run."""
@@ -454,7 +454,7 @@ class Switch(Kind):
         """Run the child whose literal equals the value."""
         child = q.match("on_value", list(self.literals()), self.default)
         if not child:
-            return End("failure", Reason("no_case", f"no case is for {q.value('on_value')!r}"))
+            return End("failure", Reason("no_case", f"no case matches {q.value('on_value')!r}"))
         return Run((q.at(child),), 0, True)
 
     def again(self, state, running, q):
