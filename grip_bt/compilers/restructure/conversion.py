@@ -93,7 +93,9 @@ def _by_kind(part: Part) -> str | None:
         return None
     if isinstance(part.node, Parallel):
         return "its children run at once, and a state machine has one active child"
-    return "a decorator is about the child that it holds, not about an order"
+    if hasattr(part.node, "child"):
+        return "a decorator is about the child that it holds, not about an order"
+    return "which child runs is computed, and an edge of a state machine only looks at how a child has ended"
 
 
 def _why_not(part: Part, ticker: Part | None) -> str | None:
@@ -125,13 +127,9 @@ def _rows(part: Part) -> dict[str, dict[str, str]]:
     """Return child -> label of its end -> where it leads; codes before their outcome."""
     rows = {}
     for index, child in enumerate(part.children):
-        row = {}
-        for outcome in child.meaning:
-            for code in (*sorted(part.exits.codes(child.name, outcome)), None):
-                way = lead(part, index, outcome, code)
-                label = outcome if code is None else f"{outcome}.{code}"
-                row[label] = str(way.to or way.end)
-        rows[child.name] = row
+        outcomes = list(child.meaning)
+        arcs = sorted(_arcs(part, index), key=lambda arc: (outcomes.index(arc.outcome), arc.code is None))
+        rows[child.name] = {arc.label: arc.target for arc in arcs}
     return rows
 
 
@@ -269,11 +267,11 @@ def _structure(part: Part, ticker: Part | None) -> Region | _Stays:
 
 
 def _arcs(part: Part, index: int) -> list[Arc]:
-    """Return how a state ends and where that leads; the codes of an outcome come after it."""
-    child = part.children[index]
+    """Return how a child ends and where that leads; the codes of an outcome come after it."""
+    child, edges = part.children[index], part.edges if isinstance(part.node, StateMachine) else part.exits
     result = []
     for outcome, meaning in child.meaning.items():
-        for code in (None, *sorted(part.edges.codes(child.name, outcome))):
+        for code in (None, *sorted(edges.codes(child.name, outcome))):
             way = lead(part, index, outcome, code)
             result.append(Arc(child.name, outcome, code, meaning, str(way.to or way.end)))
     return result

@@ -33,9 +33,13 @@ class Arc:
     meaning: str
     target: str
 
+    @property
+    def label(self) -> str:
+        """The outcome, with its code."""
+        return self.outcome if self.code is None else f"{self.outcome}.{self.code}"
+
     def __str__(self) -> str:
-        label = self.outcome if self.code is None else f"{self.outcome}.{self.code}"
-        return f"{self.state}.{label} -> {self.target}"
+        return f"{self.state}.{self.label} -> {self.target}"
 
 
 @dataclass(frozen=True)
