@@ -41,24 +41,18 @@ from grip_gui.wire.task import ErrorBody
 
 log = logging.getLogger(__name__)
 STATIC = Path(__file__).parent / "static"
-_STATUS: tuple[tuple[type[GripError], int], ...] = (
-    (OutsideProjectError, 403),
-    (UnknownNameError, 404),
-    (DocumentError, 404),
-    (BusyError, 409),
-    (ControlTakenError, 409),
-    (StaleEditError, 409),
-    (ChangedOnDiskError, 409),
-    (UnfinishedTextError, 409),
-    (HandoverError, 409),
-)
-_KIND: dict[type[GripError], str] = {
-    StaleEditError: "stale",
-    ChangedOnDiskError: "disk",
-    UnfinishedTextError: "unfinished",
-    ControlTakenError: "held",
-    HandoverError: "approximate",
+_REFUSALS: dict[type[GripError], tuple[int, str]] = {
+    OutsideProjectError: (403, ""),
+    UnknownNameError: (404, ""),
+    DocumentError: (404, ""),
+    BusyError: (409, ""),
+    ControlTakenError: (409, "held"),
+    StaleEditError: (409, "stale"),
+    ChangedOnDiskError: (409, "disk"),
+    UnfinishedTextError: (409, "unfinished"),
+    HandoverError: (409, "approximate"),
 }
+"""Error -> status, and the kind where the page can do something about it."""
 
 
 def create_app(
@@ -131,9 +125,8 @@ def _run_under_way(desk: RunControl) -> str:
 
 
 async def _teach(request: Request, error: Exception) -> JSONResponse:
-    status = next((code for kind, code in _STATUS if isinstance(error, kind)), 400)
+    status, kind = next((found for cause, found in _REFUSALS.items() if isinstance(error, cause)), (400, ""))
     log.warning("%s %s: %s", request.method, request.url.path, error)
-    kind = next((word for cause, word in _KIND.items() if isinstance(error, cause)), "")
     return JSONResponse(ErrorBody(detail=str(error), kind=kind).model_dump(), status_code=status)
 
 

@@ -18,7 +18,7 @@ from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.ros.environment import own_domain
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import Noted
+from grip_bt.runtime.run_log import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.samples import form_of, source_of
@@ -90,7 +90,9 @@ def switcher(project: Path) -> Path:
         log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
         for variable, type_, value in (("request", "bool", True), ("count", "int", 3)):
             log.note(
-                0.0, "first", Noted("write", data={"variable": variable, "type": type_}, written=(snapshot(value),))
+                0.0,
+                "first",
+                DetailedEvent("write", data={"variable": variable, "type": type_}, written=(snapshot(value),)),
             )
         log.end("success", None)
     return home

@@ -21,7 +21,7 @@ from grip_bt.base.values.solids import CellMap, Mesh
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import Noted
+from grip_bt.runtime.run_log import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.motion import last_state, motion_of
 from grip_gui.live.ros_client import RosClientProcess
@@ -54,9 +54,9 @@ def recorded(folder: Path) -> tuple[str, list[list[float]]]:
         at = Pose((0.5, 0.1, 0.2))
         grasp = Grasp(at, at.moved((0, 0, 0.1)), at.moved((0, 0, 0.2)))
         data = {"variable": "chosen", "type": "Grasp", "preview": "a grasp"}
-        log.note(BEGAN + 2.0, "first", Noted("write", data=data, written=(snapshot(grasp),)))
+        log.note(BEGAN + 2.0, "first", DetailedEvent("write", data=data, written=(snapshot(grasp),)))
         data = {"variable": "cloud", "type": "PointCloud", "preview": "a cloud"}
-        log.note(BEGAN + 2.1, "first", Noted("write", data=data, written=(snapshot(CLOUD),)))
+        log.note(BEGAN + 2.1, "first", DetailedEvent("write", data=data, written=(snapshot(CLOUD),)))
         log.append(BEGAN + 3.0, "/", "run_ended", None, None, {"status": "success"})
         log.end("success", None)
     bodies = Bodies()

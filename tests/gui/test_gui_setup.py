@@ -12,7 +12,7 @@ from played import TASK, TestClient
 
 from grip_bt.base.values import JointState, Pose
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import Noted
+from grip_bt.runtime.run_log import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.setup.changes import UnchangeableError, remove, rename, set_value
 
@@ -314,7 +314,9 @@ def test_measured_poses_and_joint_states_of_a_run_are_kept_by_name(page: TestCli
     with Journal(project / ".grip" / "runs.sqlite") as journal:
         log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
         for value in (pose, state, "a text"):
-            log.note(0.0, "first", Noted("write", data={"variable": "v", "type": "x"}, written=(snapshot(value),)))
+            log.note(
+                0.0, "first", DetailedEvent("write", data={"variable": "v", "type": "x"}, written=(snapshot(value),))
+            )
         log.end("success", None)
     for seq, name in ((1, "seen"), (2, "held")):
         assert page.post("/api/setup/record", json={"run": log.id, "seq": seq, "name": name}).status_code == 200

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 import sqlite3
-import zlib
 from base64 import b64decode
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -17,18 +17,15 @@ from played import TASK, TestClient
 
 from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import Noted
+from grip_bt.runtime.run_log import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.view.values import LARGEST, PLACES, POINTS, ROWS, cloud_view, drawn_cloud, drawn_depth, png, value_view
 
 
 def pixels_of(data: bytes) -> NDArray[np.uint8]:
-    """Read back a PNG with one piece of data and no filters."""
+    """Read back a PNG."""
     assert data.startswith(b"\x89PNG\r\n\x1a\n")
-    width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
-    start = data.index(b"IDAT") + 4
-    rows = np.frombuffer(zlib.decompress(data[start : data.index(b"IEND") - 8]), dtype=np.uint8)
-    return rows.reshape(height, 1 + 3 * width)[:, 1:].reshape(height, width, 3)
+    return cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
 
 
 def test_a_picture_comes_back_pixel_by_pixel() -> None:
@@ -84,7 +81,7 @@ def written(project: Path) -> str:
         log = journal.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
         for value in (PointCloud(np.ones((40, 3))), DepthImage(np.array([[1.0, 2.0]]), info), 3):
             facts = {"variable": "count", "type": type(value).__name__}
-            log.note(0.0, "first", Noted("write", data=facts, written=(snapshot(value),)))
+            log.note(0.0, "first", DetailedEvent("write", data=facts, written=(snapshot(value),)))
         log.append(1.0, "first", "exit", "success", None, {})
         log.end("success", None)
     return str(log.id)

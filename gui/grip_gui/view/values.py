@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import struct
-import zlib
 from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
@@ -148,10 +148,8 @@ def _numbers(values: Iterable[float]) -> str:
 
 def _turns(pose: Pose) -> str:
     """Return a rotation as roll, pitch, yaw: about the fixed axes x, y, z [deg]."""
-    r = pose.rotation()
-    pitch = np.arctan2(-r[2, 0], np.hypot(r[0, 0], r[1, 0]))
-    roll, yaw = np.arctan2(r[2, 1], r[2, 2]), np.arctan2(r[1, 0], r[0, 0])
-    return "roll {:.1f}, pitch {:.1f}, yaw {:.1f} deg".format(*np.degrees([roll, pitch, yaw]).round(1) + 0.0)
+    turns = Rotation.from_matrix(pose.rotation()).as_euler("xyz", degrees=True)
+    return "roll {:.1f}, pitch {:.1f}, yaw {:.1f} deg".format(*turns.round(1) + 0.0)
 
 
 Pixels = NDArray[np.uint8]
@@ -162,15 +160,8 @@ DARK = 24
 
 
 def png(pixels: Pixels) -> bytes:
-    """Return pixels of shape (height, width, 3) as a PNG file (ISO/IEC 15948, filter 0)."""
-    height, width, _ = pixels.shape
-    rows = np.zeros((height, 1 + width * 3), dtype=np.uint8)
-    rows[:, 1:] = pixels.reshape(height, -1)
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        _chunk(name, data)
-        for name, data in ((b"IHDR", head), (b"IDAT", zlib.compress(rows.tobytes(), 6)), (b"IEND", b""))
-    )
+    """Return pixels of shape (height, width, 3) as a PNG file."""
+    return cv2.imencode(".png", pixels[..., ::-1])[1].tobytes()
 
 
 def address(pixels: Pixels) -> str:
@@ -231,7 +222,3 @@ def _shade(values: NDArray[np.float64], seen: NDArray[np.bool_]) -> Pixels:
     low, high = float(values[seen].min()), float(values[seen].max())
     near = 1 - (np.clip(np.nan_to_num(values), low, high) - low) / max(high - low, 1e-9)
     return (40 + 215 * near).astype(np.uint8)
-
-
-def _chunk(name: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
