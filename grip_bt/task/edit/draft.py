@@ -5,9 +5,11 @@ Only what was opened is checked again when the edit ends; the rest of the new ta
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import EditError
 
@@ -17,11 +19,11 @@ from ..parts import FREE_PREFIX
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
 
 
-class _Open(dict[str, Any]):
+class _Open(dict[str, object]):
     """A mapping that belongs to the draft and may be changed."""
 
 
-class _OpenList(list[Any]):
+class _OpenList(list[object]):
     """A list that belongs to the draft and may be changed; its keys are `0`, `1` ..."""
 
 
@@ -31,7 +33,7 @@ class Draft:
     def __init__(self, task: Task):
         self._top = _Open(data_of(task))
 
-    def mapping(self, at: Place) -> dict[str, Any]:
+    def mapping(self, at: Place) -> dict[str, object]:
         """Return the mapping at a place, to read.
 
         Raises:
@@ -80,7 +82,7 @@ class Draft:
             return Rekey(at=step.at, key=step.to, to=step.key)
         return self._shift(inside, step)
 
-    def _shift(self, inside: dict[str, Any], step: Shift) -> Step:
+    def _shift(self, inside: dict[str, object], step: Shift) -> Step:
         if step.to[: len(step.at) + 1] == (*step.at, step.key):
             raise EditError("/".join(step.at), f"{step.key!r} can't go into itself")
         into = self.mapping(step.to)
@@ -104,7 +106,7 @@ class Draft:
             raise EditError(where, faults) from None
 
 
-def _opened(value: Any) -> Any:
+def _opened(value: object) -> object:
     if isinstance(value, BaseModel):
         return _Open(data_of(value))
     if isinstance(value, dict):
@@ -114,27 +116,27 @@ def _opened(value: Any) -> Any:
     return value
 
 
-def _index(inside: Any, key: str) -> Any:
+def _index(inside: object, key: str) -> Any:
     return int(key) if isinstance(inside, list) else key
 
 
-def _has(inside: Any, key: str) -> bool:
+def _has(inside: Collection[object], key: str) -> bool:
     return key.isdecimal() and int(key) < len(inside) if isinstance(inside, list) else key in inside
 
 
-def position(mapping: dict[str, Any], at: Place, key: str) -> int | None:
+def position(mapping: dict[str, object], at: Place, key: str) -> int | None:
     """Return the position of an entry among those whose order counts; None where the order of keys is fixed."""
     ordered = _ordered(mapping, at, key)
     return None if ordered is None else ordered.index(key)
 
 
-def _ordered(mapping: dict[str, Any], at: Place, key: str) -> list[str] | None:
+def _ordered(mapping: dict[str, object], at: Place, key: str) -> list[str] | None:
     if not is_record(at):
         return list(mapping)
     return [k for k in mapping if k.startswith(FREE_PREFIX)] if key.startswith(FREE_PREFIX) else None
 
 
-def _insert(mapping: dict[str, Any], at: Place, key: str, value: Any, index: int | None) -> None:
+def _insert(mapping: dict[str, object], at: Place, key: str, value: object, index: int | None) -> None:
     ordered = _ordered(mapping, at, key)
     following = ordered[index:] if ordered is not None and index is not None else []
     moved = [(k, mapping.pop(k)) for k in following]
@@ -142,20 +144,20 @@ def _insert(mapping: dict[str, Any], at: Place, key: str, value: Any, index: int
     mapping.update(moved)
 
 
-def _expect(mapping: dict[str, Any], at: Place, key: str, present: bool) -> None:
+def _expect(mapping: dict[str, object], at: Place, key: str, present: bool) -> None:
     if _has(mapping, key) != present:
         where = "/".join(at) or "the task"
         raise EditError(where, f"there is no {key!r}" if present else f"there is a {key!r} already")
 
 
-def _closed(value: Any) -> Any:
+def _closed(value: object) -> object:
     """Return a copy that the new task may keep; models that weren't opened are shared."""
     if isinstance(value, dict):
         return {key: _closed(inner) for key, inner in value.items()}
     return [_closed(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
-def _said(error: Any) -> str:
+def _said(error: ErrorDetails) -> str:
     at = "/".join(str(step) for step in error["loc"][-2:] if step not in ("children", "child", "leaf"))
     if error["type"] == "missing":
         return f"the key {str(error['loc'][-1])!r} is missing"
