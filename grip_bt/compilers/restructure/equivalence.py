@@ -19,8 +19,8 @@ from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import Observer, halt
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Foreign as ForeignNode
+from grip_bt.task.model import Kind, Task, walk
 from grip_bt.task.model import Leaf as LeafNode
-from grip_bt.task.model import Parallel, Task, walk
 
 from ..to_tree import CompiledTree, to_tree
 from .result import Restructured
@@ -121,7 +121,7 @@ def compare(task: Task, result: Restructured, catalog: Catalog, runs: int | None
     """
     origin = {new: old for old, new in result.paths.items()}
     most = runs or max(10, min(RUNS, WORK // max(1, len(origin))))
-    concurrent = any(isinstance(node, Parallel) for _, node in walk(task.root))
+    concurrent = any(isinstance(node, Kind) and node.concurrent for _, node in walk(task.root))
     codes = _codes(task)
     order = count()
     queue: list[tuple[int, int, tuple[End, ...]]] = [(0, next(order), ())]

@@ -20,15 +20,10 @@ from grip_bt.task.edit.editing import Edit, slot
 from grip_bt.task.edit.steps import Assign
 from grip_bt.task.model import (
     Childless,
-    Fallback,
-    Guard,
+    Kind,
     Leaf,
-    Parallel,
-    Sequence,
     Subtask,
-    Switch,
     Task,
-    Timeout,
     Variable,
     type_of,
     walk,
@@ -73,8 +68,7 @@ def _interrupting(placed: PlacedNode) -> Iterator[tuple[PlacedNode, PlacedNode]]
     inside, around = placed, placed.parent
     while around is not None:
         node = around.node
-        reactive = isinstance(node, Sequence | Fallback | Switch) and not node.memory
-        if reactive or isinstance(node, Parallel | Timeout | Guard):
+        if isinstance(node, Kind) and (node.concurrent or not node.blocking):
             yield around, inside
         inside, around = around, around.parent
 

@@ -13,7 +13,7 @@ from grip_bt.base.yaml.writer import WIDTH
 from grip_bt.compilers.machine_table import lead
 from grip_bt.compilers.resolve import Part
 from grip_bt.task import dumps
-from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task, join
+from grip_bt.task.model import AnyNode, Fallback, Kind, Sequence, StateMachine, Task, join
 
 Place = tuple[str, ...]
 """A node's names, from some node above it downwards."""
@@ -129,7 +129,7 @@ def successors(part: Part) -> list[str]:
     Without any, a container ends in the same tick as its child, whatever its kind is.
     """
     found: dict[str, None] = {}
-    edges = part.edges if isinstance(part.node, StateMachine) else part.exits
+    edges = part.edges if isinstance(part.node, Kind) and part.node.by_edges else part.exits
     for index, child in enumerate(part.children):
         for outcome in child.meaning:
             for code in (None, *edges.codes(child.name, outcome)):
