@@ -23,12 +23,12 @@ from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import Journal
 from grip_bt.runtime.run_log import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.live.motion import last_state, motion_of
+from grip_gui.live.recorded import last_state, motion_of
 from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import make_live_router
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
-from grip_gui.setup.geometry import geometry
+from grip_gui.setup.robot_facts import geometry
 
 GRIP = "grip: 1\nrobot: panda_allegro\narms: {right: {group: arm, hand: palm}}\nhands: {palm: {group: hand}}\n"
 BEGAN = 9.5

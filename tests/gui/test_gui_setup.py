@@ -383,9 +383,9 @@ def test_a_message_of_the_projects_own_packages_is_known(page: TestClient, proje
     assert look(page, text=text, outcomes="one,none").json()["problems"] == []
 
 
-@pytest.mark.parametrize("request", [{"type": "no"}, {"text": "int32 a b c\n"}, {"type": "x_y/srv/Z", "text": ""}])
-def test_what_is_no_interface_is_refused_with_the_reason(page: TestClient, request: dict[str, str]) -> None:
-    answer = look(page, **request)
+@pytest.mark.parametrize("asked", [{"type": "no"}, {"text": "int32 a b c\n"}, {"type": "x_y/srv/Z", "text": ""}])
+def test_what_is_no_interface_is_refused_with_the_reason(page: TestClient, asked: dict[str, str]) -> None:
+    answer = look(page, **asked)
     assert answer.status_code in {400, 404}
     assert answer.json()["detail"]
 

@@ -15,14 +15,13 @@ from pydantic import ValidationError
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
-from grip_gui.live.motion import last_state, motion_of
+from grip_gui.live.recorded import form_of, last_state, motion_of, source_of
 from grip_gui.live.ros_client import RosClientProcess
-from grip_gui.live.samples import form_of, source_of
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
-from grip_gui.setup.geometry import geometry
 from grip_gui.setup.kinds import JOINT_STATES, POSES, kind_of
 from grip_gui.setup.named import keep_text
+from grip_gui.setup.robot_facts import geometry
 from grip_gui.wire.live import (
     ComponentForm,
     Done,
