@@ -90,7 +90,7 @@ class KindNode(Node):
         if self.resting or not self.running:
             return kind.begin(self.state if self.resting else None, answers)
         if kind.reactive:
-            return kind.again(self.state, self.running, answers)
+            return kind.again(self.state, self.running, answers) or Run(self.running, self.state)
         if kind.shown == "selector":
             self.reset(self.children[: self.running[0]])
         return Run(self.running, self.state)

@@ -287,7 +287,10 @@ def _further(kind: Kind, labels: Labels, at: Any, step: Step, oracle: Oracle) ->
         return
     assert type(step) is Stay, "a kind settles by staying or by an end"
     if kind.reactive:
-        yield from _taken(kind, labels, at, lambda q: kind.again(step.state, running, q), None, None, running, (), ends)
+        go_on = Run(running, step.state)
+        yield from _taken(
+            kind, labels, at, lambda q: kind.again(step.state, running, q) or go_on, None, None, running, (), ends
+        )
     else:
         yield Way(at, None, None, oracle.said, (), (), step, (running, running, step.state, ends))
 

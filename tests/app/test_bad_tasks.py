@@ -58,5 +58,6 @@ def test_a_variable_can_be_set_and_a_wrong_one_is_refused(tmp_path):
 
 def test_an_unknown_demonstration_lists_those_that_exist():
     done = grip("demo", "reactve")
-    assert done.returncode == 1
-    assert "available: reactive" in done.stderr
+    assert done.returncode == 2
+    assert "choose from" in done.stderr
+    assert "reactive" in done.stderr

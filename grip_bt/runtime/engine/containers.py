@@ -181,13 +181,6 @@ def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
     kind, answers = node.kind, node.answers
     reactive, patient, again = kind.reactive, kind.concurrent or not kind.settles, kind.again
 
-    def first_step() -> Step | None:
-        """Return the first step of a tick; None where those who run go on."""
-        if node.status is not R or node.resting or not node.running:
-            opened: Step = node.opening()
-            return opened
-        return again(node.state, node.running, answers) if reactive else None
-
     def tick(known: int) -> Status:
         if not known:
             known = node.status is not R
@@ -195,7 +188,11 @@ def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
                 return outdated(known)
         if node.kind is not kind:
             return outdated(known)
-        step, before = first_step(), node.running
+        before, step = node.running, None
+        if node.status is not R or node.resting or not before:
+            step, before = node.opening(), node.running
+        elif reactive:
+            step = again(node.state, before, answers)
         while step is None or type(step) is Run:
             if step is None:
                 run = before

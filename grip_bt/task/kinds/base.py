@@ -274,9 +274,9 @@ class Kind(BaseNode):
         """Return what follows the end of a child: the container ends with its meaning."""
         return End(end.meaning)
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
-        """Return the first step of a further tick: those who run go on."""
-        return Run(running, state)
+    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step | None:
+        """Return the first step of a further tick; None: those who run go on, and the state is what it was."""
+        return None
 
     def settle(self, state: Any, q: Questions) -> Step:
         """Return what follows when every child was ticked: nothing changes."""

@@ -30,11 +30,11 @@ class Guard(Decorator):
 
     def begin(self, state: Any, q: Questions) -> Step:
         """Run the child where the condition holds."""
-        return Run((0,)) if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
+        return self.again(state, (), q) or Run((0,))
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step | None:
         """Look at the condition again."""
-        return self.begin(state, q)
+        return None if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
 
     def settings(self) -> str:
         """Return the condition."""

@@ -40,9 +40,9 @@ class Timeout(Decorator):
         """Run the child; the state is the deadline, which isn't reached yet."""
         return Run((0,), q.deadline(self.seconds))
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step | None:
         """Look at the clock before the child."""
-        return self._late(q) if q.passed(state) else Run(running, state)
+        return self._late(q) if q.passed(state) else None
 
     def settle(self, state: Any, q: Questions) -> Step:
         """Look at the clock after the child."""

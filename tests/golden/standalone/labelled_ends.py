@@ -214,8 +214,8 @@ class Kind(Settings):
         return End(end.meaning)
 
     def again(self, state, running, q):
-        """Return the first step of a further tick: those who run go on."""
-        return Run(running, state)
+        """Return the first step of a further tick; None: those who run go on, and the state is what it was."""
+        return None
 
     def settle(self, state, q):
         """Return what follows when every child was ticked: nothing changes."""
@@ -378,11 +378,11 @@ class Guard(Kind):
 
     def begin(self, state, q):
         """Run the child where the condition holds."""
-        return Run((0,)) if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
+        return self.again(state, (), q) or Run((0,))
 
     def again(self, state, running, q):
         """Look at the condition again."""
-        return self.begin(state, q)
+        return None if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
 
 
 class Loop(Kind):
@@ -555,9 +555,10 @@ class Container(py_trees.composites.Composite):
     def opening(self) -> Any:
         """Return the first step of this tick."""
         if self.status == Status.RUNNING and not self.resting:
+            step = None
             if self.kind.reactive:
-                return self.kind.again(self.state, self.running, self)
-            return Run(self.running, self.state)
+                step = self.kind.again(self.state, self.running, self)
+            return step or Run(self.running, self.state)
         if self.status != Status.RUNNING:
             self.last = self.outcome = self.state = None
             self.running, self.resting = (), False
