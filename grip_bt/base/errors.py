@@ -40,7 +40,7 @@ class GripError(Exception):
         return _restored, (type(self), self.args, dict(self.__dict__))
 
 
-def _restored(cls: type[GripError], args: tuple[Any, ...], attributes: dict[str, Any]) -> GripError:
+def _restored(cls: type[GripError], args: tuple[object, ...], attributes: dict[str, Any]) -> GripError:
     error = cls.__new__(cls, *args)
     error.__dict__.update(attributes)
     return error

@@ -29,7 +29,7 @@ class FrozenDict(dict[K, V]):
         return FrozenDict({k: deepcopy(v, memo) for k, v in self.items()}) if self else self
 
     @classmethod
-    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         arguments = getattr(source, "__args__", (Any, Any))
         inner = handler.generate_schema(GenericAlias(dict, arguments))
         return core_schema.no_info_after_validator_function(cls, inner)

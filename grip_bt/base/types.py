@@ -176,7 +176,7 @@ def _reason(type_: Type, value: Any, where: str) -> str | None:
     return next((r for at, item in pairs if (r := _reason(type_.item, item, at))), None)
 
 
-def _is_a(name: str, value: Any) -> bool:
+def _is_a(name: str, value: object) -> bool:
     if name in _PYTHON:
         fits = isinstance(value, _PYTHON[name])
         return fits and (name == "bool" or not isinstance(value, bool))

@@ -65,7 +65,7 @@ def _listed(words: str) -> list[Any]:
     return data if isinstance(data, list) else [data]
 
 
-def _applied(data: Any, document: Document, catalog: Catalog, files: dict[str, str]) -> Edited:
+def _applied(data: object, document: Document, catalog: Catalog, files: dict[str, str]) -> Edited:
     try:
         command = command_of(data)
     except ValidationError as error:

@@ -52,7 +52,7 @@ class Prompt:
         if self._holds is not None:
             self._holds.wait()
 
-    def _go(self, command: str, **fields: Any) -> None:
+    def _go(self, command: str, **fields: object) -> None:
         if self._holds is not None:
             self._holds.clear()
         self._send({"command": command, **fields})

@@ -186,7 +186,7 @@ def _run_watch(args: argparse.Namespace) -> int:
     return 0
 
 
-def _change(store: str, kind: str, name: str, value: Any, as_json: bool) -> str:
+def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> str:
     if as_json:
         message = None if value is None else plain_of_entry(store, value)
         return json.dumps({"store": store, "change": kind, "name": name, "message": message})

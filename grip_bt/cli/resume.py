@@ -26,7 +26,9 @@ from .parser import whole
 class Given(argparse.Action):
     """Keeps a value, and that the command line gave it: what it doesn't give is as it was in the run."""
 
-    def __call__(self, parser: Any, namespace: argparse.Namespace, values: Any, option: str | None = None) -> None:
+    def __call__(
+        self, parser: object, namespace: argparse.Namespace, values: object, option: str | None = None
+    ) -> None:
         """Keep it."""
         setattr(namespace, self.dest, values)
         namespace.given = getattr(namespace, "given", frozenset()) | {self.dest}

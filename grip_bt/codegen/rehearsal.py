@@ -60,7 +60,7 @@ class _Scripted:
 
 
 def rehearse(
-    package: Path, reply: Mapping[str, Any], inputs: Mapping[str, Any] | None = None, feedback: Any = None
+    package: Path, reply: Mapping[str, object], inputs: Mapping[str, Any] | None = None, feedback: object = None
 ) -> Ending:
     """Tick the node of a package until it ends.
 

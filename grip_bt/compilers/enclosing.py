@@ -17,7 +17,7 @@ from .resolve import Part
 from .task_machine import TaskConcurrence, TaskContainer
 
 
-def enclose(root: Part, nodes: Mapping[str, Node], states: Mapping[str, Any]) -> None:
+def enclose(root: Part, nodes: Mapping[str, Node], states: Mapping[str, object]) -> None:
     """Tell every leaf that cares which containers of SMACH are around it, and have these count their entries.
 
     Args:

@@ -168,7 +168,7 @@ class TaskMachine(TaskContainer, StateMachine):
         self._last: TaskState | None = None
         self.register_termination_cb(self._remember)
 
-    def _remember(self, userdata: Any, terminal_states: list[str], outcome: str) -> None:
+    def _remember(self, userdata: object, terminal_states: list[str], outcome: str) -> None:
         self._last = self[terminal_states[0]]  # type: ignore[assignment]
 
     def ask(self, decide: Decide) -> None:

@@ -271,7 +271,7 @@ def _is_pose_in_numbers(port: PortType, raw: object) -> bool:
     return port.type == "Pose" and not hasattr(raw, "get_fields_and_field_types")
 
 
-def _pose_from_numbers(raw: Any, port: PortType) -> Pose:
+def _pose_from_numbers(raw: object, port: PortType) -> Pose:
     numbers = np.asarray(raw, dtype=float).reshape(-1)
     if len(numbers) not in (3, 4, 7):
         raise ConversionError("", f"a pose is 7 numbers (position, rotation), 3 or 4; these are {len(numbers)}")

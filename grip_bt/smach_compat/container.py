@@ -197,12 +197,12 @@ class Container(State):
         if self._transition_cbs:
             self._call("transition", self._transition_cbs, self.get_active_states())
 
-    def call_termination_cbs(self, terminal_states: Any, outcome: str | None) -> None:
+    def call_termination_cbs(self, terminal_states: object, outcome: str | None) -> None:
         """Call the termination callbacks."""
         if self._termination_cbs:
             self._call("termination", self._termination_cbs, terminal_states, outcome)
 
-    def _call(self, kind: str, callbacks: list[Any], *args: Any) -> None:
+    def _call(self, kind: str, callbacks: list[Any], *args: object) -> None:
         try:
             for cb, cb_args in callbacks:
                 cb(self.userdata, *args, *cb_args)

@@ -145,7 +145,7 @@ class Iterator(Container):
         self._copy_output_keys(self.userdata, parent_ud)
         return outcome
 
-    def _loop(self, items: Iterable[Any]) -> Any:
+    def _loop(self, items: Iterable[object]) -> Any:
         outcome: Any = self._exhausted_outcome
         iterator = iter(items)
         while not hooks.is_shutdown():

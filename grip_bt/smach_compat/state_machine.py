@@ -303,7 +303,7 @@ class StateMachine(Container):
         self.call_termination_cbs([label], reached)
         return reached
 
-    def _raise_as_user_code(self, label: Any, state: Any, error: BaseException) -> NoReturn:
+    def _raise_as_user_code(self, label: object, state: object, error: BaseException) -> NoReturn:
         """Raise what a state raised; all but InvalidUserCodeError wrapped into one."""
         if isinstance(error, InvalidUserCodeError):
             hooks.logerr(f"State {label!r} failed to execute.")

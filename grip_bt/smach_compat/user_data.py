@@ -50,7 +50,7 @@ class UserData:
 
     __getitem__ = __getattr__
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if name[0] == "_":
             object.__setattr__(self, name, value)
         elif name in self._locks:
@@ -59,7 +59,7 @@ class UserData:
         else:
             self._data[name] = value
 
-    def __setitem__(self, key: str, value: Any) -> None:
+    def __setitem__(self, key: str, value: object) -> None:
         self._data[key] = value
 
     def __contains__(self, key: object) -> bool:
@@ -115,7 +115,7 @@ class Const:
         raise TypeError(f"can't delete {name!r}: the value is an input only")
 
 
-def get_const(obj: Any) -> Any:
+def get_const(obj: object) -> Any:
     """Return the value wrapped for reading, or itself when it has no attributes of its own (no `__dict__`)."""
     return Const(obj) if hasattr(obj, "__dict__") else obj
 
@@ -146,7 +146,7 @@ class Remapper:
             raise AttributeError(f"userdata has no attribute {name!r}")
         return self[name]
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if name[0] == "_":
             object.__setattr__(self, name, value)
         else:
@@ -158,7 +158,7 @@ class Remapper:
         value = self._ud[self._remap(key)]
         return value if key in self._output else get_const(value)
 
-    def __setitem__(self, key: str, value: Any) -> None:
+    def __setitem__(self, key: str, value: object) -> None:
         if key not in self._output:
             self._refuse_writing(key)
             return
@@ -177,7 +177,7 @@ class Remapper:
     def __contains__(self, key: object) -> bool:
         return key in self._input and self._remap(key) in self._ud
 
-    def _remap(self, key: Any) -> Any:
+    def _remap(self, key: object) -> Any:
         return self._map[key] if key in self._map else key
 
     def keys(self) -> list[str]:

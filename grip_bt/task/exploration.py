@@ -124,7 +124,7 @@ class Oracle:
         """Return a time."""
         return UNKNOWN
 
-    def passed(self, at: Any) -> bool:
+    def passed(self, at: object) -> bool:
         """Answer both."""
         return bool(self._ask("before", "after"))
 
@@ -132,11 +132,11 @@ class Oracle:
         """Return a number."""
         return UNKNOWN
 
-    def reached(self, count: Any, limit: int) -> bool:
+    def reached(self, count: object, limit: int) -> bool:
         """Answer both."""
         return bool(self._ask("again", "enough"))
 
-    def pick(self, count: Any, size: int) -> int:
+    def pick(self, count: object, size: int) -> int:
         """Answer every number."""
         return self._ask(*(f"turn {i + 1}" for i in range(size)))
 

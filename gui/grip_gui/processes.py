@@ -116,7 +116,7 @@ class CommandRunner:
         shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
         return CommandResult(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
 
-    async def answer(self, module: str, **question: Any) -> dict[str, Any]:
+    async def answer(self, module: str, **question: object) -> dict[str, Any]:
         """Run a module that answers by `answer_question` in the project folder; return its answer.
 
         Raises:

@@ -68,7 +68,7 @@ class CampaignFile(_Config):
 
     @field_validator("seeds", mode="wrap")
     @classmethod
-    def _told_as_one(cls, value: Any, check: Callable[[Any], Any]) -> Any:
+    def _told_as_one(cls, value: object, check: Callable[[Any], Any]) -> Any:
         try:
             return check(value)
         except ValidationError:  # it would say of each form why it isn't that

@@ -227,7 +227,7 @@ def _looked_up(campaign: Campaign, started: Mapping[str, str] | None) -> tuple[d
 
 def _computed(
     text: str,
-    facts: Mapping[str, Any],
+    facts: Mapping[str, object],
     unclear: dict[str, str],
     name: str,
     compile_: _Compile,

@@ -79,7 +79,7 @@ def _catalog(record: RunRecord) -> Catalog:
     return project_catalog(record.task_path) if Path(record.task_path).is_file() else Catalog.builtin()
 
 
-def _page(record: RunRecord, task: Task, catalog: Catalog, columns: Mapping[str, Any], left_out: str) -> str:
+def _page(record: RunRecord, task: Task, catalog: Catalog, columns: Mapping[str, object], left_out: str) -> str:
     facts = {
         "run": {k: v for k, v in vars(record).items() if k not in ("task_text", "task_path")},
         "file": Path(record.task_path).name,
@@ -178,7 +178,7 @@ def _said(event: Event, longest: int) -> dict[str, Any]:
     return short
 
 
-def _shortened(value: Any, longest: int) -> Any:
+def _shortened(value: object, longest: int) -> Any:
     if not isinstance(value, str) or len(value) <= max(longest, _SHORT):
         return value
     return value[: max(longest, _SHORT) - 1] + "…"

@@ -108,7 +108,7 @@ def check_task(path: str | Path, text: str | None = None) -> tuple[Project, Docu
     return project, document, report
 
 
-def check_inputs(document: Document, given: Mapping[str, Any]) -> None:
+def check_inputs(document: Document, given: Mapping[str, object]) -> None:
     """Refuse a run of a task that isn't given what it needs.
 
     Raises:

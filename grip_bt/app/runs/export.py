@@ -27,7 +27,7 @@ _BYTES = {"type": "string", "contentEncoding": "base64"}
 _NUMBER, _STRING, _COUNT = {"type": "number"}, {"type": "string"}, {"type": "integer", "minimum": 0}
 
 
-def _object(**properties: Any) -> dict[str, Any]:
+def _object(**properties: object) -> dict[str, Any]:
     return {"type": "object", "properties": properties}
 
 

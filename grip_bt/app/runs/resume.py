@@ -119,7 +119,7 @@ def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:
                 ) from error
 
 
-def _copy(log: RunLog, events: Iterable[Event], origin: Mapping[str, Any]) -> None:
+def _copy(log: RunLog, events: Iterable[Event], origin: Mapping[str, object]) -> None:
     """Write events of another run into a new one; its times are those of that run."""
     for event in events:
         data = {**event.data, "forked_from": dict(origin)} if event.event == "run_started" else event.data
@@ -127,7 +127,7 @@ def _copy(log: RunLog, events: Iterable[Event], origin: Mapping[str, Any]) -> No
 
 
 def _set_values(
-    log: RunLog, compiled: CompiledTree | CompiledMachine, values: Mapping[str, Any], events: Sequence[Event]
+    log: RunLog, compiled: CompiledTree | CompiledMachine, values: Mapping[str, object], events: Sequence[Event]
 ) -> list[Event]:
     """Write that variables were set by hand; return these events as they happen again."""
     scopes = compiled.data

@@ -69,7 +69,7 @@ class _KeptState:
         self._last = now
         return self._save()
 
-    def restore(self, state: Any) -> None:
+    def restore(self, state: object) -> None:
         """Have the part as it was."""
         self._restore(state)
         self._last = self._version()

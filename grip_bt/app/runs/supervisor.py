@@ -165,7 +165,7 @@ class Supervisor:
 
     # --- its threads ---
 
-    def _send(self, command: Mapping[str, Any]) -> None:
+    def _send(self, command: Mapping[str, object]) -> None:
         line = json.dumps(command, default=str).encode() + b"\n"
         try:
             with self._lock:

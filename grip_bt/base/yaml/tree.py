@@ -140,7 +140,7 @@ def to_data(value: YamlValue) -> Any:
     return [to_data(entry.value) for entry in value.entries]
 
 
-def from_data(data: Any) -> YamlValue:
+def from_data(data: object) -> YamlValue:
     """Return dicts, lists and scalars as a tree without places."""
     if isinstance(data, dict):
         return YamlMapping({str(k): YamlEntry(str(k), from_data(v)) for k, v in data.items()})

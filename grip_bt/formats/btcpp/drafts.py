@@ -93,7 +93,7 @@ def named(children: list[NodeDraft]) -> dict[str, NodeDraft]:
 
 
 def switch(
-    on_value: str, cases: Mapping[str, Any], children: Mapping[str, NodeDraft], meaning: str, **more: Any
+    on_value: str, cases: Mapping[str, object], children: Mapping[str, NodeDraft], meaning: str, **more: object
 ) -> NodeDraft:
     """Return a switch that hands up `skipped` of every child that has it."""
     return container(
@@ -106,7 +106,7 @@ def skip() -> NodeDraft:
     return NodeDraft(dict(SUCCEED), True, "skip", True, "success")
 
 
-def set_variable(variable: str, value: Any) -> NodeDraft:
+def set_variable(variable: str, value: object) -> NodeDraft:
     """Return a node that gives a variable a literal value."""
     return NodeDraft(
         {"node": "flow/set", "with": {"value": value}, "out": {"value": variable}}, name=f"set {variable}", instant=True

@@ -98,7 +98,7 @@ def _context(found: Configuration, unknown: dict[str, GripState], issues: Issues
     )
 
 
-def _count(said: Mapping[str, Any]) -> int:
+def _count(said: Mapping[str, object]) -> int:
     number = said.get("number_outcomes")
     return number if type(number) is int and 0 < number < 100 else 1
 

@@ -266,7 +266,7 @@ def _arm(group: str, said: Mapping[str, object], issues: Issues) -> dict[str, ob
     return made
 
 
-def component_entry(name: str, said: Mapping[str, Any], issues: Issues) -> dict[str, Any] | None:
+def component_entry(name: str, said: Mapping[str, object], issues: Issues) -> dict[str, Any] | None:
     """Return the component file of an external component; None where its interface can't be told."""
     path = PurePosixPath(str(said["action/service"]))
     kind = {".action": "action", ".srv": "srv"}.get(path.suffix)

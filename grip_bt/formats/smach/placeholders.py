@@ -44,7 +44,7 @@ class Placeholder(metaclass=_Kind):
             raise AttributeError(name)
         return Placeholder()
 
-    def __getitem__(self, key: Any) -> Any:
+    def __getitem__(self, key: object) -> Any:
         return Placeholder()
 
     def __setitem__(self, key: object, value: object) -> None:
@@ -60,7 +60,7 @@ class Placeholder(metaclass=_Kind):
     def __enter__(self) -> Any:
         return self
 
-    def __exit__(self, *error: Any) -> None:
+    def __exit__(self, *error: object) -> None:
         pass
 
     def __len__(self) -> int:

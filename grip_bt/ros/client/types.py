@@ -165,7 +165,7 @@ def check_field(cls: type, name: str) -> FieldType:
     return known[name]
 
 
-def primitive(kind: FieldType, value: Any) -> Any:
+def primitive(kind: FieldType, value: object) -> Any:
     """Return `value` as rclpy's fields want primitives: floats from integers, sequences as `array.array`.
 
     Raises:

@@ -43,7 +43,7 @@ def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
     return tick
 
 
-def automaton(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
+def automaton(node: object, look: Look, parts: Sequence[Compiled]) -> Tick:
     """The tick of a container: its kind is asked, or the rows that were made of its answers are followed."""
     rows = _rows(node, parts)
     return _asking(node, look, parts) if rows is None else _following(node, look, rows, [part.halt for part in parts])

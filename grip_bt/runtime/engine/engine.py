@@ -111,7 +111,7 @@ class _Compiler:
         self.nodes: list[Behaviour] = []
         self.stale = False
 
-    def compile(self, node: Any, verdict: Verdict = _TO_EXHAUSTION) -> Compiled:
+    def compile(self, node: object, verdict: Verdict = _TO_EXHAUSTION) -> Compiled:
         """Return the compiled node; what isn't known to the letter is ticked by its own generator."""
         rules = rules_of(node)
         if rules is Rules.OWN or not regular(node, rules):
@@ -157,7 +157,7 @@ class _Compiler:
         self.nodes.append(node)
         return Compiled(node, by_generator(node, verdict), lambda: node.stop(INVALID), [node])
 
-    def _tick(self, node: Any, rules: Rules, look: Look, kids: list[Compiled], stop: Stop, reset: Reset) -> Tick:
+    def _tick(self, node: object, rules: Rules, look: Look, kids: list[Compiled], stop: Stop, reset: Reset) -> Tick:
         if rules is Rules.KIND:
             return containers.automaton(node, look, kids)
         match rules:

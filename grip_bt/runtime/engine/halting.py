@@ -77,7 +77,7 @@ def halt_all(pairs: Sequence[Pair]) -> None:
             halt()
 
 
-def silent(node: Any, rules: Rules, kids: Sequence[Compiled]) -> Silent | None:
+def silent(node: object, rules: Rules, kids: Sequence[Compiled]) -> Silent | None:
     """Return what can be reset in one go, the node included; None where somebody has to be told."""
     if ours(node) or overrides(node, "terminate"):
         return None
@@ -124,7 +124,7 @@ def make_reset(kids: Sequence[Compiled], changed: Changed) -> Reset:
     return in_one_go if len(below) == len(kids) else one_by_one
 
 
-def make_stop(node: Any, rules: Rules, kids: Sequence[Compiled], reset: Reset) -> Stop:
+def make_stop(node: object, rules: Rules, kids: Sequence[Compiled], reset: Reset) -> Stop:
     """Return what does `node.stop(status)`."""
     if rules is Rules.LEAF:
         if ours(node) and plain_activation(node) and not overrides(node, "terminate"):

@@ -86,7 +86,7 @@ def children_of(node: Any, rules: Rules) -> list[Behaviour]:
     return [node.decorated] if rules is Rules.DECORATOR else list(node.children)
 
 
-def regular(node: Any, rules: Rules) -> bool:
+def regular(node: object, rules: Rules) -> bool:
     """Tell whether the children can be compiled too: each is there once, and ours has ours alone."""
     if rules in (Rules.LEAF, Rules.OWN):
         return True

@@ -41,7 +41,7 @@ def by_generator(node: Behaviour, verdict: Verdict) -> Tick:
     return tick
 
 
-def rejected(node: Behaviour, status: Any) -> Status:
+def rejected(node: Behaviour, status: object) -> Status:
     """Return INVALID and complain, as py_trees does about what isn't a status."""
     node.logger.error(f"A behaviour returned an invalid status, setting to INVALID [{status}][{node.name}]")
     return INVALID
@@ -65,7 +65,7 @@ def leaf(node: Any) -> Tick:
     return tick
 
 
-def only_updates(node: Any) -> bool:
+def only_updates(node: object) -> bool:
     """Tell whether a leaf of py_trees overrides `update` alone."""
     return not (overrides(node, "initialise") or overrides(node, "terminate"))
 

@@ -31,7 +31,7 @@ class UserCode:
     inputs: Iterable[str]
     outputs: Iterable[str]
 
-    def __call__(self, ud: Any, *values: Any) -> Any:
+    def __call__(self, ud: object, *values: object) -> Any:
         """Call the function with a view of the userdata that has its keys."""
         if self.cb is None:
             return None
@@ -68,7 +68,7 @@ class BadAnswerError(Exception):
     """A callback raised, or returned what is no outcome of its state."""
 
 
-def answer_of(state: State, what: str, cb: UserCode, ud: Any, *values: Any) -> str | None:
+def answer_of(state: State, what: str, cb: UserCode, ud: object, *values: object) -> str | None:
     """Call a callback that may choose its state's outcome; return that, or None when it leaves it to the state.
 
     Args:

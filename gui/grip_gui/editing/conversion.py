@@ -165,7 +165,7 @@ class _Events:
         """A node says how it goes."""
         self.add(path, "message", None, None, {"text": text})
 
-    def wrote(self, path: str, variable: str, type_name: str, value: Any) -> None:
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """A variable was written."""
         data = {"variable": variable, "type": type_name, "preview": preview(value)}
         self.add(path, "write", None, None, data)

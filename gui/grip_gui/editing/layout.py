@@ -127,7 +127,7 @@ def _spots(entries: dict[str, Any]) -> dict[str, Position]:
     return {path: (spot[0], spot[1]) for path, spot in entries.items() if _is_spot(spot)}
 
 
-def _is_spot(value: Any) -> bool:
+def _is_spot(value: object) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(type(number) is int for number in value)
 
 

@@ -372,7 +372,7 @@ def _is_exact(command: AnyCommand) -> bool:
     return isinstance(command, Patch)
 
 
-def _moved(data: Any, steps: tuple[Step, ...]) -> Any:
+def _moved(data: object, steps: tuple[Step, ...]) -> Any:
     if isinstance(data, list):
         return [_moved(part, steps) for part in data]
     if not isinstance(data, dict) or "do" not in data:

@@ -96,7 +96,7 @@ def _field(kind: type[Kind], name: str, info: FieldInfo) -> SettingView:
     )
 
 
-def _type(kind: type[Kind], name: str, annotation: Any) -> tuple[FieldType, list[str]]:
+def _type(kind: type[Kind], name: str, annotation: object) -> tuple[FieldType, list[str]]:
     if name in ("precondition", *kind.conditions, *kind.values):
         return "expression", []
     if name in kind.reads:
@@ -110,7 +110,7 @@ def _type(kind: type[Kind], name: str, annotation: Any) -> tuple[FieldType, list
     return (names.get(parts[0], "json") if len(parts) == 1 else "json"), []
 
 
-def _members(annotation: Any) -> list[Any]:
+def _members(annotation: object) -> list[Any]:
     """Return the alternatives of a type, without None and without constraints."""
     if get_origin(annotation) is Annotated:
         return _members(get_args(annotation)[0])

@@ -148,7 +148,7 @@ class RosInspector:
 _DEPTHS = ("32FC1", "16UC1")
 
 
-def message_view(type_name: str, message: Any) -> ValueView:
+def message_view(type_name: str, message: object) -> ValueView:
     """Return what a page shows of a message, as the value that a task would get of it where there is one."""
     value = _value(type_name, message)
     if value is not None:
@@ -172,7 +172,7 @@ def _value(type_name: str, message: Any) -> Any:
         return None  # it is shown as the message that it is
 
 
-def _flat(part: Any, path: str) -> Iterator[tuple[str, str]]:
+def _flat(part: object, path: str) -> Iterator[tuple[str, str]]:
     if (names := fields_of(part)) is not None:
         for name in names:
             yield from _flat(getattr(part, name), f"{path}.{name}" if path else name)
@@ -183,7 +183,7 @@ def _flat(part: Any, path: str) -> Iterator[tuple[str, str]]:
         yield path, _short(part)
 
 
-def _short(part: Any) -> str:
+def _short(part: object) -> str:
     if isinstance(part, float):
         return f"{part:.6g}"
     if hasattr(part, "__len__") and not isinstance(part, str) and len(part) > 12:

@@ -47,7 +47,7 @@ class RosClientProcess:
         self._tasks: set[asyncio.Task[None]] = set()
         self._kept = False
 
-    async def ask(self, do: str, **fields: Any) -> dict[str, Any]:
+    async def ask(self, do: str, **fields: object) -> dict[str, Any]:
         """Return the answer to a question.
 
         Raises:

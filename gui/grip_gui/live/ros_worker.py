@@ -22,7 +22,7 @@ def main() -> int:
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints isn't an answer
     speaking = threading.Lock()
 
-    def say(number: int, **said: Any) -> None:
+    def say(number: int, **said: object) -> None:
         with speaking:
             answers.write(json.dumps({"id": number, **said}) + "\n")
             answers.flush()

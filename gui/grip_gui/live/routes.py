@@ -62,7 +62,7 @@ def make_live_router(
     return api
 
 
-async def _asked(window: RosClientProcess, do: str, **fields: Any) -> dict[str, Any]:
+async def _asked(window: RosClientProcess, do: str, **fields: object) -> dict[str, Any]:
     try:
         return await window.ask(do, **fields)
     except GripError as error:

@@ -149,7 +149,7 @@ class Session:
                 if self.view.state == "starting" and text.strip():
                     self._set(message=text.strip()[:200])
 
-    async def _breakpoint_is_set(self, facts: Mapping[str, Any], number: int) -> None:
+    async def _breakpoint_is_set(self, facts: Mapping[str, object], number: int) -> None:
         key = (str(facts.get("node")), str(facts.get("when")), facts.get("outcome"), str(facts.get("if") or ""))
         if key in self._wanted:
             self._set_points[key] = number
@@ -168,7 +168,7 @@ class Session:
             self._set(state="ended", status="died", message=_obituary(exit_status, self._process.tail()))
         self._changed()
 
-    def _set(self, **changes: Any) -> None:
+    def _set(self, **changes: object) -> None:
         if any(getattr(self.view, key) != value for key, value in changes.items()):
             self.view = self.view.model_copy(update=changes)
             self._changed()
@@ -178,7 +178,7 @@ def _key(point: Breakpoint) -> tuple[str, str, str | None, str]:
     return point.node.strip("/") or "/", point.when, point.outcome, point.condition
 
 
-def _held(facts: Mapping[str, Any]) -> Held | None:
+def _held(facts: Mapping[str, object]) -> Held | None:
     """Return where a run holds; None when the process says nothing that can be understood."""
     try:
         return Held.model_validate({key: facts[key] for key in Held.model_fields if key in facts})

@@ -25,7 +25,7 @@ class UnchangeableError(GripError):
     """A value can't be put into a text."""
 
 
-def set_value(text: str, key: Sequence[str | int], value: Any) -> str:
+def set_value(text: str, key: Sequence[str | int], value: object) -> str:
     """Return the text with a value put at a path of keys; mappings on the way are made.
 
     Raises:
@@ -89,7 +89,7 @@ def _rename_key(mapping: CommentedMap, old: object, new: str) -> None:
         mapping.ca.items[new] = comment
 
 
-def _follow(value: Any, pattern: Sequence[str], old: object, new: str) -> None:
+def _follow(value: object, pattern: Sequence[str], old: object, new: str) -> None:
     if not isinstance(value, dict):
         return
     step, rest = pattern[0], pattern[1:]
@@ -121,7 +121,7 @@ def _loaded(text: str) -> tuple[YAML, Any]:
     return yaml, root
 
 
-def _dumped(yaml: YAML, root: Any) -> str:
+def _dumped(yaml: YAML, root: object) -> str:
     out = io.StringIO()
     yaml.dump(root, out)
     return out.getvalue()

@@ -91,7 +91,7 @@ def _trajectories(file: Path) -> object:
     return read_trajectories(file, read_joint_states(states) if states.is_file() else {})
 
 
-def _template(title: str, *key: str, value: Any) -> Template:
+def _template(title: str, *key: str, value: object) -> Template:
     return Template(title=title, key=list(key), value=value)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store.yaml import text_of
 from grip_bt.base.values import JointState, Pose
@@ -23,7 +21,7 @@ class UnrecordableError(GripError):
     """A value has no place among the named messages."""
 
 
-def keep_value(folder: ProjectFolder, name: str, value: Any) -> str:
+def keep_value(folder: ProjectFolder, name: str, value: object) -> str:
     """Put a pose or a joint state into the file of its kind under a name; return the file's path.
 
     Raises:

@@ -40,7 +40,7 @@ _NONE_YET = {
 }
 
 
-def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
+def options_of(kind: str, data: object, folder: Path) -> dict[str, list[str]]:
     """Return path of keys, with `*` for any -> what may stand there; `?` for the names of a mapping's own keys."""
     match kind:
         case "project":
@@ -61,7 +61,7 @@ def options_of(kind: str, data: Any, folder: Path) -> dict[str, list[str]]:
     return {}
 
 
-def wrong_options(tree: YamlValue, data: Any, options: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
+def wrong_options(tree: YamlValue, data: object, options: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
     """Return the values that none of the options are."""
     faults = []
     for pattern in CLOSED & options.keys():
@@ -76,7 +76,7 @@ def wrong_options(tree: YamlValue, data: Any, options: Mapping[str, Sequence[str
     return faults
 
 
-def doubtful_names(kind: str, tree: YamlValue, data: Any, folder: Path) -> list[Diagnostic]:
+def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> list[Diagnostic]:
     """Return the names in files of messages that the project's robot doesn't have; something else may have them."""
     known = project_robot_facts(folder)
     if kind == "joint_states":
@@ -95,14 +95,14 @@ def doubtful_names(kind: str, tree: YamlValue, data: Any, folder: Path) -> list[
     ]
 
 
-def robot_error(kind: str, data: Any, folder: Path) -> str:
+def robot_error(kind: str, data: object, folder: Path) -> str:
     """Return what is wrong with the files that describe a project's robot; empty for nothing."""
     if kind != "project" or not isinstance(data, Mapping):
         return ""
     return str(robot_facts(data.get("robot"), folder).get("error", ""))
 
 
-def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
+def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
     robot = data.get("robot")
     known = robot_facts(robot, folder)
     places = {
@@ -143,7 +143,7 @@ def _project(data: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
     return found
 
 
-def cameras_in(data: Mapping[str, Any]) -> list[str]:
+def cameras_in(data: Mapping[str, object]) -> list[str]:
     """Return the sensors of a project file's data that say `camera`."""
     sensors = data.get("sensors")
     if not isinstance(sensors, Mapping):
@@ -151,7 +151,7 @@ def cameras_in(data: Mapping[str, Any]) -> list[str]:
     return [str(name) for name, sensor in sensors.items() if isinstance(sensor, Mapping) and "camera" in sensor]
 
 
-def _keys(data: Mapping[str, Any], key: str) -> list[str]:
+def _keys(data: Mapping[str, object], key: str) -> list[str]:
     value = data.get(key)
     return [str(name) for name in value] if isinstance(value, Mapping) else []
 
@@ -162,7 +162,9 @@ def names_in(file: Path) -> list[str]:
     return [str(name) for name in data] if isinstance(data, Mapping) else []
 
 
-def _at(data: Any, pattern: Sequence[str], path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], Any]]:
+def _at(
+    data: object, pattern: Sequence[str], path: tuple[str | int, ...]
+) -> Iterator[tuple[tuple[str | int, ...], Any]]:
     if not pattern:
         yield path, data
         return

@@ -27,7 +27,7 @@ from grip_gui.processes import answer_question
 _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
-def _described(robot: Any, hands: Mapping[str, str], folder: str) -> dict[str, Any]:
+def _described(robot: object, hands: Mapping[str, str], folder: str) -> dict[str, Any]:
     source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
     description = load_robot(source, Path(folder))
     urdf = fromstring(description.urdf)

@@ -16,7 +16,7 @@ _WAY = ("home", "above")
 """What a way goes through in a project that has named no joint state yet: the page says so."""
 
 
-def templates_of(kind: Kind, data: Any, folder: Path) -> list[Template]:
+def templates_of(kind: Kind, data: object, folder: Path) -> list[Template]:
     """Return what can be put into a file of a kind.
 
     Args:
@@ -49,7 +49,7 @@ def _trajectory(states: Sequence[str]) -> Template:
     return Template(title="a way through joint states", key=["approach"], value=way)
 
 
-def _controllers(data: Any) -> list[Template]:
+def _controllers(data: object) -> list[Template]:
     """Return a controller of each arm and hand that the file names."""
     file = data if isinstance(data, Mapping) else {}
     parts = [name for key in ("arms", "hands") if isinstance(file.get(key), Mapping) for name in file[key]]
@@ -58,7 +58,7 @@ def _controllers(data: Any) -> list[Template]:
     return [Template(title="controllers of the real robot", key=["ros", "controllers"], value=value)] if value else []
 
 
-def _cameras(data: Any) -> list[Template]:
+def _cameras(data: object) -> list[Template]:
     """Return the topics of each camera that the file names, as drivers of RGB-D cameras publish them."""
     value = {
         name: {

@@ -27,7 +27,7 @@ LINE = 300
 """Longest text of a part, in characters."""
 
 
-def value_view(type_name: str, value: Any) -> ValueView:
+def value_view(type_name: str, value: object) -> ValueView:
     """Return what a page shows of a value.
 
     Args:
@@ -40,7 +40,7 @@ def value_view(type_name: str, value: Any) -> ValueView:
     return ValueView(type=type_name, text=_line(value), rows=rows, picture=picture, caption=caption, places=places)
 
 
-def cloud_view(value: Any) -> CloudView:
+def cloud_view(value: object) -> CloudView:
     """Return the points of a cloud, or of what a camera with depth saw; without any for other values."""
     if isinstance(value, RgbdFrame):
         value = value.cloud()
@@ -61,7 +61,7 @@ def unkept_view(type_name: str, preview: str, why: GripError) -> ValueView:
     return ValueView(type=type_name, text=preview, rows=[["not kept", str(why)]])
 
 
-def _drawing(value: Any) -> tuple[str, str]:
+def _drawing(value: object) -> tuple[str, str]:
     match value:
         case PointCloud(points=points, colors=colors):
             size = np.ptp(points, axis=0) if len(points) else np.zeros(3)
@@ -76,7 +76,7 @@ def _drawing(value: Any) -> tuple[str, str]:
     return "", ""
 
 
-def _parts(value: Any) -> Iterable[tuple[str, Any]]:
+def _parts(value: object) -> Iterable[tuple[str, Any]]:
     if isinstance(value, Pose):
         yield "position", value.position
         yield "quaternion", value.quaternion
@@ -122,7 +122,7 @@ def _place(pose: Pose) -> list[float]:
     return [*pose.position.tolist(), *pose.quaternion.tolist()]
 
 
-def _line(value: Any) -> str:
+def _line(value: object) -> str:
     """Return a value in one line."""
     match value:
         case Pose():

@@ -238,7 +238,7 @@ def _constants(container: ContainerInfo, label: str, value: object, span: Span) 
     return {}
 
 
-def _mapping(container: ContainerInfo, what: str, value: Any, span: Span) -> dict[str, Any]:
+def _mapping(container: ContainerInfo, what: str, value: object, span: Span) -> dict[str, Any]:
     if value is None or value == []:
         return {}
 

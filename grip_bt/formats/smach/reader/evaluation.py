@@ -63,7 +63,7 @@ def use_default(value: Any, note: Callable[[str], None]) -> Any:
     return found
 
 
-def assumption_text(value: Unresolved, default: Any) -> str:
+def assumption_text(value: Unresolved, default: object) -> str:
     """Return what is told where a default is taken."""
     return (
         f"assumes `{value.text}` = {reprlib.repr(default)}, its default in the source; other ROS parameters, known only"
@@ -276,7 +276,7 @@ class Evaluation:
     def _attribute(self, node: ast.Attribute, scope: Scope) -> Any:
         return self.attribute_of(self.value(node.value, scope), node, scope)
 
-    def attribute_of(self, value: Any, node: ast.Attribute, scope: Scope) -> Any:
+    def attribute_of(self, value: object, node: ast.Attribute, scope: Scope) -> Any:
         """Return the attribute that `node` names of a value."""
         if isinstance(value, UserDataOf):
             return getattr(value.target, "userdata", {}).get(node.attr, NotImplemented)
@@ -312,7 +312,7 @@ class Evaluation:
                 return each.names[name]
         return None
 
-    def lineage(self, cls: Any) -> list[Any]:
+    def lineage(self, cls: object) -> list[Any]:
         """Return a class and its bases, depth first, as classes of the project and references to others."""
         found: list[Any] = [cls]
         if isinstance(cls, Class):
@@ -327,7 +327,7 @@ class Evaluation:
                 return each.name.split(".")[-1]
         return ""
 
-    def is_container(self, cls: Any) -> bool:
+    def is_container(self, cls: object) -> bool:
         """Whether a class is one of smach's containers."""
         return self.kind_of(cls) in CONTAINERS
 
@@ -360,7 +360,7 @@ class Evaluation:
         ranges = any(isinstance(a, range) and len(a) > _LARGEST for a in arguments)
         return _LIBRARY[name](*arguments, **named) if name in _LIBRARY and known and not ranges else NotImplemented
 
-    def pure(self, target: Any, name: str, arguments: list[Any], named: dict[str, Any]) -> Any:
+    def pure(self, target: object, name: str, arguments: list[Any], named: dict[str, Any]) -> Any:
         """Call a method of a Python value, or a builtin function where `target` is None."""
         if any(isinstance(a, range) and len(a) > _LARGEST for a in arguments):
             return NotImplemented
@@ -383,7 +383,7 @@ def bind(target: ast.expr, value: Any, scope: Scope) -> None:
             bind(each, value[i] if known else Unresolved(ast.unparse(each)), scope)
 
 
-def _limited(items: Iterable[Any]) -> list[Any]:
+def _limited(items: Iterable[object]) -> list[Any]:
     found = list(itertools.islice(items, _LARGEST + 1))
     if len(found) > _LARGEST:
         raise ValueError("too many items to follow")
