@@ -8,7 +8,6 @@ import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from grip_bt.app.runs.execute import RunOptions
 from grip_bt.app.runs.replay import journal_of
@@ -65,7 +64,7 @@ def add_resume_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def check_usage(args: argparse.Namespace, error: Callable[[str], Any]) -> None:
+def check_usage(args: argparse.Namespace, error: Callable[[str], object]) -> None:
     """Refuse options that don't go together; `error` ends the process."""
     if args.task is None and not (args.resume or args.fork):
         error("a task file is needed, or --resume RUN, or --fork RUN")

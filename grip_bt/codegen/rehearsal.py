@@ -38,11 +38,11 @@ class _Scripted:
 
     preempt_requested = False
 
-    def __init__(self, reply: Mapping[str, Any], feedback: Any):
+    def __init__(self, reply: Mapping[str, object], feedback: Any):
         self.reply, self.feedback = reply, feedback
         self.request: dict[str, Any] = {}
 
-    def call(self, request: Mapping[str, Any]) -> Operation[Mapping[str, Any]]:
+    def call(self, request: Mapping[str, object]) -> Operation[Mapping[str, Any]]:
         self.request = dict(request)
         operation: Operation[Mapping[str, Any]] = Operation()
         operation.report(self.feedback)

@@ -414,7 +414,7 @@ class InTurn:
         found = getattr(self._part, name)
         return partial(self._call, name, found) if callable(found) else found
 
-    def _call(self, name: str, method: Callable[..., Any], *args: object, **named: object) -> Any:
+    def _call(self, name: str, method: Callable[..., object], *args: object, **named: object) -> Any:
         begun = method(*args, **named)
         if not isinstance(begun, Operation):
             return begun

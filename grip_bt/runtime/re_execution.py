@@ -64,7 +64,7 @@ class ReExecution:
         self,
         compiled: CompiledTree | CompiledMachine,
         events: Iterable[Event],
-        value: Callable[[Event], Any],
+        value: Callable[[Event], object],
         clock: Clock,
         *,
         how: Mapping[str, How] | None = None,

@@ -256,7 +256,7 @@ class BehaviourTree(State):
                 before[name] = scope.cells[name].value = userdata[name]
         return before
 
-    def _copy_out(self, userdata: Any, before: Mapping[str, Any]) -> None:
+    def _copy_out(self, userdata: Any, before: Mapping[str, object]) -> None:
         """Give the machine what the tree has written."""
         if self.compiled is None:
             for key in self.get_registered_output_keys():

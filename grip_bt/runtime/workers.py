@@ -55,7 +55,7 @@ class Workers:
             if operation.busy and not self._do(operation, work):
                 return
 
-    def _do(self, operation: Operation[Any], work: Callable[[], Any]) -> bool:
+    def _do(self, operation: Operation[Any], work: Callable[[], object]) -> bool:
         """Do one piece of work; return whether this thread still belongs to the pool."""
         left_alone = threading.Event()
         working = threading.Lock()

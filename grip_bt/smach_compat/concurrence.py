@@ -42,7 +42,7 @@ class Concurrence(Container):
         output_keys: list[str] = NOTHING,
         outcome_map: dict[str, dict[str, str]] | None = None,
         outcome_cb: Callable[[dict[str, str]], str | None] | None = None,
-        child_termination_cb: Callable[[dict[str, str | None]], Any] | None = None,
+        child_termination_cb: Callable[[dict[str, str | None]], object] | None = None,
     ):
         super().__init__(outcomes, input_keys, output_keys)
         self._states: dict[str, State] = {}

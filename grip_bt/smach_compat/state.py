@@ -93,7 +93,7 @@ class CBState(State):
     def __init__(
         self,
         cb: Callable[..., str],
-        cb_args: Iterable[Any] = NOTHING,
+        cb_args: Iterable[object] = NOTHING,
         cb_kwargs: Mapping[str, Any] | None = None,
         outcomes: Iterable[str] = NOTHING,
         input_keys: list[str] = NOTHING,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
 
 from ._hooks import hooks
 from ._hooks import is_shutdown as is_shutdown
@@ -30,7 +29,7 @@ class CBInterface:
 
     def __init__(
         self,
-        cb: Callable[..., Any],
+        cb: Callable[..., object],
         outcomes: Iterable[str] = NOTHING,
         input_keys: Iterable[str] = NOTHING,
         output_keys: Iterable[str] = NOTHING,

@@ -82,7 +82,7 @@ class Recording:
             if "add" in vars(cls):
                 setattr(cls, "add", staticmethod(self._adding(vars(cls)["add"].__func__)))  # noqa: B010 - no one class has it
 
-    def _adding(self, add: Callable[..., Any]) -> Callable[..., Any]:
+    def _adding(self, add: Callable[..., object]) -> Callable[..., Any]:
         def adding(label: str, state: Any, *arguments: Any, **named: Any) -> Any:
             if isinstance(state, Placeholder):  # nothing is known of it: it ends as its transitions say
                 transitions = named.get("transitions", arguments[0] if arguments else None) or {}

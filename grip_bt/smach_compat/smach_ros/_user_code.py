@@ -39,7 +39,7 @@ class UserCode:
 
 
 def user_code(
-    state: State, what: str, cb: Any, args: Iterable[Any], kwargs: Mapping[str, Any], keys: tuple[Any, Any]
+    state: State, what: str, cb: Any, args: Iterable[object], kwargs: Mapping[str, object], keys: tuple[Any, Any]
 ) -> UserCode:
     """Take a callback: its keys are those it declares, and then the state has them too, else the state's own.
 
