@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from grip_bt.app.project.folder import find_project
-from grip_bt.app.wiring.progress import report_if_slow
+from grip_bt.app.wiring.parts import report_if_slow
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError, ServerTimeOutError
 from grip_bt.base.message_store.yaml import plain_of, text_of

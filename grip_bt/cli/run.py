@@ -17,7 +17,7 @@ from grip_bt.app.runs.mocks import read_mocks
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.runs.tables import failures
 from grip_bt.app.runs.verdict import Verdict, words
-from grip_bt.app.wiring.progress import silent
+from grip_bt.app.wiring.parts import silent
 from grip_bt.runtime import JournalReader, RunResult, serve_control
 from grip_bt.runtime.control import RunEnd, result_facts
 

@@ -7,6 +7,8 @@ upstream, noetic 2.5.x, on purpose is listed in docs/smach.md, each with its tes
 import sys
 from typing import TYPE_CHECKING
 
+from grip_bt.smach_compat._settings import SmachModule
+
 from . import (
     concurrence,
     container,
@@ -19,7 +21,6 @@ from . import (
     user_data,
     util,
 )
-from ._hooks import SmachModule
 from ._install import install as install
 from ._install import uninstall as uninstall
 from ._settings import configure as configure
@@ -41,7 +42,7 @@ from .user_data import Remapper, UserData
 from .util import CBInterface, cb_interface, has_smach_interface, set_shutdown_check
 
 if TYPE_CHECKING:  # when the package runs, its class has them: what is set on the package takes effect everywhere
-    from ._hooks import is_shutdown, logdebug, logerr, loginfo, logwarn
+    from grip_bt.smach_compat._settings import is_shutdown, logdebug, logerr, loginfo, logwarn
 
 # What `from smach import *` gives upstream, and SmachError; `install`, `uninstall` and `configure` are ours.
 __all__ = [

@@ -7,7 +7,8 @@ import traceback
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from ._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
+
 from ._settings import errors_of_user_code, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError

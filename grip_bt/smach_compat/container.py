@@ -12,7 +12,8 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, ClassVar, TypeVar
 
-from ._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
+
 from ._settings import settings
 from .exceptions import InvalidConstructionError, InvalidStateError, InvalidTransitionError
 from .state import State

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from grip_bt.base.errors import GripError
-
-from ._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
 
 
 class SmachError(GripError):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ._hooks import Logger, hooks
-from ._hooks import logdebug as logdebug
-from ._hooks import logerr as logerr
-from ._hooks import loginfo as loginfo
-from ._hooks import logwarn as logwarn
+from grip_bt.smach_compat._settings import Logger, hooks
+from grip_bt.smach_compat._settings import logdebug as logdebug
+from grip_bt.smach_compat._settings import logerr as logerr
+from grip_bt.smach_compat._settings import loginfo as loginfo
+from grip_bt.smach_compat._settings import logwarn as logwarn
 
 
 def set_loggers(info: Logger, warn: Logger, debug: Logger, error: Logger) -> None:

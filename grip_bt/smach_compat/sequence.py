@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
+
 from .state import State
 from .state_machine import StateMachine
 from .user_data import NOTHING, Remapping

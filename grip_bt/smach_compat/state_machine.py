@@ -7,7 +7,8 @@ import traceback
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
-from ._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
+
 from ._settings import errors_of_user_code, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError

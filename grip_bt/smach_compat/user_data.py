@@ -7,7 +7,8 @@ import threading
 from collections.abc import Collection, Iterable, Mapping
 from typing import Any, NoReturn
 
-from ._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
+
 from .exceptions import InvalidUserCodeError
 
 NOTHING: list[Any] = []

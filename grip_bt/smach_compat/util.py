@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from ._hooks import hooks
-from ._hooks import is_shutdown as is_shutdown
+from grip_bt.smach_compat._settings import hooks
+from grip_bt.smach_compat._settings import is_shutdown as is_shutdown
+
 from ._names import OrderedSet
 from .user_data import NOTHING
 

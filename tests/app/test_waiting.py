@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from grip_bt.app.wiring.progress import report_if_slow
+from grip_bt.app.wiring.parts import report_if_slow
 
 
 def test_what_takes_its_time_is_told_once():

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.wiring.parts import Progress, silent
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import to_machine, to_tree
@@ -29,7 +30,6 @@ from ..project.folder import Project, find_project
 from ..project.foreign_code import of_task, refuse
 from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
-from ..wiring.progress import Progress, silent
 from .mocks import apply_mocks
 from .resume import ResumeRequest, policy_of, start_resumed
 from .saved_state import RestoredState, changes, kept_parts

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.folder import ARCHIVE, MESSAGES
+from grip_bt.app.wiring.parts import Progress, silent
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.message_store import LocalMessages, MessageLibrary, load, save
 from grip_bt.base.ports import Messages
@@ -19,7 +20,6 @@ from grip_bt.runtime.value_codec import decode, encode
 from ..project.folder import Project, find_project
 from .fake import fake_components, fake_ros
 from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_part
-from .progress import Progress, silent
 
 BACKENDS = {
     "fake": ("fake", "FakeBackend", "motion"),

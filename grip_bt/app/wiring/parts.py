@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import ExitStack
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any, Literal, Protocol
 
+from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import MissingPartError
 from grip_bt.base.ports import Clock
 from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
@@ -15,8 +17,35 @@ from grip_bt.commanders.taught import TaughtStates
 from grip_bt.runtime import RunContext, RunParts
 from grip_sim.simulation import SimReferee, Simulation
 
-from ..project.folder import Project
-from .progress import Progress, silent
+Progress = Callable[[str, str], None]
+"""Told `(part, detail)` as parts come up."""
+SOON = 1.5
+"""What takes no longer needs no words [s]."""
+
+
+def silent(part: str, detail: str) -> None:
+    """Say nothing."""
+
+
+@contextmanager
+def report_if_slow(progress: Progress, part: str, words: Callable[[], str], after: float = SOON) -> Iterator[None]:
+    """Say what is waited for, once, where that takes its time; nothing is said after the end.
+
+    Args:
+        progress: told `(part, words)`, from another thread.
+        part: which part of the run waits.
+        words: asked what to say, when it is said.
+        after: how long to be silent [s].
+    """
+    timer = threading.Timer(after, lambda: progress(part, words()))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+
 
 RobotKind = Literal["sim", "fake", "ros"]
 

@@ -8,8 +8,7 @@ from contextlib import ExitStack
 
 from grip_bt.app.project.folder import ArmConfig, Project
 from grip_bt.app.project.needs import robot_frames
-from grip_bt.app.wiring.parts import Opening, Resources
-from grip_bt.app.wiring.progress import Progress
+from grip_bt.app.wiring.parts import Opening, Progress, Resources
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.commanders.description.robot import RobotDescription

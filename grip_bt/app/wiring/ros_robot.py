@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from grip_bt.app.project.needs import robot_frames
+from grip_bt.app.wiring.parts import Progress, report_if_slow
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
@@ -35,7 +36,6 @@ from ..project.folder import Project
 from .commanders import PlannedRobot, commanded
 from .parts import Opening, Resources
 from .planners import with_move_group
-from .progress import Progress, report_if_slow
 from .ros import provide_frames
 
 

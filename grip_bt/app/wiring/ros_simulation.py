@@ -8,6 +8,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
+from grip_bt.app.wiring.parts import Progress
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
@@ -22,7 +23,6 @@ from grip_sim.simulation import Simulation
 
 from ..project.faults import WORLDS, check, faults_of_cameras, jerks_of_arms
 from ..project.folder import Project
-from .progress import Progress
 
 JOINT_STATES = "/joint_states"
 SOON = 0.1

@@ -14,8 +14,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.smach_compat import _hooks
-from grip_bt.smach_compat._hooks import hooks
+from grip_bt.smach_compat import _settings
+from grip_bt.smach_compat._settings import hooks
 from grip_bt.smach_compat.log import set_loggers
 from grip_bt.smach_compat.util import set_shutdown_check
 
@@ -57,9 +57,9 @@ def ros() -> Ros:
 
 def _install_hooks(ros: Ros) -> None:
     """Log by ROS and stop machines with it, as importing smach_ros does upstream; what the program has set stays."""
-    if all(getattr(hooks, name) is getattr(_hooks, name) for name in ("loginfo", "logwarn", "logdebug", "logerr")):
+    if all(getattr(hooks, name) is getattr(_settings, name) for name in ("loginfo", "logwarn", "logdebug", "logerr")):
         set_loggers(*ros.loggers)
-    if hooks.is_shutdown is _hooks.is_shutdown:
+    if hooks.is_shutdown is _settings.is_shutdown:
         set_shutdown_check(ros.is_shutdown)
 
 

@@ -7,8 +7,7 @@ import traceback
 from collections.abc import Mapping
 from typing import Any
 
-from grip_bt.smach_compat._hooks import hooks
-from grip_bt.smach_compat._settings import settings
+from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.user_data import NOTHING, Remapper, UserData
 
 from ._connection import fields, new_feedback, new_goal, new_result, ros, with_optional_node

@@ -13,8 +13,7 @@ import traceback
 from typing import Any
 
 from grip_bt.base.errors import GripError
-from grip_bt.smach_compat._hooks import hooks
-from grip_bt.smach_compat._settings import settings
+from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.container import Container
 from grip_bt.smach_compat.user_data import UserData
 

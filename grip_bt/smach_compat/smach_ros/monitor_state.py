@@ -6,7 +6,7 @@ import queue
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.smach_compat._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
 from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
 

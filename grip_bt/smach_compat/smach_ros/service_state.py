@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.smach_compat._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
 from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
 from grip_bt.smach_compat.util import has_smach_interface

@@ -7,8 +7,7 @@ import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from grip_bt.smach_compat._hooks import hooks
-from grip_bt.smach_compat._settings import settings
+from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.exceptions import InvalidStateError
 from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING

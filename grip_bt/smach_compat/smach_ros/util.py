@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grip_bt.smach_compat._hooks import hooks
+from grip_bt.smach_compat._settings import hooks
 
 from ._connection import ros
 
