@@ -244,7 +244,7 @@ def test_a_splice_that_jumps_or_moves_other_joints_is_refused():
     assert spliced(one, Trajectory(("a",), [0.0, 1.0], [[0.5], [0.0]]), 0.5).at(1.5) == pytest.approx([0.0])
     with pytest.raises(ValueError, match="rad away"):
         spliced(one, Trajectory(("a",), [0.0], [[0.7]]), 0.5)
-    with pytest.raises(ValueError, match="can't go on"):
+    with pytest.raises(ValueError, match="can't continue"):
         spliced(one, Trajectory(("b",), [0.0], [[0.5]]), 0.5)
 
 

@@ -304,4 +304,4 @@ def test_a_wrong_path_is_told_and_ends_with_1(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "grip_bt.cli", "edit", str(tmp_path / "nothing"), "--no-browser"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 1
-    assert "nothing is there" in done.stderr
+    assert "does not exist; give a project folder" in done.stderr

@@ -20,7 +20,7 @@ from grip_bt.task.validation import validate
 FOLDER = Path(__file__).parent / "wild"
 FILES = sorted(FOLDER.glob("*.xml"))
 REFUSED = {
-    "39_queue_on_blackboard.xml": [(4, "LoopString", "taken apart on the blackboard")],
+    "39_queue_on_blackboard.xml": [(4, "LoopString", "consumed on the blackboard item by item")],
     "40_own_control_nodes.xml": [
         (4, "RecoveryNode", "a Control of your own C++ code"),
         (4, "Spin", "`_onHalted` runs a script when the node is halted"),
