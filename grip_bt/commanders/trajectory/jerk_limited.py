@@ -16,7 +16,7 @@ import numpy as np
 from grip_bt.base.arrays import Array
 from grip_bt.base.values import Trajectory
 
-from .splines import s_curve
+from .splines import peaks, s_curve
 
 ANY = 1e6
 """Jerk of a joint whose limit nobody says, beside others that have one [rad/s^3 or m/s^3]."""
@@ -140,9 +140,13 @@ def smooth_start(trajectory: Trajectory, begin: float, acceleration: Array, jerk
 
 
 def eased_down(trajectory: Trajectory, acceleration: Array, jerk: Array) -> Trajectory:
-    """Return a trajectory from rest to rest, as much slower as keeps to limits, each shape (n,)."""
+    """Return a trajectory from rest to rest, as much slower as keeps to limits, each shape (n,).
+
+    Accelerations are within theirs on cubics between the points too: not every controller takes accelerations.
+    """
     for _ in range(3):
         hardest, sharpest = excess(trajectory, acceleration, jerk)
+        hardest = max(hardest, float((peaks(trajectory)[1] / acceleration).max(initial=0.0)))
         if max(hardest, sharpest) <= _SAME:
             break
         factor = max(hardest ** (1 / 2), sharpest ** (1 / 3))
