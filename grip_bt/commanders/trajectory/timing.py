@@ -156,20 +156,25 @@ def _curve(knots: Array) -> tuple[Array, BSpline]:
 def _drive(at: Array, curve: BSpline, allowed: Allowed) -> _Drive:
     """Return the fastest way along the path, from rest to rest, as the library `toppra` finds it.
 
+    The tolerances of the library are absolute, so it is given a path of length 1, and accelerations of about 1.
+
     Raises:
         PathInvalidError: it finds none.
     """
-    grid = _grid(at)
+    grid, along = _grid(at), float(at[-1])
+    unit = float(np.sqrt(along / np.median(allowed.acceleration)))
+    velocity, acceleration = allowed.velocity * unit / along, allowed.acceleration * unit**2 / along
     limits = [
-        toppra.constraint.JointVelocityConstraint(np.stack([-allowed.velocity, allowed.velocity], axis=1)),
-        toppra.constraint.JointAccelerationConstraint(np.stack([-allowed.acceleration, allowed.acceleration], axis=1)),
+        toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
+        toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
     ]
     ends = ((1, curve(at[0], 1)), (1, curve(at[-1], 1)))  # with these the library's spline is the same curve
-    path = toppra.SplineInterpolator(at, curve(at), bc_type=ends)
-    method = toppra.algorithm.TOPPRA(limits, path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    if method.compute_trajectory(0, 0) is None:
+    path = toppra.SplineInterpolator(at / along, curve(at) / along, bc_type=ends)
+    method = toppra.algorithm.TOPPRA(limits, path, gridpoints=grid / along, parametrizer="ParametrizeConstAccel")
+    _, found, _ = method.compute_parameterization(0, 0)
+    if found is None or np.isnan(found).any():
         raise PathInvalidError("toppra finds no timing for the path", knots=len(at))
-    return _Drive(grid, np.asarray(method.problem_data.sd_vec, dtype=np.float64) ** 2)
+    return _Drive(grid, (np.asarray(found, dtype=np.float64) * (along / unit)) ** 2)
 
 
 def _grid(at: Array) -> Array:
