@@ -174,6 +174,8 @@ class CommandLineProcess:
     async def kill(self) -> None:
         """End the group and everything marked."""
         await end_marked(self._mark, group=self._process.pid if self._process.returncode is None else None)
+        while self._process.returncode is None:
+            await asyncio.sleep(POLL)
 
     def tail(self) -> str:
         """Return the last lines of plain output."""
