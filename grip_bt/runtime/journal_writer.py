@@ -49,7 +49,6 @@ class RunWriter:
         self._ids: dict[tuple[str, Any], int] = {}
         self._keys: dict[_Key, int] = {}
         self.last = 0
-        self._over = False
         rows = database.execute("SELECT id, path, event, outcome, code FROM names WHERE run=?", (log.id,))
         for number, *key in rows.fetchall():
             self._keys[tuple(key)] = number
@@ -66,8 +65,8 @@ class RunWriter:
             del buffer[: len(taken)]
             if log.last is not None and log.last in taken:
                 taken = taken[: ENTRIES * (taken[1::ENTRIES].index(log.last) + 1)]
-                self._over = True
-            elif self._over:
+                log.over = True
+            elif log.over:
                 continue
             self._write_block(taken)
         return total

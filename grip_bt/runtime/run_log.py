@@ -62,6 +62,7 @@ class RunLog:
             writer takes from its front.
         ended: whether the run's end was entered.
         last: the event after which nothing is written any more; None as long as the run isn't cut off.
+        over: whether the writer has written that one; kept here, since a log that has ended may be followed again.
 
     Args:
         journal: that it belongs to.
@@ -73,6 +74,7 @@ class RunLog:
         self.buffer: list[Any] = []
         self.ended = False
         self.last: DetailedEvent | None = None
+        self.over = False
         self._cutting = threading.RLock()
         journal.follow(self)
 

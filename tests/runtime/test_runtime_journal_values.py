@@ -244,6 +244,19 @@ def test_a_run_that_was_cut_off_says_why_at_its_end(file: Path) -> None:
         assert reader.run(log.id).status == "died"
 
 
+def test_what_happens_after_a_cut_is_in_no_journal_however_late_it_is(file: Path) -> None:
+    with Journal(file) as journal:
+        recorder = Recorder(log := journal.begin("values"), ManualClock())
+        recorder.entered("a")
+        recorder.lost("nobody is there")
+        while log.id in journal._logs:  # until the writer has written that and turned to other runs
+            journal.flush()
+        recorder.interrupted("a")
+        recorder.finished(None, "died")
+    with JournalReader(file) as reader:
+        assert [event.event for event in reader.events(log.id)] == ["enter", "run_ended"]
+
+
 @pytest.mark.parametrize("path", ["a", "", None, 1, b"a"])
 @pytest.mark.parametrize("outcome", ["success", None, 1])
 def test_only_texts_are_names_in_a_journal(path: Any, outcome: Any) -> None:
