@@ -72,7 +72,7 @@ def test_each_end_is_shown_as_what_it_means(tmp_path: Path) -> None:
             meaning = meant[event.path][str(event.outcome)]
             assert event.meaning == meaning
             assert re.search(f" {ENDS[meaning]} ", line_of(event))
-            assert [event.path, "exit", event.outcome, event.code, meaning] in columns["kinds"]
+            assert (event.path, "exit", event.outcome, event.code, meaning) in columns["kinds"]
             assert (_line(event)[1] == 3) == (meaning == "failure")
             seen.add((str(event.outcome), meaning))
     own = {(label, meaning) for label, meaning in seen if label not in ("success", "failure")}
