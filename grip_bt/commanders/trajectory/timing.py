@@ -30,6 +30,8 @@ _FINER, _LEAST, _MOST = 4, 40, 400
 """Points of the grid between two knots, and on the whole path."""
 _SAME = 1e-7
 """Rows of a path that are closer than this part of all of it are one."""
+_TINY = 1e-9
+"""Joints that move less than this part of the path count as ones that move as much."""
 _SPACINGS = (0.25, 0.12, 0.06, 0.03)
 _SLOWER = (1.0, 1.25, 1.6, 2.0, 3.0, 5.0)
 """Where keeping to a jerk leads too far off the path, times are made so much longer, one after the other."""
@@ -156,20 +158,24 @@ def _curve(knots: Array) -> tuple[Array, BSpline]:
 def _drive(at: Array, curve: BSpline, allowed: Allowed) -> _Drive:
     """Return the fastest way along the path, from rest to rest, as the library `toppra` finds it.
 
-    The tolerances of the library are absolute, so it is given a path of length 1, and accelerations of about 1.
+    The tolerances of the library are absolute, so it is given a path of length 1, accelerations of about 1,
+    and joints that all move: each is scaled by how steep its curve is.
 
     Raises:
         PathInvalidError: it finds none.
     """
     grid, along = _grid(at), float(at[-1])
     unit = float(np.sqrt(along / np.median(allowed.acceleration)))
-    velocity, acceleration = allowed.velocity * unit / along, allowed.acceleration * unit**2 / along
+    steepest = np.maximum(np.abs(curve(grid, 1)).max(axis=0), _TINY)
+    scale = unit / (along * steepest)
+    velocity, acceleration = allowed.velocity * scale, allowed.acceleration * unit * scale
     limits = [
         toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
         toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
     ]
-    ends = ((1, curve(at[0], 1)), (1, curve(at[-1], 1)))  # with these the library's spline is the same curve
-    path = toppra.SplineInterpolator(at / along, curve(at) / along, bc_type=ends)
+    first, last = (curve(end, 1) / steepest for end in (at[0], at[-1]))  # with these its spline is the same curve
+    rows = (curve(at) - curve(at[0])) / (along * steepest)
+    path = toppra.SplineInterpolator(at / along, rows, bc_type=((1, first), (1, last)))
     method = toppra.algorithm.TOPPRA(limits, path, gridpoints=grid / along, parametrizer="ParametrizeConstAccel")
     _, found, _ = method.compute_parameterization(0, 0)
     if found is None or np.isnan(found).any():
