@@ -69,7 +69,7 @@ def test_a_large_batch_is_shared_evenly_by_as_many_threads_as_there_are_cores(ch
     assert sum(shares[:cores]) > 0.9
 
 
-def test_batches_give_the_same_answers_as_all_pairs_one_by_one(chain, checker):
+def test_the_hull_first_gives_the_same_answers_as_all_pairs(chain, checker):
     rows = random_rows(chain, 400, seed=0)
     free = checker.free_each(rows)
     assert 0.2 < free.mean() < 0.9
@@ -82,8 +82,10 @@ def test_all_are_free_when_each_one_is_in_whatever_order_they_are_asked(chain, c
     rng = np.random.default_rng(seed)
     rows = random_rows(chain, 3000, seed)
     free = checker.free_each(rows)
-    good = rows[free][:90]
-    assert len(good) == 90
+    hulls = checker._ask(checker._rough, rows, stop_at_first=False)
+    harmless = rows[free & hulls]  # free, though the hand's hull touches something
+    assert len(harmless)
+    good = np.concatenate([rows[free][:60], harmless])
     assert checker.all_free(rng.permutation(good))
     assert checker.all_free(good[:1])
     assert checker.all_free(good[:0])

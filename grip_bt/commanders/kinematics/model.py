@@ -20,7 +20,7 @@ from grip_bt.base.values import JointState, Pose
 
 from ..description.robot import RobotDescription
 from ..trajectory.limits import Limits
-from .reach import corners, radii, shape_reaches
+from .outline import Outline, corners, outlined, radii, shape_reaches
 from .shapes import simplified
 
 GRASP_FRAME = "grasp"
@@ -61,9 +61,14 @@ class Chain:
         self.links = tuple(links)
 
     @cached_property
-    def shape_reaches(self) -> Array:
-        """How far each joint can move each shape; see `reach.shape_reaches`."""
-        return shape_reaches(self.model, self.geometry.geometryObjects)
+    def outline(self) -> Outline:
+        """The collision shapes with each hand as one hull."""
+        return outlined(self.geometry, self.hand)
+
+    @cached_property
+    def outline_reaches(self) -> Array:
+        """How far each joint can move each shape of the outline; see `outline.shape_reaches`."""
+        return shape_reaches(self.model, self.outline.geometry.geometryObjects)
 
     @cached_property
     def radii(self) -> Array:
