@@ -20,7 +20,6 @@ class ArmLeaf(OperationLeaf):
     arm: Arm
 
     def prepare(self) -> None:
-        """Look the arm up."""
         self.arm = self.context.arm(self.params["arm"])
 
 
@@ -28,7 +27,6 @@ class KeepingLeaf(ArmLeaf):
     """A leaf whose motion may have to keep to something on its whole way."""
 
     def prepare(self) -> None:
-        """Look the arm up, and verify what is to be kept."""
         super().prepare()
         verify_keep(self, self.params["keep"])
 
@@ -43,14 +41,12 @@ class MoveTo(KeepingLeaf):
     """Go to a named state of the arm."""
 
     def prepare(self) -> None:
-        """Verify that the arm has the state."""
         super().prepare()
         states = self.arm.named_states()
         if self.params["state"] not in states:
             raise UnknownNameError("named state", self.params["state"], states, where=self.path)
 
     def start(self) -> Operation[JointState]:
-        """Plan and follow."""
         return go(self.arm, self.params["state"], self.constraint())
 
 
@@ -58,7 +54,6 @@ class MoveToPose(KeepingLeaf):
     """Go to a pose of the hand's grasp frame."""
 
     def start(self) -> Operation[JointState]:
-        """Plan and follow."""
         return self.arm.plan(self.read("pose"), free=self.params["free"], constraint=self.constraint()).then(
             self.arm.execute
         )
@@ -75,7 +70,6 @@ class _SteeringLeaf(ArmLeaf):
     _asked_before = False
 
     def initialise(self) -> None:
-        """Note what was asked before this activation."""
         self._asked_before = self.context.preempt_requested
 
     def steer(self) -> Operation[JointState]:
@@ -83,11 +77,9 @@ class _SteeringLeaf(ArmLeaf):
         raise NotImplementedError(f"{type(self).__name__}.steer")
 
     def start(self) -> Operation[JointState]:
-        """Begin a motion."""
         return self.steer()
 
     def update(self) -> Status:
-        """Begin, or go on; an arm that has come to rest is asked again."""
         if self.operation is not None and not self.operation.done() and not self.operation.cancel_asked:
             self.steer()
         self.context.wake_at(self.context.clock.now() + LOOK)
@@ -110,17 +102,14 @@ class Jog(_SteeringLeaf):
         return super(_SteeringLeaf, self).update()
 
     def start(self) -> Operation[JointState]:
-        """Go."""
         if self.params["seconds"] is None:
             return self.steer()
         return self.arm.jog(self.params["linear"], self.params["angular"], self.params["seconds"])
 
     def steer(self) -> Operation[JointState]:
-        """Go on."""
         return self.arm.steer(self.params["linear"], self.params["angular"])
 
     def finish(self, result: JointState) -> Status:
-        """Hand out what was measured."""
         return super().finish(result) if self.params["seconds"] is None else self.end(reached=result)
 
 
@@ -160,7 +149,6 @@ class Hold(ArmLeaf):
     _until: float | None = None
 
     def initialise(self) -> None:
-        """Stop."""
         self.arm.stop()
         self._rest = Resting(self.context, self.arm.state)
         seconds: float | None = self.params["seconds"]
@@ -169,7 +157,6 @@ class Hold(ArmLeaf):
             self.context.wake_at(self._until)
 
     def update(self) -> Status:
-        """Look at the clock and at the joints."""
         if self._until is None:
             return self.running("holding")
         left, at_rest = self._until - self.context.clock.now(), self._rest.reached()
@@ -182,7 +169,6 @@ class ReadState(ArmLeaf):
     """Hand out the arm's measured joints."""
 
     def update(self) -> Status:
-        """Measure."""
         return self.end(state=self.arm.state())
 
 
@@ -190,5 +176,4 @@ class ReadPose(ArmLeaf):
     """Hand out the measured pose of the hand's grasp frame."""
 
     def update(self) -> Status:
-        """Measure."""
         return self.end(pose=self.arm.grasp_pose())

@@ -26,7 +26,6 @@ class PlanTo(KeepingLeaf):
     """Plan to a named state, or to the state or pose that is bound."""
 
     def prepare(self) -> None:
-        """Verify that the arm has the named state, if one is given."""
         super().prepare()
         states = self.arm.named_states()
         if self.params["state"] and self.params["state"] not in states:
@@ -35,7 +34,6 @@ class PlanTo(KeepingLeaf):
             raise ValueError(f"{self.path}: give either `with: {{state: ...}}` or `in: {{goal: ...}}`")
 
     def start(self) -> Operation[Plan]:
-        """Ask."""
         bound: JointState | Pose | None = self.read("goal")
         goal = self.params["state"] if bound is None else bound
         return self.arm.plan(goal, start=self.read("start"), free=self.params["free"], constraint=self.constraint())
@@ -45,7 +43,6 @@ class MakeConstraint(ArmLeaf):
     """Make a path constraint, to be bound by several motions."""
 
     def prepare(self) -> None:
-        """Look the arm up, and verify what is to be kept."""
         super().prepare()
         verify_keep(self, self.params["keep"])
 
@@ -58,7 +55,6 @@ class PlanStraight(ArmLeaf):
     """Plan straight lines through poses."""
 
     def start(self) -> Operation[Plan]:
-        """Ask."""
         return self.arm.plan_straight(self.read("poses"), start=self.read("start"))
 
 
@@ -66,7 +62,6 @@ class Execute(ArmLeaf):
     """Follow a plan."""
 
     def start(self) -> Operation[JointState]:
-        """Follow."""
         return self.arm.execute(self.read("plan"))
 
 
@@ -74,7 +69,6 @@ class ExecuteTrajectory(ArmLeaf):
     """Follow a trajectory that was made elsewhere; one that can't be followed as a whole moves nothing."""
 
     def start(self) -> Operation[JointState]:
-        """Check it, go to where it begins, follow it."""
         return self.arm.plan_from_trajectory(self.read("trajectory"), slow_down=self.params["slow_down"]).then(
             self._follow
         )
@@ -94,14 +88,12 @@ class ExecuteTogether(OperationLeaf):
     """Follow plans of several arms at once."""
 
     def prepare(self) -> None:
-        """Look the arms up; no arm stands there twice."""
         names: list[str] = self.params["arms"]
         if len(set(names)) != len(names) or not names:
             raise ValueError(f"{self.path}: `arms` names each arm once, not {names}")
         self._arms: dict[str, Arm] = {name: self.context.arm(name) for name in names}
 
     def start(self) -> Operation[dict[str, JointState]]:
-        """Follow them all."""
         plans: list[Plan] = self.read("plans")
         if len(plans) != len(self._arms):
             raise PathInvalidError(f"there are {len(plans)} plans for the arms {', '.join(self._arms)}")
@@ -110,7 +102,6 @@ class ExecuteTogether(OperationLeaf):
         )
 
     def finish(self, result: dict[str, JointState]) -> Status:
-        """Hand out what was measured, in the order of the arms."""
         return self.end(reached=[result[name] for name in self._arms])
 
 
@@ -118,7 +109,6 @@ class MoveToJoints(KeepingLeaf):
     """Go to joint positions."""
 
     def start(self) -> Operation[JointState]:
-        """Plan and follow."""
         return go(self.arm, self.read("state"), self.constraint())
 
 
@@ -126,7 +116,6 @@ class MoveStraight(ArmLeaf):
     """Go straight: to a pose, or by an offset from where the hand is."""
 
     def prepare(self) -> None:
-        """Verify that there is one goal."""
         super().prepare()
         offset = self.params["offset"]
         if bool(offset) == ("pose" in self.readers):
@@ -135,7 +124,6 @@ class MoveStraight(ArmLeaf):
             raise ValueError(f"{self.path}: an offset is 3 lengths [m] in world, not {offset}")
 
     def start(self) -> Operation[JointState]:
-        """Plan and follow."""
         pose: Pose | None = self.read("pose")
         goal = self.arm.grasp_pose().moved(self.params["offset"]) if pose is None else pose
         return go_straight(self.arm, [goal], self.context.scene(), self.params["ignore"])
@@ -153,7 +141,6 @@ class _ThroughLeaf(KeepingLeaf):
     """A leaf that is given way points, as offsets or bound."""
 
     def prepare(self) -> None:
-        """Verify that there is one list of way points, and that the radii are lengths."""
         super().prepare()
         offsets, radii = self.params["offsets"], self.params["radii"]
         if bool(offsets) == ("way_points" in self.readers):
@@ -191,11 +178,9 @@ class PlanThrough(_ThroughLeaf):
     """Plan through way points."""
 
     def start(self) -> Operation[Plan]:
-        """Ask."""
         return self.arm.plan_through(self.way_points(), start=self.read("start"), constraint=self.constraint())
 
     def finish(self, result: Plan) -> Status:
-        """Hand the plan out, and its radii."""
         return self.end(plan=result, radii=list(result.radii))
 
 
@@ -203,13 +188,11 @@ class MoveThrough(_ThroughLeaf):
     """Go through way points."""
 
     def start(self) -> Operation[_Passed]:
-        """Plan and follow."""
         return self.arm.plan_through(self.way_points(), constraint=self.constraint()).then(
             lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished(_Passed(plan, reached)))
         )
 
     def finish(self, result: _Passed) -> Status:
-        """Hand out what was measured, and the plan's radii."""
         return self.end(reached=result.reached, radii=list(result.plan.radii))
 
 

@@ -70,7 +70,6 @@ class _HeldCoroutine:
                 self._loop.call_soon_threadsafe(self._stand)
 
     def resume(self) -> None:
-        """Let it go on."""
         self._free.set()
 
     def cancel(self) -> None:
@@ -234,7 +233,6 @@ class AsyncLeaf(OperationLeaf):
     # --- the activation ---
 
     def start(self) -> Operation[Any]:
-        """Read the inputs and start the coroutine."""
         self._naps.clear()
         given = {port: self.read(port) for port in self.manifest.inputs}
 
@@ -254,11 +252,9 @@ class AsyncLeaf(OperationLeaf):
         return super().update()
 
     def waiting(self, operation: Operation[Any]) -> str:
-        """Say what the coroutine has told last."""
         return str(operation.progress or "")
 
     def finish(self, result: Any) -> Status:
-        """Hand out what `run` has returned."""
         return finish(
             self, result, labelled=dict(self.manifest.outcomes) != {"success": "success", "failure": "failure"}
         )

@@ -40,7 +40,6 @@ class ComponentLeaf(OperationLeaf):
     _remote: Component
 
     def prepare(self) -> None:
-        """Look the component up."""
         settings = self.manifest.settings
         rules = self.rules or settings.get("rules", {})
         self._rules = {label: parse_expression(rule) for label, rule in rules.items()}
@@ -58,7 +57,6 @@ class ComponentLeaf(OperationLeaf):
         return self._remote.call({port: self.read(port) for port in ports})
 
     def finish(self, result: Mapping[str, Any]) -> Status:
-        """Name the outcome and hand out the reply's fields."""
         label = self._label_by_rule(result) if self._rules else self._label(result)
         outputs = self.outputs_of_failure()
         for port, face in self.manifest.outputs.items():
@@ -77,7 +75,6 @@ class ComponentLeaf(OperationLeaf):
         return {FEEDBACK: self.operation.progress}
 
     def waiting(self, operation: Operation[Any]) -> str:
-        """Show the last feedback to people."""
         return "" if operation.progress is None else f"feedback: {shown(operation.progress)}"
 
     def _label_by_rule(self, reply: Mapping[str, object]) -> str:

@@ -41,7 +41,6 @@ class Conditional(Node):
     precondition: Condition
 
     def tick(self) -> Iterator[Behaviour]:
-        """Look at the condition when an activation begins, then tick as usual."""
         if self.status != Status.RUNNING:
             try:
                 holds = self.precondition.holds()

@@ -61,12 +61,10 @@ class KindNode(Node):
         self.why: Any = CHILD
 
     def setup(self, **kwargs: Any) -> None:
-        """Take the run's context, for its clock and for waking."""
         super().setup(**kwargs)
         self.context = self.answers.context = kwargs["context"]
 
     def tick(self) -> Iterator[Behaviour]:
-        """Take steps until one ends the tick."""
         yield from self._follow(self.opening())
         yield self
 
@@ -182,7 +180,6 @@ class KindNode(Node):
                 self.current_child = self.children[self.running[0]] if self.running else None
 
     def update(self) -> Status:
-        """Return the status, which ticks settle."""
         return self.status
 
     def halt_others(self, run: Sequence[int]) -> None:
@@ -206,7 +203,6 @@ class KindNode(Node):
                 child.stop(INVALID)
 
     def conclude(self, status: Status) -> None:
-        """Name the outcome and, when the container has failed, say why."""
         super().conclude(status)
         why = self.why
         if status is not F:
@@ -217,7 +213,6 @@ class KindNode(Node):
             self.failure = Failure(why.code, why.text) if isinstance(why, Reason) else why
 
     def terminate(self, new_status: Status) -> None:
-        """Tell the kind that an activation is over."""
         self.kind.over(self.state, self.answers)
         self.state = None
 

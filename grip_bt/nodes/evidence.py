@@ -76,7 +76,6 @@ def hand_evidence(hand: Hand, limits: EvidenceLimits) -> list[Evidence]:
 
 
 def _contact_evidence(hand: Hand, limits: EvidenceLimits) -> Evidence:
-    """Say whether links of the hand touch something."""
     links = sorted(link for link, pressed in hand.contacts().items() if pressed >= limits.force)
     touching = listing(links) if links else "nothing"
     return Evidence("contact", len(links) >= limits.links, f"{touching} touched" if links else "nothing is touched")

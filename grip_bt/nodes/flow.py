@@ -47,17 +47,14 @@ class Wait(Leaf):
     _until: float = 0.0
 
     def initialise(self) -> None:
-        """Note when to end."""
         self._until = self.context.clock.now() + self.params["seconds"]
         self.context.wake_at(self._until)
 
     def resume(self, began: float) -> None:
-        """Wait for the rest of the time."""
         self._until = began + self.params["seconds"]
         self.context.wake_at(self._until)
 
     def update(self) -> Status:
-        """Look at the clock."""
         left = self._until - self.context.clock.now()
         return self.end() if left <= 0 else self.running(f"{left:.1f} s left")
 
@@ -66,7 +63,6 @@ class Succeed(Leaf):
     """Succeed at once."""
 
     def update(self) -> Status:
-        """Succeed."""
         return self.end()
 
 
@@ -74,7 +70,6 @@ class Fail(Leaf):
     """Fail at once with a reason."""
 
     def update(self) -> Status:
-        """Fail."""
         return self.fail(self.params["code"], self.params["message"])
 
 
@@ -82,7 +77,6 @@ class Log(Leaf):
     """Put a sentence into the journal."""
 
     def update(self) -> Status:
-        """Tell the observer."""
         value = self.read("value")
         text: str = self.params["message"]
         self.feedback_message = text if value is None else f"{text}: {value!r}"
@@ -102,7 +96,6 @@ class Compute(_ExpressionLeaf):
     """Give a variable the value of an expression over the inputs."""
 
     def update(self) -> Status:
-        """Compute."""
         return self.end(value=self.compute())
 
 
@@ -112,14 +105,12 @@ class WaitUntil(_ExpressionLeaf):
     _until: float | None = None
 
     def initialise(self) -> None:
-        """Note when to give up."""
         timeout: float | None = self.params["timeout"]
         self._until = None if timeout is None else self.context.clock.now() + timeout
         if self._until is not None:
             self.context.wake_at(self._until)
 
     def update(self) -> Status:
-        """Look."""
         holds = self.compute()
         if not isinstance(holds, bool):
             raise TypeError(f"`{self.params['expression']}` evaluates to {holds!r}, not to true or false")
@@ -134,7 +125,6 @@ class Count(Leaf):
     """Count up, and say when the limit is reached."""
 
     def update(self) -> Status:
-        """Add the step to the bound variable."""
         count: int = (self.read("count") or 0) + self.params["step"]
         limit: int | None = self.params["limit"]
         outcome = "reached" if limit is not None and count >= limit else "success"

@@ -31,11 +31,9 @@ class Foreign(Node, decorators.Decorator):
             raise NodeError(self.path, error) from error
 
     def update(self) -> Status:
-        """Pass on what the behaviour ended with."""
         return self.decorated.status
 
     def conclude(self, status: Status) -> None:
-        """Take the behaviour's message as the reason."""
         super().conclude(status)
         message = str(self.decorated.feedback_message)
         self.failure = Failure("foreign", message) if status == Status.FAILURE else None

@@ -66,7 +66,6 @@ class _Port(Generic[T]):
         raise AttributeError(f"port {self.name!r} can't be assigned; an output is given to self.end({self.name}=...)")
 
     def of(self, leaf: Leaf) -> T:
-        """Return the port's value."""
         raise NotImplementedError
 
 
@@ -74,7 +73,6 @@ class Input(_Port[T]):
     """An input port: the value of the bound variable, read anew each time; None where it is optional and unbound."""
 
     def of(self, leaf: Leaf) -> T:
-        """Read the variable."""
         value: T = leaf.read(self.name)
         return value
 
@@ -83,7 +81,6 @@ class Param(_Port[T]):
     """A parameter: the literal of the task, or the default."""
 
     def of(self, leaf: Leaf) -> T:
-        """Return the literal."""
         value: T = leaf.params[self.name]
         return value
 
@@ -92,7 +89,6 @@ class Output(_Port[T]):
     """An output port; its value is given to `self.end`."""
 
     def of(self, leaf: Leaf) -> T:
-        """Refuse to read it."""
         raise AttributeError(f"output {self.name!r} can't be read; give its value to self.end({self.name}=...)")
 
 
@@ -128,7 +124,6 @@ def _with_ports(cls: type) -> type[Leaf]:
 
 
 def _check_run(cls: type[Leaf]) -> None:
-    """Refuse a coroutine `run` that nobody would call, and a `run` that isn't one."""
     run = getattr(cls, "run", None)
     if issubclass(cls, AsyncLeaf):
         if run is AsyncLeaf.run or not inspect.iscoroutinefunction(run):
@@ -154,7 +149,6 @@ class FunctionLeaf(OperationLeaf):
     labelled: ClassVar[bool] = False
 
     def start(self) -> Operation[Any]:
-        """Call the function in a worker."""
         ports = [p for p, port in self.manifest.inputs.items() if port.required or p in self.readers]
         arguments = {**{p: self.read(p) for p in ports}, **self.params}
         arguments.update(dict.fromkeys(self.context_names, self.context))
@@ -166,7 +160,6 @@ class FunctionLeaf(OperationLeaf):
         return self.context.run_in_worker(lambda: call(**arguments))
 
     def finish(self, result: Any) -> Status:
-        """Hand out the result: as the one output, or as a mapping of several."""
         return finish(self, result, labelled=type(self).labelled)
 
 

@@ -26,7 +26,6 @@ class MakePose(Leaf):
         self._pose = Pose(self.params["position"], self.params["quaternion"], self.params["frame"])
 
     def update(self) -> Status:
-        """Hand it out."""
         return self.end(pose=self._pose)
 
 
@@ -38,7 +37,6 @@ class Offset(Leaf):
         self._way = Pose(self.params["position"], self.params["quaternion"])
 
     def update(self) -> Status:
-        """Apply it."""
         pose: Pose = self.read("pose")
         turned = pose @ Pose(quaternion=self._way.quaternion)
         way = pose.rotation() @ self._way.position if self.params["own_axes"] else self._way.position
@@ -49,7 +47,6 @@ class MakeGrasp(Leaf):
     """Make a grasp of one pose: approach along the palm's normal, lift straight up."""
 
     def update(self) -> Status:
-        """Make it."""
         pose: Pose = self.read("pose")
         p, posture = self.params, self.read("posture")
         before: JointState | None = self.read("pre_posture")
@@ -71,7 +68,6 @@ class Rank(ArmLeaf):
     """Put grasps in order by a weighted sum of what speaks for them."""
 
     def update(self) -> Status:
-        """Score each, and give them out with the scores as their qualities."""
         grasps: Sequence[Grasp] = self.read("grasps")
         scores = self._scores(grasps)
         order = sorted(range(len(grasps)), key=lambda k: -scores[k])
@@ -104,7 +100,6 @@ class Choose(ArmLeaf):
     """Choose the best feasible grasp that wasn't tried."""
 
     def start(self) -> Operation[Grasp]:
-        """Leave out what was tried and ask the arm."""
         grasps: Sequence[Grasp] = self.read("grasps")
         tried: Sequence[Grasp] = self.read("tried") or ()
         fresh = [g for g in grasps if not any(same_grasp(g, t) for t in tried)]
@@ -133,7 +128,6 @@ class MoveToGrasp(ArmLeaf):
     """
 
     def start(self) -> Operation[JointState]:
-        """Plan and follow both parts."""
         grasp: Grasp = self.read("grasp")
         return go(self.arm, grasp.pre_grasp).then(lambda _: self._approach(grasp))
 
@@ -149,7 +143,6 @@ class ArmHandLeaf(ArmLeaf):
     hand: Hand
 
     def prepare(self) -> None:
-        """Look both up."""
         super().prepare()
         self.hand = self.context.hand(self.params["hand"])
 
@@ -158,7 +151,6 @@ class Lift(ArmHandLeaf):
     """Lift straight to the post-grasp; the object at the grasp, if the scene has one, moves along from now on."""
 
     def start(self) -> Operation[JointState]:
-        """Attach and go."""
         grasp: Grasp = self.read("grasp")
         scene = self.context.scene()
         target = object_at(scene, grasp)
@@ -189,7 +181,6 @@ class Retreat(ArmHandLeaf):
         )
 
     def finish(self, result: list[ExpectedError]) -> Status:
-        """Success when a step was made."""
         if len(result) < 2:
             return self.end()
         reasons = [f"{e.code}: {e.message}" for e in result]

@@ -17,7 +17,6 @@ class HandLeaf(OperationLeaf):
     hand: Hand
 
     def prepare(self) -> None:
-        """Look the hand up."""
         self.hand = self.context.hand(self.params["hand"])
 
 
@@ -29,13 +28,11 @@ class Open(HandLeaf):
     """
 
     def start(self) -> Operation[JointState]:
-        """Open to the grasp's own pre-posture or to a named one."""
         grasp: Grasp | None = self.read("grasp")
         own = None if grasp is None else grasp.pre_posture
         return self.hand.open(own if own is not None else self.params["posture"])
 
     def finish(self, result: JointState) -> Status:
-        """Take what was held out of the scene."""
         scene = self.context.scene()
         for name in scene.attached(self.hand.name):
             scene.detach(name)
@@ -61,7 +58,6 @@ class ReadState(HandLeaf):
     """Hand out the hand's measured joints."""
 
     def update(self) -> Status:
-        """Measure."""
         return self.end(state=self.hand.state())
 
 
@@ -69,7 +65,6 @@ class _MovingHandLeaf(HandLeaf):
     """A leaf that moves the fingers without asking whether they touch."""
 
     def move(self, posture: JointState | str) -> Operation[JointState]:
-        """Go, with the task's torque limit and time."""
         return self.hand.move(posture, self.params["torque_limit"], self.params["seconds"])
 
 
@@ -77,7 +72,6 @@ class Posture(_MovingHandLeaf):
     """Go to a posture, named or bound."""
 
     def prepare(self) -> None:
-        """Verify that there is one posture."""
         super().prepare()
         if bool(self.params["posture"]) == ("state" in self.readers):
             raise ValueError(f"{self.path}: give either `with: {{posture: ...}}` or `in: {{state: ...}}`")
@@ -101,12 +95,10 @@ class Fingers(_MovingHandLeaf):
     """Close some fingers in part."""
 
     def prepare(self) -> None:
-        """Verify fingers and shares."""
         super().prepare()
         self._posture = self.hand.finger_posture(self.params["closing"])
 
     def start(self) -> Operation[JointState]:
-        """Go."""
         return self.move(self._posture)
 
 
@@ -114,13 +106,11 @@ class Fingertips(_MovingHandLeaf):
     """Bring fingertips to positions."""
 
     def prepare(self) -> None:
-        """Verify that the positions are given once."""
         super().prepare()
         if bool(self.params["tips"]) == ("targets" in self.readers):
             raise ValueError(f"{self.path}: give either `with: {{tips: ...}}` or `in: {{targets: ...}}`")
 
     def start(self) -> Operation[JointState]:
-        """Find the posture in a worker, and go."""
         targets = self.read("targets") or self.params["tips"]
         found = self.context.run_in_worker(lambda: self.hand.fingertip_posture(targets, self.params["frame"]))
         return found.then(self.move)
@@ -130,12 +120,10 @@ class Synergy(_MovingHandLeaf):
     """Go to the posture of synergies."""
 
     def prepare(self) -> None:
-        """Verify the weights."""
         super().prepare()
         self._posture = self.hand.synergy(self.params["weights"])
 
     def start(self) -> Operation[JointState]:
-        """Go."""
         return self.move(self._posture)
 
 
@@ -143,12 +131,10 @@ class HoldHand(HandLeaf):
     """End a motion of the fingers and hold them where they are; it ends when they were measured at rest."""
 
     def initialise(self) -> None:
-        """Stop."""
         self.hand.stop()
         self._rest = Resting(self.context, self.hand.state)
 
     def update(self) -> Status:
-        """Look at the fingers."""
         return self.end() if self._rest.reached() else self.running("until the fingers are measured at rest")
 
 
@@ -156,7 +142,6 @@ class HasContact(HandLeaf):
     """Succeed when enough links of the hand touch something now."""
 
     def update(self) -> Status:
-        """Look."""
         force = self.params["force"]
         links = sorted(link for link, pressed in self.hand.contacts().items() if pressed >= force)
         if len(links) >= self.params["links"]:
@@ -173,11 +158,9 @@ class KeepContact(HandLeaf):
     _lost_since: float | None = None
 
     def initialise(self) -> None:
-        """Begin with nothing lost."""
         self._lost_since = None
 
     def update(self) -> Status:
-        """Look; the task is woken again in time."""
         now, force = self.context.clock.now(), self.params["force"]
         links = sorted(link for link, pressed in self.hand.contacts().items() if pressed >= force)
         self.context.wake_at(now + self.params["patience"] / 2)

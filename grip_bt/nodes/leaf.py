@@ -139,7 +139,6 @@ class Leaf(Node):
         return self.end(outcome or self._failing(), **(outputs or {}))
 
     def _failing(self) -> str:
-        """Return the outcome of a failure that is said without one."""
         meant = [outcome for outcome, meaning in self.meaning.items() if meaning == "failure"]
         if not meant:
             raise ValueError(f"it failed ({self.failure}), but no outcome of {self.manifest.id} means failure")
@@ -205,7 +204,6 @@ class Leaf(Node):
     # --- py_trees' side ---
 
     def setup(self, **kwargs: Any) -> None:
-        """Take the run's context, with the requests of parallels above, and prepare."""
         context = kwargs["context"]
         self.context = AskedContext(context, self.askers) if self.askers else context
         self.prepare()
@@ -228,7 +226,6 @@ class Leaf(Node):
             raise NodeError(self.path, error) from error
 
     def conclude(self, status: Status) -> None:
-        """Name the outcome of an `update` that returned a bare status."""
         if self.outcome is None:
             self.outcome = "success" if status is Status.SUCCESS else "failure"
         if STATUS.get(self.meaning.get(self.outcome, "")) != status:
@@ -297,7 +294,6 @@ class OperationLeaf(Leaf):
             return self._fail_for(error.code, error)
 
     def terminate(self, new_status: Status) -> None:
-        """Cancel what is under way."""
         operation, self.operation, self._since = self.operation, None, None
         if operation is not None and not operation.done():
             operation.cancel()

@@ -15,7 +15,6 @@ class _Reading(OperationLeaf):
     """Read an entry of a store."""
 
     def start(self) -> Operation[Any]:
-        """Ask for it."""
         return self.context.messages().get(self.params["store"], self.entry_name())
 
     def entry_name(self) -> str:
@@ -35,7 +34,6 @@ class GetMessage(_Reading):
     """Read a value by its name."""
 
     def entry_name(self) -> str:
-        """Return the name that the task says."""
         return str(self.params["name"])
 
 
@@ -43,7 +41,6 @@ class SelectMessage(_Reading):
     """Read a value whose name the task has worked out."""
 
     def entry_name(self) -> str:
-        """Return the name that came in."""
         return str(self.read("name"))
 
 
@@ -55,7 +52,6 @@ class _Writing(OperationLeaf):
     """Hand a value to a store."""
 
     def start(self) -> Operation[None]:
-        """Hand it over."""
         return self.context.messages().put(self.params["store"], self.entry_name(), self.read("value"), self.path)
 
     def entry_name(self) -> str:
@@ -67,7 +63,6 @@ class PutMessage(_Writing):
     """Keep a value under a name."""
 
     def entry_name(self) -> str:
-        """Return the name that the task says."""
         return str(self.params["name"])
 
 
@@ -79,7 +74,6 @@ class DeleteMessage(OperationLeaf):
     """Forget a value."""
 
     def start(self) -> Operation[None]:
-        """Have it removed."""
         return self.context.messages().delete(self.params["store"], self.params["name"])
 
 
@@ -87,11 +81,9 @@ class ListMessages(OperationLeaf):
     """Tell the names in a store."""
 
     def start(self) -> Operation[tuple[str, ...]]:
-        """Ask for them."""
         return self.context.messages().names(self.params["store"])
 
     def finish(self, result: tuple[str, ...]) -> Status:
-        """Hand them out."""
         return self.end(names=list(result))
 
 
@@ -99,7 +91,6 @@ class ReinitialiseMessages(OperationLeaf):
     """Empty stores and read the project's files again."""
 
     def start(self) -> Operation[None]:
-        """Have it done."""
         return self.context.messages().reset(self.params["store"])
 
 
@@ -107,5 +98,4 @@ class SaveMessages(OperationLeaf):
     """Keep all named values for later runs."""
 
     def start(self) -> Operation[int]:
-        """Have them written."""
         return self.context.messages().save()

@@ -54,7 +54,6 @@ class MockLeaf(Leaf):
         self._step = self.steps[0]
 
     def initialise(self) -> None:
-        """Take the step whose turn it is."""
         self._step, number = self.steps[-1], self.activations
         for step in self.steps:
             if number < step.times:
@@ -67,18 +66,15 @@ class MockLeaf(Leaf):
             self.context.wake_at(self._until)
 
     def resume(self, began: float) -> None:
-        """Take what is left of the step's time."""
         self.initialise()
         self._until = began + self._step.seconds
         if self._step.seconds:
             self.context.wake_at(self._until)
 
     def replay_ended(self, outcome: str | None) -> None:
-        """Count the activation."""
         self.activations += 1
 
     def update(self) -> Status:
-        """Take as long as the script says, then end."""
         if self._step.seconds and self.context.clock.now() < self._until:
             return self.running("mock")
         step = self._step

@@ -61,27 +61,22 @@ class Observers:
         self._observers = observers
 
     def entered(self, path: str) -> None:
-        """Tell all."""
         for observer in self._observers:
             observer.entered(path)
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """Tell all."""
         for observer in self._observers:
             observer.ended(path, outcome, failure)
 
     def interrupted(self, path: str) -> None:
-        """Tell all."""
         for observer in self._observers:
             observer.interrupted(path)
 
     def message(self, path: str, text: str) -> None:
-        """Tell all."""
         for observer in self._observers:
             observer.message(path, text)
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """Tell all."""
         for observer in self._observers:
             observer.wrote(path, variable, type_name, value)
 

@@ -29,15 +29,12 @@ class Sense(OperationLeaf):
     sensor: Sensor
 
     def prepare(self) -> None:
-        """Look the sensor up."""
         self.sensor = self.context.sensor(self.manifest.settings["sensor"])
 
     def start(self) -> Operation[Mapping[str, Any]]:
-        """Ask for values of one moment."""
         return self.sensor.capture()
 
     def finish(self, result: Mapping[str, Any]) -> Status:
-        """Hand them out."""
         if missing := [port for port in self.manifest.outputs if port not in result]:
             raise SensorError(f"the sensor gave nothing for {', '.join(missing)}; it gave {', '.join(result)}")
         return self.end(**{port: result[port] for port in self.manifest.outputs})
@@ -63,16 +60,13 @@ class Capture(OperationLeaf):
     waits = True  # a frame that was taken while the arm still brakes shows neither before nor after
 
     def prepare(self) -> None:
-        """Look the sensor up."""
         self.camera = self.context.camera(self.manifest.settings["sensor"])
         _check_region(self.path, self.params["region"])
 
     def start(self) -> Operation[_Look]:
-        """Ask for a frame, and find the robot in it."""
         return self.camera.capture().then(lambda frame: self.context.run_in_worker(lambda: self._looked(frame)))
 
     def finish(self, result: _Look) -> Status:
-        """Hand out the frame, and its points where somebody takes them."""
         most = self.params["max_hidden"]
         if result.hidden > most:
             text = f"the robot hides {result.hidden:.0%} of the view; {most:.0%} at most may be hidden"
@@ -107,13 +101,11 @@ class ImageDifference(OperationLeaf):
     """
 
     def start(self) -> Operation[Change]:
-        """Compare in a worker."""
         p = self.params
         limits = Thresholds(p["color_threshold"], p["depth_threshold"], p["table"], p["max_height"], p["radius"])
         return changed(self.context, self.read("before"), self.read("after"), self.read("grasp"), limits)
 
     def finish(self, result: Change) -> Status:
-        """Judge."""
         p = self.params
         one = image_evidence(result, p["min_vacated"], p["max_appeared"], p["min_pixels"])
         measured: dict[str, Any] = {
@@ -156,7 +148,6 @@ class Holds(HandLeaf):
     """
 
     def start(self) -> Operation[list[Evidence]]:
-        """Ask; images are looked at in a worker."""
         p = self.params
         evidence = hand_evidence(self.hand, EvidenceLimits(p["force"], p["links"], p["least_open"], p["most_moved"]))
         before: RgbdFrame | None = self.read("before")
@@ -173,7 +164,6 @@ class Holds(HandLeaf):
         return asked.then(lambda said: self._compared(said, *frames, grasp))
 
     def finish(self, result: list[Evidence]) -> Status:
-        """Put the evidence together."""
         evidence = {one.name: one.held for one in result}
         if holds(result):
             return self.end(evidence=evidence)
@@ -214,7 +204,6 @@ class ClearView(ArmLeaf):
     camera: Camera
 
     def prepare(self) -> None:
-        """Look up arm, camera and state."""
         super().prepare()
         self.camera = self.context.camera(self.params["sensor"])
         _check_region(self.path, self.params["region"])
@@ -223,7 +212,6 @@ class ClearView(ArmLeaf):
             raise UnknownNameError("named state", self.params["state"], states, where=self.path)
 
     def start(self) -> Operation[JointState]:
-        """Find the candidates in a worker, then go to the first that can be reached."""
         return self.context.run_in_worker(self._clear).then(
             lambda clear: first_of(partial(go, self.arm, state) for state in clear)
         )

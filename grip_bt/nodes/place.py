@@ -42,7 +42,6 @@ class Place(ArmHandLeaf):
     _object: str = ""
 
     def start(self) -> Operation[JointState]:
-        """Find the candidates, go, let go, leave."""
         scene = self.context.scene()
         held = scene.attached(self.hand.name)
         if not held:

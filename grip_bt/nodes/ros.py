@@ -18,12 +18,10 @@ class WaitForMessage(OperationLeaf):
     """Wait for the next message of a topic."""
 
     def prepare(self) -> None:
-        """Check what is asked for."""
         self.context.ros().check(self.params["topic"], self.params["type"])
         _check_value(self.params["value"])
 
     def start(self) -> Operation[Any]:
-        """Wait from now on."""
         p = self.params
         limit = math.inf if p["timeout"] is None else p["timeout"]
         return self.context.ros().next(p["topic"], p["type"], p["value"], limit)
@@ -33,12 +31,10 @@ class LatestMessage(WaitForMessage):
     """Take the last message of a topic, when it is fresh enough, else wait for the next."""
 
     def prepare(self) -> None:
-        """Check what is asked for, and listen from the start of the run."""
         super().prepare()
         self.context.ros().listen(self.params["topic"], self.params["type"])
 
     def start(self) -> Operation[Any]:
-        """Look, or wait."""
         p = self.params
         return self.context.ros().recent(p["topic"], p["type"], p["value"], p["max_age"], p["timeout"])
 
@@ -47,16 +43,13 @@ class WaitForMessages(OperationLeaf):
     """Wait for a message of each of several topics, taken at one moment."""
 
     def prepare(self) -> None:
-        """Check what is asked for."""
         for topic, message in self.params["topics"].items():
             self.context.ros().check(topic, message)
 
     def start(self) -> Operation[Mapping[str, Any]]:
-        """Wait from now on."""
         return self.context.ros().together(self.params["topics"], self.params["slop"], self.params["timeout"])
 
     def finish(self, result: Mapping[str, Any]) -> Status:
-        """Hand the messages out, by topic."""
         return self.end(messages=dict(result))
 
 
@@ -64,11 +57,9 @@ class Publish(OperationLeaf):
     """Publish a value as a message."""
 
     def prepare(self) -> None:
-        """Check what is to be published."""
         self.context.ros().check(self.params["topic"], self.params["type"])
 
     def start(self) -> Operation[None]:
-        """Publish when enough subscribers listen."""
         p = self.params
         return self.context.ros().publish(p["topic"], p["type"], self.read("value"), p["subscribers"], p["timeout"])
 
@@ -77,7 +68,6 @@ class LookUpTransform(OperationLeaf):
     """Find where a frame is in another."""
 
     def start(self) -> Operation[Pose]:
-        """Ask TF, or the fixed frames."""
         p, at = self.params, self.read("at")
         time = getattr(at, "time", at)
         if time is not None and (isinstance(time, bool) or not isinstance(time, (int, float))):
@@ -89,11 +79,9 @@ class GetParameter(OperationLeaf):
     """Read a parameter of a node."""
 
     def prepare(self) -> None:
-        """Check the node's name."""
         self.context.ros().check(self.params["node"])
 
     def start(self) -> Operation[Any]:
-        """Ask the node."""
         return self.context.ros().get_parameter(self.params["node"], self.params["name"], self.params["timeout"])
 
 
@@ -101,11 +89,9 @@ class SetParameter(OperationLeaf):
     """Set a parameter of a node."""
 
     def prepare(self) -> None:
-        """Check the node's name."""
         self.context.ros().check(self.params["node"])
 
     def start(self) -> Operation[None]:
-        """Ask the node."""
         p = self.params
         return self.context.ros().set_parameter(p["node"], p["name"], self.read("value"), p["timeout"])
 

@@ -69,7 +69,6 @@ class NothingSeen(Leaf):
     """Tell whether the last look has found nothing on the table, and if not, what is left and where."""
 
     def update(self) -> Status:
-        """Look into the scene."""
         scene = self.context.scene()
         left = [scene.box(name)[1].position for name in scene.names() if name.startswith(SEEN)]
         if not left:
@@ -86,7 +85,6 @@ class UpdateFromCloud(OperationLeaf):
     """
 
     def start(self) -> Operation[list[Box]]:
-        """Find the boxes in a worker."""
         cloud: PointCloud = self.read("cloud")
         if cloud.frame != "world":
             raise SensorError(f"the cloud is given in frame {cloud.frame!r}, not in world")
@@ -96,7 +94,6 @@ class UpdateFromCloud(OperationLeaf):
         return self.context.run_in_worker(lambda: self._boxes(scene, cloud.points))
 
     def finish(self, result: list[Box]) -> Status:
-        """Change the scene."""
         scene = self.context.scene()
         for name in [n for n in scene.names() if n.startswith(SEEN)]:
             scene.remove(name)

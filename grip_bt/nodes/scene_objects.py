@@ -25,14 +25,12 @@ class _SceneLeaf(Leaf):
     """A leaf that changes the scene at once; names that it doesn't have, or mustn't change, are failures."""
 
     def update(self) -> Status:
-        """Change, or say why not."""
         try:
             return self.change(self.context.scene())
         except NoObjectError as error:
             return self.fail(error.code, error.message, **error.data)
 
     def change(self, scene: Scene) -> Status:
-        """Make the change."""
         raise NotImplementedError
 
     def free_to_change(self, scene: Scene, name: str) -> None:
@@ -64,7 +62,6 @@ class AddShape(_SceneLeaf):
     """Add a box, a cylinder or a sphere."""
 
     def prepare(self) -> None:
-        """Make the shape."""
         kind, size = self.params["shape"], self.params["size"]
         if kind not in SHAPES:
             raise UnknownNameError("shape", kind, SHAPES, where=self.path)
@@ -74,7 +71,6 @@ class AddShape(_SceneLeaf):
         self._solid: Solid = make(tuple(size)) if kind == "box" else make(*size)
 
     def change(self, scene: Scene) -> Status:
-        """Put it."""
         name = self.params["name"]
         self.free_to_change(scene, name)
         pose: Pose | None = self.read("pose")
@@ -86,14 +82,12 @@ class AddMesh(OperationLeaf):
     """Add a mesh from a file."""
 
     def start(self) -> Operation[Solid]:
-        """Read it in a worker; large ones take a while."""
         scene, p = self.context.scene(), self.params
         if scene.fixed(p["name"]):
             raise NoObjectError(f"{p['name']!r} belongs to the room and can't be changed", objects=_movable(scene))
         return self.context.run_in_worker(lambda: _expected(lambda: scene.mesh(p["file"], p["scale"], p["hollow"])))
 
     def finish(self, result: Solid) -> Status:
-        """Put it."""
         pose: Pose | None = self.read("pose")
         place = Pose(self.params["position"]) if pose is None else pose
         self.context.scene().put(self.params["name"], result, place)
@@ -104,14 +98,12 @@ class AddCloud(OperationLeaf):
     """Avoid whatever a cloud shows, as a map of occupied cells."""
 
     def start(self) -> Operation[Solid]:
-        """Make the map in a worker."""
         cloud: PointCloud = self.read("cloud")
         if cloud.frame != "world":
             raise SensorError(f"the cloud is given in frame {cloud.frame!r}, not in world")
         return self.context.run_in_worker(lambda: self._cells(cloud))
 
     def finish(self, result: CellMap) -> Status:
-        """Put it."""
         self.context.scene().put(self.params["name"], result, Pose())
         return self.end(cells=len(result.cells))
 
@@ -132,12 +124,10 @@ class Load(OperationLeaf):
     """Add the objects of a `.scene` file."""
 
     def start(self) -> Operation[tuple[str, ...]]:
-        """Read it in a worker."""
         scene = self.context.scene()
         return self.context.run_in_worker(lambda: _expected(lambda: scene.load(self.params["file"])))
 
     def finish(self, result: tuple[str, ...]) -> Status:
-        """Hand out their names."""
         return self.end(names=list(result))
 
 
@@ -160,7 +150,6 @@ class Attach(HandLeaf, _SceneLeaf):
     """Have an object move with a hand."""
 
     def change(self, scene: Scene) -> Status:
-        """Attach."""
         name = self.params["name"]
         _known_object(scene, name)
         self.free_to_change(scene, name)
@@ -168,7 +157,6 @@ class Attach(HandLeaf, _SceneLeaf):
         return self.end()
 
     def update(self) -> Status:
-        """Change, or say why not."""
         return _SceneLeaf.update(self)
 
 
@@ -176,7 +164,6 @@ class Detach(_SceneLeaf):
     """Have an object stay where it is."""
 
     def change(self, scene: Scene) -> Status:
-        """Detach."""
         _known_object(scene, self.params["name"])
         scene.detach(self.params["name"])
         return self.end()
@@ -186,7 +173,6 @@ class AllowCollisions(_SceneLeaf):
     """Allow contact of two names, or forbid it again."""
 
     def change(self, scene: Scene) -> Status:
-        """Allow or forbid."""
         try:
             scene.allow(self.params["one"], self.params["other"], self.params["allowed"])
         except UnknownNameError as error:
@@ -198,7 +184,6 @@ class Snapshot(Leaf):
     """Hand out the scene as it is now."""
 
     def update(self) -> Status:
-        """Take it."""
         return self.end(snapshot=self.context.scene().snapshot())
 
 
@@ -206,7 +191,6 @@ class Restore(Leaf):
     """Go back to an earlier state of the scene."""
 
     def update(self) -> Status:
-        """Restore."""
         self.context.scene().restore(self.read("snapshot"))
         return self.end()
 

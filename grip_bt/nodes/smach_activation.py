@@ -115,7 +115,6 @@ class Values:
         return [key for key in self._leaf.manifest.inputs if key in self]
 
     def update(self, ud: UserData) -> None:
-        """Write what another store holds."""
         self.written.update({key: ud[key] for key in ud.keys()})
 
 

@@ -33,7 +33,6 @@ class Enclosing:
         self.entries = 0
 
     def entered(self) -> None:
-        """Count an entry."""
         self.entries += 1
 
 
@@ -75,11 +74,9 @@ class Container:
             self.ask()
 
     def preempt_requested(self) -> bool:
-        """Return the flag."""
         return self.flag
 
     def recall_preempt(self) -> None:
-        """Clear the flag."""
         self.flag = False
 
     def is_running(self) -> bool:
@@ -142,7 +139,6 @@ class Together(Container):
     """A Concurrence: all children that haven't ended are asked, once; a request before it begins reaches none."""
 
     def enter(self) -> None:
-        """Begin an execution."""
         super().enter()
         self.has_asked = False
 
@@ -192,7 +188,6 @@ class Iteration(Container):
     exhausted = False
 
     def enter(self) -> None:
-        """Begin an execution."""
         super().enter()
         self.exhausted = False
 

@@ -63,7 +63,6 @@ class SmachLeaf(KeysLeaf):
             return run.built[factory]
 
     def prepare(self) -> None:
-        """Make the state and compare it with the manifest."""
         with RUNS_LOCK:
             self.shared()
         self.state = self.make()
@@ -88,7 +87,6 @@ class SmachLeaf(KeysLeaf):
         self._activation = self._since = None
 
     def update(self) -> Status:
-        """Start `execute`, pass on a preempt request, and take its outcome."""
         if self._activation is None:
             if self._zombie is not None and not self._zombie.done():
                 return self.running("waiting for the interrupted execute() to return")
@@ -211,7 +209,6 @@ class SmachLeaf(KeysLeaf):
 
 
 def _with_all_below(state: object) -> Iterator[Any]:
-    """Yield a state, and where it is a container all that it holds."""
     yield state
     for child in state.get_children().values() if hasattr(state, "get_children") else ():
         yield from _with_all_below(child)
@@ -225,7 +222,6 @@ class NextItem(AmongStates):
     """
 
     def update(self) -> Status:
-        """Look at the position and move it on."""
         items, position = self.params["items"], self.read("position")
         around = None
         if self.enclosing:
@@ -245,7 +241,6 @@ class NextItem(AmongStates):
         return self.end("item", item=items[position], position=position + 1)
 
     def replay_ended(self, outcome: str | None) -> None:
-        """Bring the flags to where the activation left them."""
         if self.enclosing:
             self.asking.begin(self.enclosing, None, self.requests())
             around = self.asking.container(self.enclosing[-1])
@@ -261,7 +256,6 @@ class Obeyed(AmongStates):
     """
 
     def update(self) -> Status:
-        """Wait for the others, and look at the flags."""
         asking = self.asking
         if self.status != Status.RUNNING:
             asking.begin(self.enclosing, None, self.requests())
@@ -281,7 +275,6 @@ class Obeyed(AmongStates):
         return self.end("preempted")
 
     def replay_ended(self, outcome: str | None) -> None:
-        """Bring the flags to where the activation left them."""
         if outcome is None or not self.enclosing:
             return
         asking = self.asking
@@ -298,6 +291,5 @@ class CopyKeys(KeysLeaf):
     """Copy inputs to the outputs of the same names, as SMACH does when it enters a container."""
 
     def update(self) -> Status:
-        """Copy what has been written."""
         found = {key: self.look_up(key) for key in self.manifest.inputs}
         return self.end("done", **{key: value for key, (there, value) in found.items() if there})

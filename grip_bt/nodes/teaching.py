@@ -17,12 +17,10 @@ class Teach(ArmLeaf):
     """Remember where the arm is now."""
 
     def prepare(self) -> None:
-        """Look the arm up, and verify the name."""
         super().prepare()
         _check_word(self.params["name"], self.path)
 
     def update(self) -> Status:
-        """Remember."""
         try:
             return self.end(value=self.arm.teach(self.params["name"], pose=self.params["pose"]))
         except NameTakenError as error:
@@ -50,12 +48,10 @@ class TeachHand(HandLeaf):
     """Remember the fingers' posture."""
 
     def prepare(self) -> None:
-        """Look the hand up, and verify the name."""
         super().prepare()
         _check_word(self.params["name"], self.path)
 
     def update(self) -> Status:
-        """Remember."""
         try:
             return self.end(value=self.hand.teach(self.params["name"]))
         except NameTakenError as error:

@@ -224,7 +224,6 @@ class RunContext:
                 part.pause()
 
     def resume(self) -> None:
-        """Have all that go on."""
         with self._pausing:
             self._paused = False
             for part in reversed(self._pausable):

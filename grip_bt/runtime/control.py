@@ -64,7 +64,6 @@ class Control:
         self._stopped = self.lost = False
 
     def start(self) -> None:
-        """Begin to obey, in a thread of its own."""
         threading.Thread(target=self._obey, name="grip_control", daemon=True).start()
 
     def send(self, event: str, **fields: object) -> None:

@@ -230,14 +230,12 @@ class Debugger(Silent):
     # --- as the observer ---
 
     def entered(self, path: str) -> None:
-        """Hold before a node, where somebody wants that."""
         point, trouble = self._found("before", path, None, None)
         wanted = self._wanted
         if point is not None or (wanted is not None and wanted(path)) or self._pacing.holding:
             self._hold(Held(path, "before", _why(point), _id(point), message=trouble), point)
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """Hold after a node, likewise."""
         code = failure.code if failure is not None else None
         point, trouble = self._found("after", path, outcome, code)
         if point is not None:

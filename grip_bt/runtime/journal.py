@@ -177,7 +177,6 @@ class Journal:
             wait = _GATHER if busy else min(IDLE, wait * 1.2)
 
     def _part_with(self, writers: dict[str, RunWriter]) -> None:
-        """Follow logs no longer that have ended."""
         with self._lock:
             over = {run for run, log in self._logs.items() if log.ended and not log.buffer}
             if over:

@@ -221,7 +221,6 @@ class JournalReader:
         return is_there(dict(zip(("pid", "since", "host"), rows[0], strict=True)) if rows else {})
 
     def _record(self, row: tuple[Any, ...]) -> RunRecord | None:
-        """Return a run as it is now; None where it has no id."""
         id, name, path, text, target, seed, started, ended, status, outcome = row
         if not isinstance(id, str) or not id:
             self._rows.note(f"a run of {self.file} has no id ({id!r:.80}), and is left out")
@@ -249,7 +248,6 @@ class JournalReader:
     # --- events ---
 
     def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
-        """Yield the writes in order, of blocks that have any."""
         until, done = 2**62 if until_seq is None else until_seq, 0
         bounds: list[tuple[int, int]] | None
         some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
@@ -291,14 +289,12 @@ class JournalReader:
                 return
 
     def _stored(self, run: str, after: int) -> Iterator[tuple[Any, ...]]:
-        """Yield the blocks that have events after one, in order."""
         since = 0
         while rows := self._page(run, after, since):
             yield from rows
             since = rows[-1][0]
 
     def _page(self, run: str, after: int, since: int) -> list[tuple[Any, ...]]:
-        """Return the next of them, which begin after the event `since`."""
         if run not in self._found:
             try:
                 if after == since == 0 and self._rows.query(
@@ -323,7 +319,6 @@ class JournalReader:
         return int(min([last, *(row[0] - 1 for row in self._found[run] if row[0] > first)]))
 
     def _all_blocks(self, run: str) -> list[tuple[Any, ...]]:
-        """Return what can be found of a run's blocks in a damaged table."""
         if run not in self._found:
             rows = self._rows.whole(_BLOCKS, "blocks", f"run=? AND {_GOOD}", run)
             self._found[run] = sorted(rows, key=lambda row: (row[0], row[1]))

@@ -122,7 +122,6 @@ class RunWriter:
         return {**more, **self._keep(content, noted)}
 
     def _keep(self, content: bytes, noted: DetailedEvent) -> dict[str, Any]:
-        """Keep a big value under the hash of its content, once."""
         if len(content) > self._largest:
             return {"size": len(content), "dropped": f"larger than {self._largest} bytes"}
         digest = hashlib.blake2b(content, digest_size=16).hexdigest()

@@ -445,5 +445,4 @@ class WakeOnWrite(Silent):
         self._wake = context.wake
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """A node wrote a variable."""
         self._wake()

@@ -51,11 +51,9 @@ class SideStateObserver(Silent):
         self._note, self._parts, self._leaves = note, parts, leaves
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """Note what has changed."""
         self.interrupted(path)
 
     def interrupted(self, path: str) -> None:
-        """Likewise."""
         for name in self._leaves.get(path, ()):
             state = self._parts[name].changed()
             if state is not None:
@@ -82,7 +80,6 @@ class Durable(Silent):
                 self._leaves = frozenset()
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """Wait for the disk too: what has been done isn't asked about."""
         self.entered(path)
 
 
@@ -110,7 +107,6 @@ class Heartbeat(Silent):
         self._over = threading.Event()
 
     def start(self) -> None:
-        """Begin to count."""
         threading.Thread(target=self._beat, name="grip_heartbeat", daemon=True).start()
 
     def stop(self) -> None:
@@ -122,17 +118,14 @@ class Heartbeat(Silent):
             self._words[_COUNT] = (self._words[_COUNT] + 1) & 0xFFFFFFFF
 
     def entered(self, path: str) -> None:
-        """Note where the run is."""
         number = self._numbers[path]
         self._words[_LAST] = number
         self._flags[number] = 1
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """Note that it is there no more."""
         self._flags[self._numbers[path]] = 0
 
     def interrupted(self, path: str) -> None:
-        """Likewise."""
         self._flags[self._numbers[path]] = 0
 
 

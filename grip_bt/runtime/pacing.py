@@ -144,7 +144,6 @@ class Pacing:
         self._change(paused=True)
 
     def resume(self) -> None:
-        """Go on."""
         self._change(paused=False)
 
     def step(self) -> None:

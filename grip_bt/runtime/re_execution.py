@@ -117,7 +117,6 @@ class ReExecution:
                 self._take_time(node)
 
     def _take_time(self, node: object) -> None:
-        """Have the recording say whether a time has come."""
         if isinstance(node, TaskMachine) and node.decide is not None:
             ends = {node.decide.answers.names[i]: meaning for i, _, meaning in node.decide.children.values()}
             kind, answers = node.decide.kind, node.decide.answers
@@ -251,26 +250,21 @@ class NewEvents:
         self._happened, self._inner = recording.happened, inner
 
     def entered(self, path: str) -> None:
-        """An activation begins."""
         if not self._happened(path, "enter"):
             self._inner.entered(path)
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """An activation ended."""
         if not self._happened(path, "exit", outcome, failure.code if failure is not None else None):
             self._inner.ended(path, outcome, failure)
 
     def interrupted(self, path: str) -> None:
-        """An activation was halted."""
         if not self._happened(path, "interrupted"):
             self._inner.interrupted(path)
 
     def message(self, path: str, text: str) -> None:
-        """A running node says how it goes."""
         if not self._happened(path, "message"):
             self._inner.message(path, text)
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """A node wrote a variable."""
         if not self._happened(path, "write", variable):
             self._inner.wrote(path, variable, type_name, value)

@@ -160,7 +160,6 @@ def _asked_until(leaf: Leaf, seq: int | None, recording: Recording) -> Iterator[
 
 
 def _failure_of(end: Event) -> Failure | None:
-    """Return the reason that an end of the journal has."""
     if end.code is None:
         return None
     data: Any = end.data.get("data", {})
@@ -200,7 +199,6 @@ class RecordedClock:
             self._clock.pause()
 
     def resume(self) -> None:
-        """Go on from where it stands."""
         if isinstance(self._clock, Pausable):
             self._clock.resume()
 

@@ -190,11 +190,9 @@ class Recorder:
     # --- its nodes ---
 
     def entered(self, path: str) -> None:
-        """An activation begins."""
         self._extend((path, ENTER, time.monotonic(), self._now()))
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """An activation ended."""
         if failure is not None:
             data: dict[str, Any] = {"message": failure.message}
             if failure.data:
@@ -206,11 +204,9 @@ class Recorder:
             self._log.wait_for_room()
 
     def interrupted(self, path: str) -> None:
-        """An activation was halted."""
         self._extend((path, INTERRUPTED, time.monotonic(), self._now()))
 
     def message(self, path: str, text: str) -> None:
-        """A running node says how it goes."""
         self._append(self._now(), path, "message", data={"text": text})
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:

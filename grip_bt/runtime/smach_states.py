@@ -243,7 +243,6 @@ class BehaviourTree(State):
                 behaviour.setup()
 
     def _copy_in(self, userdata: Any) -> dict[str, Any]:
-        """Give the tree what the machine has; return that."""
         if self.compiled is None:
             for key in self.get_registered_input_keys():
                 Blackboard.set(key, userdata[key])
@@ -257,7 +256,6 @@ class BehaviourTree(State):
         return before
 
     def _copy_out(self, userdata: Any, before: Mapping[str, object]) -> None:
-        """Give the machine what the tree has written."""
         if self.compiled is None:
             for key in self.get_registered_output_keys():
                 if Blackboard.exists(key):
@@ -281,8 +279,6 @@ def _inside(place: str, path: str) -> str:
 
 
 def _placed(factory: LeafFactory, place: str) -> LeafFactory:
-    """Return a factory that makes leaves with the paths that they have in the whole task."""
-
     def make(path: str, node: Leaf, manifest: Manifest) -> Any:
         return factory(_inside(place, path), node, manifest)
 

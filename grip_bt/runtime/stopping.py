@@ -46,7 +46,6 @@ class EndedObserver(Silent):
     """The observer of a run that is over: whatever comes back from where it hung gets no further."""
 
     def entered(self, path: str) -> None:
-        """Let no activation begin."""
         raise Halted
 
 
@@ -155,7 +154,6 @@ class Watchdog:
         self._over = threading.Event()
 
     def start(self) -> None:
-        """Begin to look."""
         threading.Thread(target=self._watch, name="grip_watchdog", daemon=True).start()
 
     def stop(self) -> None:

@@ -198,6 +198,5 @@ def _value(name: str, items: dict[str, Any]) -> Any:
 
 
 def _class_in(module: str, name: str) -> type | None:
-    """Return the dataclass of this name that a module defines, None where it defines none."""
     cls = getattr(import_module(module), name, None)
     return cls if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module else None

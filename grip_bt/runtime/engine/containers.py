@@ -129,7 +129,6 @@ def _following(node: Any, look: Look, rows: Sequence[Row], halts: Sequence[Halt]
 
 
 def _begin(node: Any, rows: Sequence[Row], halts: Sequence[Halt]) -> Callable[[], None]:
-    """Return what begins an activation."""
     pairs = [(row[0], halt) for row, halt in zip(rows, halts, strict=True)] if node.kind.resets else ()
     first = rows[0][0] if node.kind.shown == "selector" else None
 
@@ -151,7 +150,6 @@ def _begin(node: Any, rows: Sequence[Row], halts: Sequence[Halt]) -> Callable[[]
 
 
 def _end(node: Any) -> Callable[[Any, str], Status]:
-    """Return what ends an activation by a child, with an outcome."""
     kind, statuses = node.kind, {outcome: STATUS[meaning] for outcome, meaning in node.meaning.items()}
     reactive, composite, tidies = kind.reactive, kind.shown != "decorator", kind.shown == "selector" or kind.reactive
 

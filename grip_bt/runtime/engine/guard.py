@@ -38,7 +38,6 @@ class Methods:
         return False
 
     def _owned(self) -> list[list[str]]:
-        """Return which methods each instance has of its own."""
         return [[name for name in LIFE_CYCLE if name in attributes] for attributes in self.dicts]
 
 

@@ -99,7 +99,6 @@ def our_leaf(node: Any, stop: Stop) -> Tick:
 
 
 def _begin(node: Any) -> None:
-    """`Node.begin`."""
     node.outcome = node.failure = None
     node.active = True
     if node.observer is not SILENT:
