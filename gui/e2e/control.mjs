@@ -34,7 +34,7 @@ await onPage(url, async (first, one) => {
 
   await two.button("Pause").click();
   await second.getByRole("dialog").getByText("Look on").click();
-  await second.getByRole("alert").getByText("another page holds control").waitFor();
+  await second.getByRole("alert").getByText("another page is in control").waitFor();
   await first.bringToFront();
   await one.runIs("running");
   await first.reload();

@@ -28,11 +28,11 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
 
   // What asks again on every tick has no equal machine; roughly, the difference is found and can be played.
   await button("Convert").click();
-  await answer("roughly");
+  await answer("approximately");
   const dialog = page.getByRole("dialog", { name: "watch as a state machine" });
   await dialog.getByText(/They are not the same/).waitFor();
   await check(page, "dialog with a counterexample");
-  await dialog.getByRole("button", { name: /Play it as it is/ }).click();
+  await dialog.getByRole("button", { name: /Play it now/ }).click();
 
   // Both plays end by themselves, on the time line, event by event.
   const slider = page.getByRole("slider", { name: "Moment of the run" });
@@ -67,7 +67,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   await page.getByRole("treeitem", { name: /^watch sequence/ }).waitFor();
   await fileIs("saved");
   await button("Convert").click();
-  await answer("roughly");
+  await answer("approximately");
   await dialog.getByRole("button", { name: /Convert anyway/ }).click();
   await page.getByRole("treeitem", { name: /^watch state machine/ }).waitFor();
   await page.keyboard.press("Control+z");

@@ -34,7 +34,7 @@ await onPage(url, async (page, { button, choose, nodeIs, pick, runIs, runIsStopp
   await runIs("success: success");
   await page.getByRole("tab", { name: "Breakpoints" }).click();
   await button("Clear the breakpoint at attempts/second").click();
-  await page.getByText("Runs hold nowhere").waitFor();
+  await page.getByText("No breakpoints").waitFor();
 
   // What comes before is passed over; the page says by what.
   await pick("b");

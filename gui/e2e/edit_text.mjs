@@ -43,10 +43,10 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) 
   await page.locator(".cm-lintRange-error").first().waitFor();
   await page.getByText(/This text isn't a task yet/).waitFor();
   await button("Tree").click();
-  await page.getByText(/this is the last one that it was/).waitFor();
+  await page.getByText(/the last valid version is shown/).waitFor();
   await item("first").focus();
   await page.keyboard.press("Delete");
-  await page.getByRole("alert").getByText(/isn't a task at the moment/).waitFor();
+  await page.getByRole("alert").getByText(/the text is not a valid task/).waitFor();
   await page.getByRole("alert").getByRole("button", { name: "Close" }).click();
   await page.keyboard.press("Control+s");
   await eventually(() => readFileSync(path, "utf8"), (saved) => /oops: - first:/.test(saved));

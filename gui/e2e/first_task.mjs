@@ -118,9 +118,9 @@ await onPage(url, async (page, { answer, button, nodeIs, runIsStopped, slider })
   await pick("state_machine");
   actions++;
   await page.getByLabel("Begins with").selectOption("move_to_grasp");
-  await pick("state_machine/start");
+  await pick("state_machine/step");
   await key("Delete");
-  await row("state_machine/start").waitFor({ state: "detached" });
+  await row("state_machine/step").waitFor({ state: "detached" });
   // What goes wrong is tried again.
   await press("Tree");
   await pick("state_machine");
