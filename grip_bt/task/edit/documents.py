@@ -6,12 +6,10 @@ in the same history, and what lives beside a task (layout, breakpoints, a select
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import json
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from hashlib import blake2b
-from math import isfinite
-
-from pydantic import BaseModel
 
 from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task.canonical import data_of
@@ -26,55 +24,17 @@ from .steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_reco
 from .text import Text
 
 
-def alike(one: object, other: object) -> bool:
-    """Tell whether two parts of tasks are equal: their values, the types of these, and the order of entries.
+def alike(one: Task, other: Task) -> bool:
+    """Tell whether two tasks are equal as JSON, in which edits are kept: values, their types, the order of entries.
 
-    `==` of Python takes 1 for True and 1.0, and doesn't look at the order of a mapping. As in JSON, in which edits are
-    kept, numbers without an end and those that are none count as null.
+    `==` takes 1 for True and 1.0, and doesn't look at the order of a mapping.
     """
-    if one is other:
-        return True
-    kind = type(one)
-    if kind is str:
-        return type(other) is str and bool(one == other)
-    if isinstance(one, dict):
-        if not isinstance(other, dict) or len(one) != len(other):
-            return False
-        return all(k is m or k == m for k, m in zip(one, other, strict=True)) and _each_alike(
-            one.values(), other.values()
-        )
-    if isinstance(one, list | tuple):
-        return isinstance(other, list | tuple) and len(one) == len(other) and _each_alike(one, other)
-    if kind is not type(other):
-        return _as_json(one) is None and _as_json(other) is None
-    if isinstance(one, BaseModel):
-        return _each_alike(vars(one).values(), vars(other).values())
-    return bool(one == other) if kind is not float else repr(_as_json(one)) == repr(_as_json(other))
+    return one.model_dump_json() == other.model_dump_json()
 
 
-def _as_json(value: object) -> object:
-    return None if type(value) is float and not isfinite(value) else value
-
-
-def written_alike(one: object, other: object) -> bool:
-    """Tell whether two parts that are alike also say and leave out the same keys, and hold the very same numbers."""
-    if one is other:
-        return True
-    if isinstance(one, BaseModel):
-        same = isinstance(other, BaseModel) and one.model_fields_set == other.model_fields_set
-        return same and all(written_alike(getattr(one, name), getattr(other, name)) for name in one.model_fields_set)
-    if isinstance(one, dict) and isinstance(other, dict):
-        return all(written_alike(value, other[key]) for key, value in one.items())
-    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
-        return all(map(written_alike, one, other))
-    return type(one) is type(other) and (type(one) is not float or repr(one) == repr(other))
-
-
-def _each_alike(some: Iterable[object], others: Iterable[object]) -> bool:
-    for one, other in zip(some, others, strict=True):
-        if one is not other and not alike(one, other):
-            return False
-    return True
+def written_alike(one: Task, other: Task) -> bool:
+    """Tell whether two tasks that are alike also say and leave out the same keys, and hold the very same numbers."""
+    return one.model_dump(exclude_unset=True) == other.model_dump(exclude_unset=True)
 
 
 @dataclass(frozen=True)
@@ -237,13 +197,7 @@ def _renamed(old: dict[str, object], new: dict[str, object], at: Place) -> Itera
 
 def _same_data(one: object, other: object) -> bool:
     """Tell whether two values stand for the same in a file: 1, 1.0 and true are three things, and order counts."""
-    if type(one) is not type(other):
-        return False
-    if isinstance(one, dict) and isinstance(other, dict):
-        return list(one) == list(other) and all(_same_data(value, other[key]) for key, value in one.items())
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(_same_data(a, b) for a, b in zip(one, other, strict=True))
-    return bool(one == other or (one != one and other != other))
+    return one is other or json.dumps(one) == json.dumps(other)
 
 
 def _splice(old: str, new: str) -> Splice:
