@@ -15,7 +15,7 @@ from .edges import Edges
 from .kinds.base import ChildEnds, End, Ended, Kind, Next, Run, Stay, Step
 from .parts import Case
 
-LIMIT = 20000
+LIMIT = 100_000
 """Steps of one exploration; beyond them a kind is taken to be able to do everything."""
 
 
@@ -116,21 +116,15 @@ class Oracle:
             raise NoWayError
         return self.names.index(name)
 
-    def now(self) -> Any:
-        """Return a time."""
+    def now(self, *_: Any, **__: Any) -> Any:
+        """Return a time, a number, a value or a list."""
         return UNKNOWN
 
-    def deadline(self, seconds: float) -> Any:
-        """Return a time."""
-        return UNKNOWN
+    deadline = up = value = now
 
     def passed(self, at: object) -> bool:
         """Answer both."""
         return bool(self._ask("before", "after"))
-
-    def up(self, count: Any) -> Any:
-        """Return a number."""
-        return UNKNOWN
 
     def reached(self, count: object, limit: int) -> bool:
         """Answer both."""
@@ -144,10 +138,6 @@ class Oracle:
         """Answer both."""
         self.reads.append(key)
         return not self._ask("true", "false")
-
-    def value(self, key: str) -> Any:
-        """Return a value."""
-        return UNKNOWN
 
     def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
         """Answer each literal, and that none is equal."""
@@ -319,49 +309,12 @@ def _taken(
         yield Way(at, child, end, oracle.said, tuple(oracle.reads), tuple(oracle.puts), step, to)
 
 
-_SHARED = frozenset({"doc", "precondition", "on", "x", "data", "outcomes", "children", "child", "exits"})
-_MOST = 500
-_graphs: dict[Any, list[Way] | None] = {}
-
-
 def graph(kind: Kind, labels: Labels) -> list[Way]:
-    """Return every way of `explore`, remembered by the shape of the node where names don't matter.
+    """Return every way of `explore`, found once.
 
     Raises:
         TooManyError: there are too many.
     """
-    if labels.ways is not None:
-        return labels.ways
-    labels.ways = ways = _graph(kind, labels)
-    return ways
-
-
-def _graph(kind: Kind, labels: Labels) -> list[Way]:
-    shape = _shape(kind, labels)
-    if shape is None:
-        return list(explore(kind, labels))
-    if shape not in _graphs:
-        if len(_graphs) >= _MOST:
-            _graphs.clear()
-        try:
-            _graphs[shape] = list(explore(kind, labels))
-        except TooManyError:
-            _graphs[shape] = None
-    found = _graphs[shape]
-    if found is None:
-        raise TooManyError
-    return found
-
-
-def _shape(kind: Kind, labels: Labels) -> Any:
-    """Return what nodes have in common whose ways are alike; None where names of children or labels matter."""
-    if labels.exits or labels.edges:
-        return None
-    said = [type(kind).__name__]
-    for field in type(kind).model_fields:
-        if field not in _SHARED:
-            value = getattr(kind, field)
-            if isinstance(value, Mapping | list) and value or field in ("initial", "default") and value:
-                return None
-            said.append(repr(bool(value) if field in (*kind.conditions, *kind.values) else value))
-    return *said, *map(tuple, labels.ends.values())
+    if labels.ways is None:
+        labels.ways = list(explore(kind, labels))
+    return labels.ways

@@ -81,7 +81,7 @@ def test_what_is_worked_out_by_hand_is_what_exploration_finds(analyses, monkeypa
         for outcome, written in explored[1].items():
             assert by_hand[1][outcome] & ~written == 0, f"{kind!r} ends with {outcome}"
         compared.add(kind.kind)
-    assert compared == {"sequence", "fallback", "parallel"}
+    assert compared == {"parallel"}
 
 
 def test_a_kind_asks_before_it_puts(analyses, monkeypatch) -> None:

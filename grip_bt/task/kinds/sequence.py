@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Literal
 
-from .base import ChildEnds, Composite, End, Ended, Questions, Run, Shown, Step
-
-FEW = 20
-"""Children of which all ways are listed."""
+from .base import Composite, End, Ended, Questions, Run, Shown, Step
 
 
 class _InOrder(Composite):
@@ -34,40 +30,6 @@ class _InOrder(Composite):
         if end.meaning == self.onward and child + 1 < len(q.names):
             return Run((child + 1,))
         return End(end.meaning)
-
-    def explorable(self, ends: ChildEnds) -> bool:
-        """Tell whether it has a few children; long ones are common, and simple."""
-        return len(ends) <= FEW
-
-    def possible(self, ends: ChildEnds) -> tuple[set[str], int]:
-        """Return every end but those that lead on, as far as these lead."""
-        found: set[str] = set()
-        for reached, each in enumerate(ends, 1):
-            labels = {target or end.meaning for end, target in each if target or end.meaning != self.onward}
-            found |= labels
-            if all(target or end.meaning != self.onward for end, target in each):
-                return found, reached
-        return found | {self.onward}, len(ends)
-
-    def flow(self, ends: ChildEnds, after: Callable[[int, int], Mapping[str, int]], state: int) -> dict[str, int]:
-        """Return what is written up to the child that ends it."""
-        found: dict[str, int] = {}
-        for child, each in enumerate(ends):
-            there, onward = after(child, state), None
-            for end, target in each:
-                written = there.get(end.outcome)
-                if written is None:
-                    continue
-                label = target or end.meaning
-                if target is None and label == self.onward:
-                    onward = written if onward is None else onward & written
-                else:
-                    found[label] = found.get(label, written) & written
-            if onward is None:
-                return found
-            state = onward
-        found[self.onward] = found.get(self.onward, state) & state
-        return found
 
     def settings(self) -> str:
         """Return whether it is reactive."""
