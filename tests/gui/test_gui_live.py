@@ -229,7 +229,7 @@ def test_the_process_that_looks_at_ros_ends_when_nobody_asks_and_comes_back(proj
                 await window.ask("no_such_question")
             while window._process is not None:
                 await asyncio.sleep(0.01)
-        await window.close()
-        await asyncio.sleep(0)
+        await window.close()  # also where it is just ending by itself
+        assert not window._listening
 
     asyncio.run(asyncio.wait_for(asked_twice(), 120))

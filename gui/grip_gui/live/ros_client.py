@@ -44,7 +44,7 @@ class RosClientProcess:
         self._numbers = itertools.count(1)
         self._starting = asyncio.Lock()
         self._ending: asyncio.TimerHandle | None = None
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._listening: set[asyncio.Task[None]] = set()
         self._kept = False
 
     async def ask(self, do: str, **fields: object) -> dict[str, Any]:
@@ -80,22 +80,13 @@ class RosClientProcess:
         self._stay()
 
     async def close(self) -> None:
-        """End the process."""
+        """End the process; afterwards none is left, nor one that was ending for want of questions."""
         if self._ending is not None:
             self._ending.cancel()
-        process, self._process = self._process, None
-        if process is None:
-            return
-        assert process.stdin is not None
-        process.stdin.close()
-        try:
-            async with asyncio.timeout(CLOSING):
-                await process.wait()
-        except TimeoutError:
-            process.kill()
-        # In Python 3.11 `wait` returns only when the pipes are closed too, and somebody else may hold them.
-        if others := self._tasks - {asyncio.current_task()}:
-            await asyncio.wait(others, timeout=CLOSING)
+        self._end()
+        # In Python 3.11 a process is waited for until its pipes are closed too, and somebody else may hold them.
+        if self._listening:
+            await asyncio.wait(self._listening, timeout=2 * CLOSING)
 
     async def _start(self) -> asyncio.subprocess.Process:
         process = self._process = await asyncio.create_subprocess_exec(
@@ -109,8 +100,8 @@ class RosClientProcess:
             start_new_session=True,
         )
         task = asyncio.create_task(self._listen(process))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._listening.add(task)
+        task.add_done_callback(self._listening.discard)
         return process
 
     async def _listen(self, process: asyncio.subprocess.Process) -> None:
@@ -123,9 +114,7 @@ class RosClientProcess:
                 waiting = self._waiting.get(found.get("id"))
                 if waiting is not None and not waiting.done():
                     waiting.set_result(found)
-        if process.returncode is None:
-            with contextlib.suppress(ProcessLookupError):
-                process.kill()
+        _kill(process)
         status, said = await process.wait(), await last
         if self._process is process:
             self._process = None
@@ -142,11 +131,21 @@ class RosClientProcess:
         self._ending = asyncio.get_running_loop().call_later(self._idle, self._end_unless_kept)
 
     def _end_unless_kept(self) -> None:
-        if self._kept or self._waiting:
-            return
-        task = asyncio.get_running_loop().create_task(self.close())
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        if not self._kept and not self._waiting:
+            self._end()
+
+    def _end(self) -> None:
+        """Let the process end, which is waited for where it is listened to; one that doesn't is killed."""
+        process, self._process = self._process, None
+        if process is not None and process.stdin is not None:
+            process.stdin.close()
+            asyncio.get_running_loop().call_later(CLOSING, _kill, process)
+
+
+def _kill(process: asyncio.subprocess.Process) -> None:
+    if process.returncode is None:
+        with contextlib.suppress(ProcessLookupError):
+            process.kill()
 
 
 async def _tail(stream: asyncio.StreamReader) -> str:
