@@ -324,7 +324,8 @@ class Kind(BaseNode):
 
     def words(self) -> str:
         """Return what it does in a few words."""
-        return self.kind.replace("_", " ")
+        settings = self.settings()
+        return self.kind.replace("_", " ") + (f": {settings}" if settings else "")
 
     def lines(self) -> list[str]:
         """Return further lines about it."""

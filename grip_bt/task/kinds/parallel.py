@@ -231,16 +231,13 @@ class Parallel(Composite):
                 return set(names) <= ended
 
     def settings(self) -> str:
-        """Return what decides it, and what becomes of the rest."""
-        if self.rules:
-            return f"{len(self.rules)} rules, {self.cancel}"
-        return "all must succeed" if self.policy == "all" else f"first success ends it, {self.cancel}"
-
-    def words(self) -> str:
         """Return what decides it, whom it waits for, and what becomes of the rest."""
-        waited = ", ".join(self.wait_for) if isinstance(self.wait_for, list) else self.wait_for
-        words = ["rules" if self.rules else self.policy, *([f"waits for {waited}"] if waited is not None else [])]
-        return f"parallel, {', '.join(words + [self.cancel] * (self.cancel != 'halt'))}"
+        words = ["all must succeed" if self.policy == "all" else "first success ends it"]
+        if self.rules:
+            words = [f"{len(self.rules)} rules"]
+        if self.wait_for is not None:
+            words.append(f"waits for {', '.join(self.wait_for) if isinstance(self.wait_for, list) else self.wait_for}")
+        return ", ".join([*words, self.cancel])
 
     def lines(self) -> list[str]:
         """Return its rules."""
