@@ -32,7 +32,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   const dialog = page.getByRole("dialog", { name: "watch as a state machine" });
   await dialog.getByText(/They are not the same/).waitFor();
   await check(page, "dialog with a counterexample");
-  await dialog.getByRole("button", { name: /Play it now/ }).click();
+  await dialog.getByRole("button", { name: /Play it as it is/ }).click();
 
   // Both plays end by themselves, on the time line, event by event.
   const slider = page.getByRole("slider", { name: "Moment of the run" });
