@@ -17,6 +17,8 @@ REPORT = "GRIP_WATCHDOG_REPORT"
 """Environment variable: number of the file descriptor for the watchdog's report."""
 READY = 60.0
 """How long the watchdog may take to come up, where nobody says otherwise [s]: some 2 s on a machine that isn't busy."""
+LIMIT = 10.0
+"""How long it goes on after the end of the run's process [s]."""
 _MARK = "GRIP_RUN_MARK"
 """By this variable processes of a run are found and ended with it; the watchdog has to outlive them."""
 
@@ -32,7 +34,7 @@ class Watchdog:
         number = domain if domain is not None else int(os.environ.get("ROS_DOMAIN_ID") or 0)
         report = os.environ.get(REPORT)
         self._process = subprocess.Popen(
-            python_command("-m", "grip_bt.ros.watchdog_process", str(number)),
+            python_command("-m", "grip_bt.ros.watchdog_process", str(number), str(LIMIT)),
             env={name: value for name, value in os.environ.items() if name != _MARK},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -1,11 +1,11 @@
-"""`python -m grip_bt.ros.watchdog_process DOMAIN`: has a robot hold whose run's process has died, however suddenly.
+"""`python -m grip_bt.ros.watchdog_process DOMAIN LIMIT`: has a robot hold whose run's process has died.
 
 It leads a session of its own and is told on its standard input, a JSON object a line, what the run has under way:
 goals of actions, by name and id, trajectories on topics, and which joints to look at. When the input ends while there
 is something, it cancels those goals, by their ids, again until the server answers; has joints that follow a topic come
 to rest; measures that all stand still, or, where no joints tell, hears from the server that the goal has ended; and
-writes what came of it to the file descriptor in `REPORT`, where there is one. It ends by itself, at most `LIMIT` later.
-ROS is loaded, and servers are found, before there is a need.
+writes what came of it to the file descriptor in `REPORT`, where there is one. It ends by itself, at most LIMIT [s]
+later. ROS is loaded, and servers are found, before there is a need.
 """
 
 from __future__ import annotations
@@ -36,8 +36,6 @@ from .controllers.motion import rest_of_joints
 from .convert_geometry import trajectory_to_message
 from .watchdog import REPORT
 
-LIMIT = 10.0
-"""How long it goes on after the end of the run's process [s]."""
 AGAIN = 0.1
 """After which time without an answer, or with one that doesn't know the goal, a cancel is sent again [s]."""
 UNKNOWN = 3.0
@@ -46,10 +44,8 @@ FOUND = 2.0
 """How long to look for whoever follows a topic, and for a measurement of its joints [s]."""
 BRAKE = 0.3
 """How long joints that follow a topic take to come to rest [s]."""
-GONE = 1.0
-"""For how long a server that was there must be away until it is taken for gone [s]."""
-RECENT, MEASURED = 0.1, 5.0
-"""How old a measurement may be from which joints are braked; how long it may take until they stand still [s]."""
+RECENT = 0.1
+"""How old a measurement may be from which joints are braked [s]."""
 
 
 TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
@@ -69,15 +65,16 @@ class WatchdogProcess:
 
     Args:
         domain: the DDS domain.
+        limit: how long it goes on after the end of the run's process [s]: half for goals to end, half for rest.
     """
 
-    def __init__(self, domain: int):
+    def __init__(self, domain: int, limit: float):
+        self._patience = limit / 2
         self._goals: dict[str, _Goal] = {}
         self._topics: dict[str, tuple[str, ...]] = {}
         self._parts: dict[str, tuple[str, tuple[str, ...]]] = {}
         self._moved: set[str] = set()
         self._clients: dict[str, Client] = {}
-        self._there: dict[str, float] = {}
         self._heard: set[str] = set()
         self._states: dict[str, JointStates] = {}
         self._bus = Bus("grip_watchdog", domain)
@@ -97,15 +94,23 @@ class WatchdogProcess:
         self._bus.ask(lambda: self._cancel_all(began))
         self._bus.ask(self._listen)
         held = {topic: self._hold(topic, names) for topic, names in self._topics.items()}
-        while (left := [g for g in self._goals.values() if self._waits(g)]) and time.monotonic() < began + LIMIT / 2:
+        deadline = began + self._patience  # a server that isn't seen may be one that a busy machine keeps silent
+        while (left := [g for g in self._goals.values() if self._waits(g)]) and time.monotonic() < deadline:
             self._bus.ask(lambda: self._cancel_all(began))
             time.sleep(0.02)
         for goal in left:
-            said = "the server accepted the cancel request, but the goal did not end"
-            goal.over = f"{said if goal.over else 'nobody has answered the request to cancel'} within {LIMIT / 2:g} s"
+            if goal.over:
+                goal.over = "the server accepted the cancel request, but the goal did not end"
+            elif self._clients[goal.action].service_is_ready():
+                goal.over = "nobody has answered the request to cancel"
+            else:
+                goal.over = "its server is not there"
+            goal.over += f" within {self._patience:g} s"
         failed = {topic: why for topic, why in held.items() if why}
         failed.update((goal.action, goal.over) for goal in self._goals.values() if goal.over != "canceled")
-        rests = {part: rest_of_joints(self._states[t], names, MEASURED) for part, (t, names) in self._parts.items()}
+        rests = {
+            part: rest_of_joints(self._states[t], names, self._patience) for part, (t, names) in self._parts.items()
+        }
         for rest in rests.values():
             rest.wait()
         return {**failed, **{part: rest.result() for part, rest in rests.items()}}
@@ -159,11 +164,6 @@ class WatchdogProcess:
                 self._moved.update(actions)
                 for action in actions:
                     self._client(action)
-        self._look()
-
-    def _look(self) -> None:
-        now = time.monotonic()
-        self._there.update((action, now) for action, client in self._clients.items() if client.service_is_ready())
 
     def _hear(self, action: str) -> None:
         def told(message: Message) -> None:
@@ -188,16 +188,13 @@ class WatchdogProcess:
                 self._states[topic] = JointStates(self._bus, topic)
 
     def _cancel_all(self, began: float) -> None:
-        self._look()
         for goal in self._goals.values():
             if not goal.over:
                 self._cancel(goal, began)
 
     def _cancel(self, goal: _Goal, began: float) -> None:
         client, now = self._client(goal.action), time.monotonic()
-        if now > self._there.get(goal.action, now) + GONE:
-            goal.over = "its server has gone, too"
-        if goal.over or now < goal.asked + AGAIN or not client.service_is_ready():
+        if now < goal.asked + AGAIN or not client.service_is_ready():
             return
         goal.asked = now
         request = CancelGoal.Request()
@@ -205,6 +202,8 @@ class WatchdogProcess:
 
         def answered(future: Future) -> None:
             codes, answer = CancelGoal.Response, future.result()
+            if goal.over:
+                return  # an earlier request was answered, or the goal has ended
             if answer.goals_canceling or answer.return_code == codes.ERROR_GOAL_TERMINATED:
                 goal.over = "canceled"
             elif answer.return_code != codes.ERROR_UNKNOWN_GOAL_ID:
@@ -219,7 +218,7 @@ def main() -> int:
     """Listen until the input ends, then see to what is left."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
-    watchdog = WatchdogProcess(int(sys.argv[1]))
+    watchdog = WatchdogProcess(int(sys.argv[1]), float(sys.argv[2]))
     with suppress(OSError):
         os.write(1, b"1")  # ready
     for line in sys.stdin:

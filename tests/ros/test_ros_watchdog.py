@@ -17,7 +17,6 @@ from ros_bench import DATA, ended, gone, stands
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.process import child_environment
 from grip_bt.ros.watchdog import REPORT
-from grip_bt.ros.watchdog_process import GONE
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 NAMES = ("joint_a", "joint_b")
@@ -63,7 +62,7 @@ def said_of(domain, program, *arguments, overlays=(), begun=lambda: True, later=
         return json.loads(report.read() or "null")
 
 
-@pytest.mark.parametrize(("way", "later"), [("trajectory", 0.0), ("trajectory", GONE + 0.5), ("topic", 0.0)])
+@pytest.mark.parametrize(("way", "later"), [("trajectory", 0.0), ("trajectory", 1.5), ("topic", 0.0)])
 def test_the_arm_of_a_run_that_was_killed_comes_to_rest(way, later, states, domain):
     begun = lambda: np.abs(ended(states.fresh(NAMES)).position).max() > 1e-4  # noqa: E731
     assert said_of(domain, "mover.py", way, str(domain), begun=begun, later=later) == {"arm": ""}
@@ -106,11 +105,11 @@ def counts(bus, act, trial):
 def said_of_a_caller(counts, trial, domain, tmp_path):
     """Return a function that kills a program with a goal of the server's under way; see `data/caller.py`."""
 
-    def said(way, text, moves="true"):
+    def said(way, text, moves="true", limit=2 * PATIENCE):
         folder = tmp_path / "components" / "worker"
         folder.mkdir(parents=True)
         (folder / "component.yaml").write_text(COMPONENT.format(moves=moves))
-        arguments = ("caller.py", way, str(domain), str(tmp_path), text)
+        arguments = ("caller.py", way, str(domain), str(tmp_path), text, str(limit))
         return said_of(domain, *arguments, overlays=[trial], begun=lambda: counts()["active"])
 
     return said
@@ -129,6 +128,6 @@ def test_a_goal_of_a_smach_state_ends_with_its_run(said_of_a_caller, counts):
 
 @pytest.mark.parametrize(("how", "why"), [("stubborn", "refused to stop"), ("hang", "the goal did not end")])
 def test_a_goal_that_does_not_end_is_told(how, why, said_of_a_caller):
-    said = said_of_a_caller("state", how)
+    said = said_of_a_caller("state", how, limit=30.0)  # which is waited for
     assert list(said) == ["/work"]
     assert why in said["/work"]

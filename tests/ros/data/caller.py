@@ -1,12 +1,16 @@
-"""Has a goal of `/work` under way, as a run does: `caller.py component|state DOMAIN FOLDER INPUT`."""
+"""Has a goal of `/work` under way, as a run does: `caller.py component|state DOMAIN FOLDER INPUT LIMIT`.
+
+Its watchdog goes on for LIMIT seconds after its death.
+"""
 
 import sys
 import threading
 import time
 
-import grip_bt.ros  # noqa: F401 - its settings come before any message package
+import grip_bt.ros.watchdog
 
 way, domain, folder, text = sys.argv[1], int(sys.argv[2]), sys.argv[3], sys.argv[4]
+grip_bt.ros.watchdog.LIMIT = float(sys.argv[5])
 
 
 def by_component():
