@@ -7,7 +7,7 @@
 * Journal: `run_log` (the ticking thread) -> `journal_writer` (with `value_codec`) -> SQLite ->
   `journal_reader`.
 * Control: `control` (over streams), `debugger` (with breakpoints).
-* Executing a recorded run again: `recording`, `re_execution`, `recorded`; `observers`: state
+* Executing a recorded run again: `recording`, `re_execution`; `observers`: state
   beside the task.
 * Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """

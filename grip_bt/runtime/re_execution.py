@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
 from typing import Any, Literal
 
 from py_trees.behaviour import Behaviour
@@ -24,17 +26,17 @@ from grip_bt.compilers.binding import parts_of
 from grip_bt.compilers.task_machine import TaskMachine
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.container import KindNode
-from grip_bt.nodes.node import Observer
-from grip_bt.runtime.recorded import RecordedClock, RecordedLeaf, recorded_limit, recorded_rest
+from grip_bt.nodes.node import AskedBefore
 from grip_bt.task import model
 from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import time_sense
 
 from .journal_events import Event
 from .pacing import Pacing
-from .recording import Recording
+from .recording import Activation, RecordedClock, Recording
 
 How = Literal["resume", "restart"]
+_Mode = Literal["", "recorded", "open", "new"]
 _IDLE_TICKS = 20
 """Ticks of a tree without any recorded event, after which the recording can't be followed."""
 _SHORT_TIME = 0.05
@@ -57,6 +59,7 @@ class ReExecution:
         tell: told `(leaf, how)` as each active leaf goes on.
 
     Attributes:
+        pacing: of the run, from when on it is `live`.
         ask: asks the task to come to an end, as often as the recording says that somebody did.
     """
 
@@ -71,19 +74,20 @@ class ReExecution:
         results: Mapping[str, Sequence[str]] | None = None,
         tell: Callable[[str, str], None] = lambda path, how: None,
     ):
-        self._compiled, self._value = compiled, value
+        self._compiled, self.value = compiled, value
         self.how, self.results, self.tell = dict(how or {}), dict(results or {}), tell
         self.recording = Recording(events, compiled.leaves.keys(), self._put)
         self.clock = RecordedClock(clock, self.recording)
         self.recording.on_complete = self._complete
         self.wake: Callable[[], None] = lambda: None
+        self.pacing: Pacing | None = None
         self.ask: Callable[[], None] = lambda: None
-        self._leaves: dict[str, RecordedLeaf] = {}
+        self._leaves: dict[str, _RecordedLeaf] = {}
         self._begun = False
         self._idle = 0
         self._seen, self._looked = 0, time.monotonic()
         self._settling = threading.Lock()
-        self._listening: list[RecordedLeaf] = []
+        self._listening: list[_RecordedLeaf] = []
         self._telling = threading.Lock()
 
     @property
@@ -107,7 +111,7 @@ class ReExecution:
         for path, leaf in self._compiled.leaves.items():
             node = parts[path].node
             assert isinstance(node, model.Leaf), "leaves are leaves of the document"
-            self._leaves[path] = RecordedLeaf(leaf, self, {v: port for port, v in node.out.items()})
+            self._leaves[path] = _RecordedLeaf(leaf, self, {v: port for port, v in node.out.items()})
             if type(leaf).replay_begun is not Leaf.replay_begun:
                 self._listening.append(self._leaves[path])
         states = [*self._compiled.by_path.values()]
@@ -128,14 +132,10 @@ class ReExecution:
         labels = Labels({name: list(meaning.items()) for name, meaning in ends.items()}, answers.exits, answers.edges)
         sense = time_sense(kind, labels)
         if sense == "before":
-            answers.judge = recorded_limit(self.clock, self.recording, answers.path, kind.codes)
+            answers.judge = partial(self.clock.over, answers.path, kind.codes)
         elif sense == "after":
             children = [model.join(answers.path, name) for name in ends]
-            answers.judge = recorded_rest(self.clock, self.recording, answers.path, children)
-
-    def restored(self, event: Event) -> Any:
-        """Return what an event wrote."""
-        return self._value(event)
+            answers.judge = partial(self.clock.rested, answers.path, children)
 
     def tell_begun(self, seq: int | None) -> None:
         """Tell leaves that care which recorded activations have begun before an event, in order; None for all."""
@@ -149,7 +149,7 @@ class ReExecution:
 
     def _put(self, event: Event) -> None:
         cell = self._compiled.data[str(event.data.get("scope", ""))].cells[str(event.data["variable"])]
-        cell.value = self._value(event)
+        cell.value = self.value(event)
         for written in cell.watchers:
             written()
 
@@ -161,8 +161,12 @@ class ReExecution:
 
     # --- as a pacer ---
 
-    def turn(self) -> None:
-        """A tick is about to begin: let leaves go that work by themselves."""
+    def turn(self) -> int:
+        """Let leaves go that work by themselves; return when it is time to tick, which doesn't wait before `live`.
+
+        Raises:
+            Halted: the run was stopped.
+        """
         if not self._begun:
             self._begun = True
             self.recording.begin()
@@ -170,13 +174,22 @@ class ReExecution:
             with self._settling:
                 for path in [path for path, leaf in self._leaves.items() if leaf.free]:
                     self._leaves.pop(path).release()
+        if self.pacing is not None and self.live:
+            return self.pacing.turn()
+        if self.pacing is not None and self.pacing.stopped:
+            raise Halted
+        return 0
 
-    def rest(self) -> None:
-        """A tick has ended.
+    def rest(self, seen: int) -> None:
+        """Return when there may be something to look at.
 
         Raises:
             DivergedError: nothing that was recorded happens any more.
         """
+        if self.live:
+            if self.pacing is not None:
+                self.pacing.rest(seen)
+            return
         done, now = self.recording.done, time.monotonic()
         if done != self._seen:
             self._seen, self._looked, self._idle = done, now, 0
@@ -207,64 +220,141 @@ class ReExecution:
         return made
 
 
-class ReExecutionPacer:
-    """The pacer of a run that is executed again first: until then it doesn't wait.
+class _RecordedLeaf:
+    """Stands in the way of a leaf's life cycle, in the leaf itself: its class, ports and place stay as they are.
 
     Args:
-        pacing: the run's own.
-        re_execution: what happens again.
+        leaf: which.
+        re_execution: the run.
+        ports: variable -> the output port that is bound to it.
     """
 
-    def __init__(self, pacing: Pacing, re_execution: ReExecution):
-        self._pacing, self._re_execution = pacing, re_execution
+    def __init__(self, leaf: Leaf, re_execution: ReExecution, ports: Mapping[str, str]):
+        self._leaf, self._re_execution, self._ports = leaf, re_execution, ports
+        self._recording = re_execution.recording
+        self._mode: _Mode = ""
+        self._released = False
+        self._told: Activation | None = None
+        for name in ("initialise", "update", "terminate"):
+            setattr(leaf, name, getattr(self, name))
 
-    def turn(self) -> int:
-        """Return when it is time to tick.
+    @property
+    def free(self) -> bool:
+        """Whether it needs nobody to stand in its way any more."""
+        return self._released or (self._mode == "" and self._leaf.path not in self._re_execution.results)
 
-        Raises:
-            Halted: the run was stopped.
-        """
-        self._re_execution.turn()
-        if self._re_execution.live:
-            return self._pacing.turn()
-        if self._pacing.stopped:
-            raise Halted
-        return 0
+    def release(self) -> None:
+        """Get out of the way."""
+        if not self._released:
+            self._released = True
+            for name in ("initialise", "update", "terminate"):
+                delattr(self._leaf, name)
 
-    def rest(self, seen: int) -> None:
-        """Return when there may be something to look at."""
-        if self._re_execution.live:
-            self._pacing.rest(seen)
+    # --- the leaf's life cycle ---
+
+    def initialise(self) -> None:
+        """An activation begins: one that the recording has, or has the beginning of, or a new one."""
+        activation = self._recording.current.get(self._leaf.path)
+        if activation is not None:
+            self._mode = "recorded" if activation.end is not None else "open"
         else:
-            self._re_execution.rest()
+            self._mode = "new"
 
-    def wake(self) -> None:
-        """Have every `rest` return."""
-        self._pacing.wake()
+    def update(self) -> Status:
+        """End as recorded, wait for the others to come so far, or work."""
+        if self._mode == "recorded":
+            activation = self._recording.current.get(self._leaf.path)
+            assert activation is not None, "it is under way"
+            if self._recording.may_end(self._leaf.path):
+                return self._end_again(activation)
+            if activation.end is None:
+                self._mode = "open"
+        elif self._re_execution.live:
+            return self._go_on()
+        self._re_execution.wake()
+        return self._leaf.running()
+
+    def terminate(self, new_status: Status) -> None:
+        """An activation ends in which the leaf hasn't worked; it is told when it won't."""
+        mode, self._mode = self._mode, ""
+        if mode not in ("recorded", "open"):
+            return
+        activation = self._recording.current.get(self._leaf.path)
+        end = activation.end if activation is not None else None
+        self._re_execution.tell_begun(end.seq if end is not None else None)
+        with _asked_until(self._leaf, end.seq if end is not None else None, self._recording):
+            self._leaf.replay_ended(self._leaf.outcome)
+
+    def untold(self) -> Activation | None:
+        """Return the recorded activation under way, if the leaf hasn't been told of it."""
+        activation = self._recording.current.get(self._leaf.path)
+        return None if activation is self._told else activation
+
+    def tell_begun(self, activation: Activation) -> None:
+        """Tell the leaf that a recorded activation begins."""
+        self._told = activation
+        with _asked_until(self._leaf, self._recording.events[activation.began].seq, self._recording):
+            self._leaf.replay_begun()
+
+    def _end_again(self, activation: Activation) -> Status:
+        end = activation.result
+        assert end is not None, "a leaf that may end has an end"
+        for number in activation.writes:
+            event = self._recording.events[number]
+            self._leaf.writers[self._ports[str(event.data["variable"])]](self._re_execution.value(event))
+        data = end.data.get("data", {})
+        why = str(end.data.get("message", "")), data if isinstance(data, dict) else {}
+        return self._ended(str(end.outcome), Failure(end.code, *why) if end.code is not None else None)
+
+    def _ended(self, outcome: str, failure: Failure | None) -> Status:
+        self._leaf.failure = failure
+        if failure is not None:
+            self._leaf.feedback_message = str(failure)
+        return self._leaf.end(outcome)
+
+    def _go_on(self) -> Status:
+        path, leaf = self._leaf.path, self._leaf
+        result = self._re_execution.results.pop(path, None)
+        if result is not None:
+            self._mode = "recorded"
+            self._re_execution.tell(path, "result")
+            outcome, code = result
+            return self._ended(outcome, Failure(code, "set by hand", {}) if code else None)
+        self._re_execution.tell_begun(None)
+        mode, how = self._mode, self._re_execution.how.get(path, "restart")
+        self.release()
+        if mode != "open":
+            leaf.initialise()
+            return leaf.update()
+        began = self._recording.under_way[path]
+        self._re_execution.tell(path, how)
+        with _asked_until(leaf, began.seq, self._recording):
+            if how == "resume":
+                leaf.resume(began.t)
+            else:
+                leaf.initialise()
+            return leaf.update()
 
 
-class NewEvents:
-    """An observer that passes on only what the recording doesn't have."""
+@contextmanager
+def _asked_until(leaf: Leaf, seq: int | None, recording: Recording) -> Iterator[None]:
+    """Show a leaf only the requests to come to an end that there had been before an event; None for all.
 
-    def __init__(self, recording: Recording, inner: Observer):
-        self._happened, self._inner = recording.happened, inner
-
-    def entered(self, path: str) -> None:
-        if not self._happened(path, "enter"):
-            self._inner.entered(path)
-
-    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        if not self._happened(path, "exit", outcome, failure.code if failure is not None else None):
-            self._inner.ended(path, outcome, failure)
-
-    def interrupted(self, path: str) -> None:
-        if not self._happened(path, "interrupted"):
-            self._inner.interrupted(path)
-
-    def message(self, path: str, text: str) -> None:
-        if not self._happened(path, "message"):
-            self._inner.message(path, text)
-
-    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        if not self._happened(path, "write", variable):
-            self._inner.wrote(path, variable, type_name, value)
+    So it takes one that came after it began as its own, and not as one that is already being obeyed.
+    """
+    if seq is None and recording.complete:
+        yield
+        return
+    count = len(recording.requests) if seq is None else sum(number < seq for number in recording.requests)
+    above = any(asker.asked and (seq is None or recording.said_before(asker.path, seq)) for asker in leaf.askers)
+    now = getattr(leaf.context, "preempt_requests", 0)  # some may be new, and not in the recording
+    if recording.complete and count == now and above == any(a.asked for a in leaf.askers):
+        yield
+        return
+    context, leaf.context = leaf.context, AskedBefore(leaf.context, count, above)
+    try:
+        yield
+    finally:
+        leaf.context.over = True  # who kept it sees what there is now
+        leaf.context = context
+        context.wake()

@@ -13,6 +13,9 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from grip_bt.base.errors import DivergedError
+from grip_bt.base.ports import Clock, Pausable
+from grip_bt.base.values import Failure
+from grip_bt.nodes.node import Observer
 
 from .journal_events import Event
 
@@ -52,6 +55,7 @@ class Recording:
         events: of nodes, in order.
         complete: whether all of them have happened again.
         done: how many have.
+        current: node -> its recorded activation that is under way.
         end_time: the last time of the run that the journal knows [s].
         requests: numbers (`seq`) of the requests to come to an end.
         under_way: leaf -> the event at which its activation began that hadn't ended.
@@ -83,7 +87,7 @@ class Recording:
         self.on_complete: Callable[[], None] = lambda: None
         self._expected: dict[str, deque[int]] = defaultdict(deque)
         self._to_come: dict[str, deque[Activation]] = defaultdict(deque)
-        self._current: dict[str, Activation] = {}
+        self.current: dict[str, Activation] = {}
         self._times = threading.local()
         self._latest = self.events[0].t if self.events else 0.0
         self.end_time = max((event.t for event in events if event.event in (*NODES, "message", "state")), default=0.0)
@@ -128,7 +132,7 @@ class Recording:
                 return False
             for number in left:
                 path = self.events[number].path
-                activation = self._current.get(path)
+                activation = self.current.get(path)
                 if activation is not None and activation.ended == number:
                     activation.end, activation.ended = None, -1
                     self.under_way[path] = self.events[activation.began]
@@ -175,9 +179,9 @@ class Recording:
     def _tick_off(self, number: int) -> None:
         event = self.events[number]
         if event.event == "enter":
-            self._current[event.path] = self._to_come[event.path].popleft()
+            self.current[event.path] = self._to_come[event.path].popleft()
         elif event.event not in ("write", "message"):
-            self._current.pop(event.path, None)
+            self.current.pop(event.path, None)
         self._times.last = self._latest = event.t
         self._over[number] = True
         self.done += 1
@@ -201,10 +205,6 @@ class Recording:
         """Return when this thread's last event took place, on the run's clock [s]."""
         return float(getattr(self._times, "last", self._latest))
 
-    def activation(self, path: str) -> Activation | None:
-        """Return the activation of a node that is under way; None when the recording doesn't have it."""
-        return self._current.get(path)
-
     def said_before(self, path: str, seq: int) -> bool:
         """Tell whether the last thing that a container said was before an event."""
         said = next((event.seq for event in reversed(self.events) if (event.path, event.event) == (path, "message")), 0)
@@ -213,7 +213,7 @@ class Recording:
     def may_end(self, path: str) -> bool:
         """Tell whether a leaf ends now: all that came before its end has happened again."""
         with self._lock:
-            activation = self._current.get(path)
+            activation = self.current.get(path)
             if activation is None or activation.result is None:
                 return False
             own = set(activation.writes)
@@ -226,7 +226,7 @@ class Recording:
         first interruption [s] is returned, to be compared with the deadline.
         """
         with self._lock:
-            activation = self._current.get(path)
+            activation = self.current.get(path)
             if activation is None:
                 return False
             if activation.end is None:
@@ -239,7 +239,7 @@ class Recording:
     def refused(self, path: str, children: Sequence[str]) -> bool | None:
         """Tell whether a container ends now without a child having run; None when that isn't known."""
         with self._lock:
-            activation = self._current.get(path)
+            activation = self.current.get(path)
             if activation is None:
                 return None
             for child in children:
@@ -253,6 +253,82 @@ class Recording:
         with self._lock:
             left = [self.events[n] for n in range(self._next, len(self.events)) if not self._over[n]][:most]
         return [f"{event.path} {_words(event.event, event.outcome, event.code)} (event {event.seq})" for event in left]
+
+
+class RecordedClock:
+    """Shows the time of the last recorded event until `go`, and from then on that time and what has passed since.
+
+    Args:
+        clock: what goes on then.
+        recording: the recorded events.
+    """
+
+    def __init__(self, clock: Clock, recording: Recording):
+        self._clock, self._recording = clock, recording
+        self._since: float | None = None
+        if hasattr(clock, "on_advance"):
+            self.on_advance = clock.on_advance
+
+    def now(self) -> float:
+        """Return the time [s]."""
+        if self._since is None:
+            return self._recording.time()
+        return self._recording.end_time + (self._clock.now() - self._since)
+
+    def go(self) -> None:
+        """Let time pass."""
+        self._since = self._clock.now()
+
+    def pause(self) -> None:
+        """Stand still, where the clock can."""
+        if isinstance(self._clock, Pausable):
+            self._clock.pause()
+
+    def resume(self) -> None:
+        if isinstance(self._clock, Pausable):
+            self._clock.resume()
+
+    def over(self, path: str, codes: Collection[str], at: float) -> bool:
+        """Tell a container that halts its child at a time and fails with one of `codes` whether that time has come.
+
+        It has where it did so.
+        """
+        if self._since is not None:
+            return self.now() >= at
+        halted = self._recording.halted(path, codes)
+        return halted if isinstance(halted, bool) else halted >= at
+
+    def rested(self, path: str, children: Sequence[str], at: float) -> bool:
+        """Tell a container that runs a child from a time on whether that time has come: it has where it did so."""
+        refused = None if self._since is not None else self._recording.refused(path, children)
+        return self.now() >= at if refused is None else not refused
+
+
+class NewEvents:
+    """An observer that passes on only what the recording doesn't have."""
+
+    def __init__(self, recording: Recording, inner: Observer):
+        self._happened, self._inner = recording.happened, inner
+
+    def entered(self, path: str) -> None:
+        if not self._happened(path, "enter"):
+            self._inner.entered(path)
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        if not self._happened(path, "exit", outcome, failure.code if failure is not None else None):
+            self._inner.ended(path, outcome, failure)
+
+    def interrupted(self, path: str) -> None:
+        if not self._happened(path, "interrupted"):
+            self._inner.interrupted(path)
+
+    def message(self, path: str, text: str) -> None:
+        if not self._happened(path, "message"):
+            self._inner.message(path, text)
+
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
+        if not self._happened(path, "write", variable):
+            self._inner.wrote(path, variable, type_name, value)
 
 
 def _halted_below(event: Event, path: str) -> bool:

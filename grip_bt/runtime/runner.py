@@ -31,7 +31,8 @@ from .engine import TickEngine, make_ticker
 from .journal import Journal
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
-from .re_execution import NewEvents, ReExecution, ReExecutionPacer
+from .re_execution import ReExecution
+from .recording import NewEvents
 from .run_log import RunLog
 from .stopping import (
     EndedObserver,
@@ -249,7 +250,7 @@ class Runner:
                 self._recorder.resumed(self._re_execution.recording.end_time, self._facts)
                 self._re_execution.tell = self._recorder.went_on
         if self._re_execution is not None:
-            self._re_execution.ask = self._ask
+            self._re_execution.ask, self._re_execution.pacing = self._ask, self.pacing
         self._start = self.context.clock.now()
         threading.Thread(target=self._work, name="grip_run", daemon=True).start()
         while not self._ended.is_set():
@@ -315,7 +316,7 @@ class Runner:
                 self._lockstep.rest_until(lambda: self.pacing.stopped or not self.context.unfinished(), STOPPING)
 
     def _execute(self) -> TaskEnd:
-        pacer: Pacer = self.pacing if self._re_execution is None else ReExecutionPacer(self.pacing, self._re_execution)
+        pacer: Pacer = self.pacing if self._re_execution is None else self._re_execution
         if isinstance(self.compiled, CompiledTree):
             return self.compiled.execute(pacer, self._tick if self._re_execution is None else self._tick_again)
         make = make_ticker if self._re_execution is None else self._re_execution.make_ticker(make_ticker)

@@ -19,8 +19,7 @@ from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, to_machine,
 from grip_bt.nodes.node import AskedBefore
 from grip_bt.runtime import Event, ReExecution
 from grip_bt.runtime.pacing import Pacing
-from grip_bt.runtime.re_execution import NewEvents, ReExecutionPacer
-from grip_bt.runtime.recording import PREEMPT
+from grip_bt.runtime.recording import PREEMPT, NewEvents
 from grip_bt.task.model import Task
 
 
@@ -249,8 +248,8 @@ def resume(case: dict[str, Any], target: str, world: Outside) -> Life | None:
     world.preempt_at = None if any(event.event == PREEMPT for event in events) else world.preempt_at
     world.request_preempt = lambda: (world.note("/", PREEMPT), re_execution.ask())
     re_execution.install(lambda: None)
-    pacer = ReExecutionPacer(_Pacing(world), re_execution)
-    life = _life(world, compiled, lambda: compiled.execute(pacer))
+    re_execution.pacing = _Pacing(world)
+    life = _life(world, compiled, lambda: compiled.execute(re_execution))
     undone = {event.seq for event in re_execution.recording.undone}
     if life is not None:
         life.events = [event for event in life.events if event.seq not in undone]

@@ -12,8 +12,7 @@ from runtime_world import CATALOG, Waiting
 
 from grip_bt.compilers import to_tree
 from grip_bt.runtime import Event, ManualClock, ReExecution, RunContext, Runner, WallClock
-from grip_bt.runtime.recorded import RecordedClock, recorded_rest
-from grip_bt.runtime.recording import Recording
+from grip_bt.runtime.recording import RecordedClock, Recording
 from grip_bt.task.model import Task
 
 TASK = {
@@ -130,4 +129,4 @@ def test_a_cooldown_refuses_its_child_where_it_did_and_its_time_is_that_of_the_r
     recording.begin()
     recording.happened("rest", "enter")
     assert clock.now() == pytest.approx(0.1)
-    assert not recorded_rest(clock, recording, "rest", ["rest/a"])(0.05), "it refuses its child, as was recorded"
+    assert not clock.rested("rest", ["rest/a"], 0.05), "it refuses its child, as was recorded"
