@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from grip_bt.runtime import Journal, JournalReader, ManualClock, WallClock
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Recorder
 
 PATHS = [f"attempt/part_{n // 10}/step_{n}" for n in range(100)]
 RATE = 1_000_000

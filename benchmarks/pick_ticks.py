@@ -19,7 +19,7 @@ from grip_bt.compilers import Rushing, to_machine, to_tree
 from grip_bt.nodes import Leaf
 from grip_bt.runtime import Journal, RunContext, TickEngine, WallClock
 from grip_bt.runtime.engine import make_ticker
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Recorder
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 

@@ -4,11 +4,9 @@
   closures), `lockstep` (turns of a run and its simulated world), `workers`.
 * Stopping: `stopping` (also of ticks that don't end), `motion_end` (what was told to stop is measured to rest),
   `observers` (also: what the parent sees).
-* Journal: `run_log` (the ticking thread) -> `journal_writer` (with `value_codec`) -> SQLite ->
-  `journal_reader`.
+* Journal: `journal` (the ticking thread, then the writer's, with `value_codec`) -> SQLite -> `journal_reader`.
 * Control: `control` (over streams), `debugger` (with breakpoints).
-* Executing a recorded run again: `recording`, `re_execution`; `observers`: state
-  beside the task.
+* Executing a recorded run again: `recording`, `re_execution`; `observers`: state beside the task.
 * Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """
 
@@ -18,14 +16,13 @@ from .clock import ManualClock, Waker, WallClock
 from .context import RunContext, RunParts
 from .control import serve_control
 from .engine import TickEngine
-from .journal import Journal
+from .journal import Journal, RunLog
 from .journal_events import Event
 from .journal_reader import JournalReader, RunRecord
 from .journal_rows import JournalError
 from .pacing import Pacing
 from .re_execution import ReExecution
 from .recording import Recording
-from .run_log import RunLog
 from .runner import Runner, RunResult
 from .smach_choice import Choose, Each, Joining
 from .smach_states import BehaviourTree, TreeRun

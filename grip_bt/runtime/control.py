@@ -16,8 +16,8 @@ from typing import Any, TextIO, TypedDict
 from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
 
 from .debugger import facts_of
-from .journal_writer import preview
 from .runner import Runner, RunResult
+from .value_codec import preview
 
 COMMANDS = ("pause", "resume", "step", "run_to", "break", "clear", "breakpoints", "inspect", "preempt", "stop")
 

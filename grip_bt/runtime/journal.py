@@ -7,21 +7,27 @@ that nothing is seen that could be lost. The tables are described in `docs/journ
 
 from __future__ import annotations
 
+import hashlib
+import json
 import logging
 import os
 import secrets
 import sqlite3
 import threading
 import time
+import zlib
 from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import repeat
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from grip_bt.runtime.journal_rows import JournalError, prepare_to_write, process_facts
+import numpy as np
 
-from .journal_writer import RunWriter
-from .run_log import ENTRIES, RunLog
+from .journal_events import MOST, checksum, pack_numbers, pack_times
+from .journal_rows import JournalError, prepare_to_write, process_facts
+from .value_codec import encode, preview
 
 _log = logging.getLogger(__name__)
 
@@ -32,6 +38,220 @@ IDLE = 0.04
 LARGEST = 16 * 2**20
 """Values of more bytes aren't kept unless the journal is told to."""
 _Job = tuple[str, tuple[Any, ...]]
+ENTER, INTERRUPTED = 0, 1
+"""What a transition is that isn't an end; an end is its outcome."""
+
+_DIED = "died"
+"""Status of a run that was cut off: nobody has stopped it, and it can be resumed."""
+
+ENTRIES = 4
+"""Entries of `RunLog.buffer` for an event."""
+LIMIT = 2_000_000
+"""Events that may wait for the writer; beyond that, whoever appends waits for it."""
+_INLINE = 512
+"""Values of at most so many bytes stand in the event itself."""
+_SAME = 1e-3
+"""Where the run's clock and the wall's differ by a constant, to so much [s], wall times of events aren't written."""
+_Key = tuple[str, str, str | None, str | None]
+
+
+@dataclass(slots=True, eq=False)
+class DetailedEvent:
+    """An event that says more than that a node began or ended.
+
+    Attributes:
+        event: its kind.
+        outcome: of an end.
+        code: of a failure.
+        data: anything else, as JSON.
+        written: a variable's value, to be encoded by the writer; whoever appends it promises not to change it.
+    """
+
+    event: str
+    outcome: str | None = None
+    code: str | None = None
+    data: dict[str, Any] | None = None
+    written: tuple[object] | None = None
+
+
+class RunLog:
+    """The log of one run.
+
+    Attributes:
+        id: the run's id.
+        buffer: four entries an event: path, what (`ENTER`, `INTERRUPTED`, an outcome, or a `DetailedEvent`), the moment
+            [s, monotonic] and the time on the run's clock [s]. It is extended by whole events, at once, and only the
+            writer takes from its front.
+        ended: whether the run's end was entered.
+        last: the event after which nothing is written any more; None as long as the run isn't cut off.
+        over: whether the writer has written that one; kept here, since a log that has ended may be followed again.
+
+    Args:
+        journal: that it belongs to.
+        run: the run's id.
+    """
+
+    def __init__(self, journal: Journal, run: str):
+        self.journal, self.id = journal, run
+        self.buffer: list[Any] = []
+        self.ended = False
+        self.last: DetailedEvent | None = None
+        self.over = False
+        self._cutting = threading.RLock()
+        journal.follow(self)
+
+    def append(
+        self,
+        t: float,
+        path: str,
+        event: str,
+        outcome: str | None = None,
+        code: str | None = None,
+        data: dict[str, Any] | None = None,
+    ) -> None:
+        """Add an event; returns before it is committed.
+
+        Args:
+            t: time on the run's clock [s].
+            path: the node; `/` for the root and for the run itself.
+            event: its kind.
+            outcome: of an end.
+            code: of a failure.
+            data: anything else, as JSON.
+        """
+        self.note(t, path, DetailedEvent(event, outcome, code, data))
+
+    def note(self, t: float, path: str, what: DetailedEvent) -> None:
+        """Add an event at the time `t` on the run's clock [s]."""
+        self.buffer.extend((path, what, time.monotonic(), t))
+        if self.ended:
+            self.journal.follow(self)
+        if len(self.buffer) > ENTRIES * LIMIT:
+            self.wait_for_room()
+
+    def wait_for_room(self) -> None:
+        """Return when the writer has caught up; memory is bounded by that."""
+        while len(self.buffer) > ENTRIES * LIMIT // 2 and self.journal.writing:
+            time.sleep(0.001)
+
+    def end(self, status: str, outcome: str | None) -> None:
+        """Enter how the run has ended; nothing where it was cut off."""
+        if self.last is not None and status != _DIED:
+            return
+        statement = "UPDATE runs SET ended=?, status=?, outcome=? WHERE id=?"
+        self.journal.execute(statement, (time.time(), status, outcome, self.id))
+        self.ended = True
+
+    def cut(self, t: float, why: str) -> None:
+        """End the journal of the run here, as if its process had died: it can be resumed from here.
+
+        What happens after this, such as that everything is interrupted, isn't written: whoever has the run stopped
+        because of it, from whichever thread, does so when this has returned.
+        """
+        with self._cutting:
+            if self.ended or self.last is not None:
+                return
+            self.last = DetailedEvent("run_ended", data={"status": _DIED, "message": why})
+            self.note(t, "/", self.last)
+            self.end(_DIED, None)
+
+
+class _RunWriter:
+    """Writes the blocks of one run; goes on where another process has stopped.
+
+    Args:
+        database: in a transaction whenever `write` is called.
+        log: what to write.
+        largest: values of more bytes aren't kept.
+    """
+
+    def __init__(self, database: sqlite3.Connection, log: RunLog, largest: int):
+        self._database, self._log, self._largest = database, log, largest
+        self._ids: dict[tuple[str, Any], int] = {}
+        self._keys: dict[_Key, int] = {}
+        self.last = 0
+        rows = database.execute("SELECT id, path, event, outcome, code FROM names WHERE run=?", (log.id,))
+        for number, *key in rows.fetchall():
+            self._keys[tuple(key)] = number
+        (last,) = database.execute("SELECT max(last) FROM blocks WHERE run=?", (log.id,)).fetchone()
+        self.last = last or 0
+
+    def write(self) -> int:
+        """Take what has gathered and write it; return how many events that were."""
+        log = self._log
+        buffer = log.buffer
+        total = len(buffer) // ENTRIES
+        for _ in range(0, total, MOST):
+            taken = buffer[: ENTRIES * MOST]
+            del buffer[: len(taken)]
+            if log.last is not None and log.last in taken:
+                taken = taken[: ENTRIES * (taken[1::ENTRIES].index(log.last) + 1)]
+                log.over = True
+            elif log.over:
+                continue
+            self._write_block(taken)
+        return total
+
+    def _write_block(self, taken: list[Any]) -> None:
+        paths, whats = taken[0::ENTRIES], taken[1::ENTRIES]
+        moments, t = np.array(taken[2::ENTRIES], float), np.array(taken[3::ENTRIES], float)
+        count = len(paths)
+        names = np.fromiter(map(self._ids.get, zip(paths, whats, strict=True), repeat(-1)), np.int64, count)
+        data: dict[int, Any] = {}
+        writes = 0
+        for i in np.flatnonzero(names < 0).tolist():
+            names[i] = self._name(paths[i], whats[i])
+            if isinstance(whats[i], DetailedEvent) and (more := self._data(whats[i])):
+                data[i] = more
+                writes += whats[i].event == "write"
+        since_epoch = time.time() - time.monotonic()
+        apart = moments - t + since_epoch
+        together = bool(np.ptp(apart) < _SAME)  # the run's clock went as the wall's
+        wall, offset = (None, float(apart[0])) if together else (pack_times(moments + since_epoch), None)
+        text = json.dumps(data, default=str) if data else None
+        row = (self.last + 1, self.last + count, pack_numbers(names), pack_times(t), wall, offset, text)
+        values = (self._log.id, *row, writes, checksum(row))
+        self._database.execute("INSERT INTO blocks VALUES(?,?,?,?,?,?,?,?,?,?)", values)
+        self.last += count
+
+    def _name(self, path: str, what: Any) -> int:
+        """Return the number of a kind of event at a node; the first time it is entered in the table of names."""
+        if isinstance(what, DetailedEvent):
+            key: _Key = (path, what.event, what.outcome, what.code)
+        elif what == ENTER and type(what) is int:
+            key = (path, "enter", None, None)
+        elif what == INTERRUPTED and type(what) is int:
+            key = (path, "interrupted", None, None)
+        else:
+            key = (path, "exit", what, None)
+        number = self._keys.get(key)
+        if number is None:
+            number = self._keys[key] = len(self._keys)
+            self._database.execute("INSERT INTO names VALUES(?,?,?,?,?,?)", (self._log.id, number, *key))
+        if not isinstance(what, DetailedEvent):
+            self._ids[path, what] = number
+        return number
+
+    def _data(self, noted: DetailedEvent) -> dict[str, Any] | None:
+        if noted.written is None:
+            return noted.data
+        (value,) = noted.written
+        content = encode(value)
+        more: dict[str, Any] = {**(noted.data or {}), "preview": preview(value)}
+        if len(content) <= _INLINE and content.index(b"\n") == len(content) - 1:
+            return {**more, "value": json.loads(content)}
+        return {**more, **self._keep(content, noted)}
+
+    def _keep(self, content: bytes, noted: DetailedEvent) -> dict[str, Any]:
+        if len(content) > self._largest:
+            return {"size": len(content), "dropped": f"larger than {self._largest} bytes"}
+        digest = hashlib.blake2b(content, digest_size=16).hexdigest()
+        known = self._database.execute("SELECT 1 FROM big_values WHERE hash=?", (digest,)).fetchone()
+        if known is None:
+            type_name = (noted.data or {}).get("type")
+            row = (digest, type_name, len(content), zlib.compress(content, 1))
+            self._database.execute("INSERT INTO big_values VALUES(?,?,?,?)", row)
+        return {"hash": digest, "size": len(content)}
 
 
 class Journal:
@@ -55,31 +275,18 @@ class Journal:
         self._closing, self.writing = False, True
         self._error: BaseException | None = None
         self._listeners: list[Callable[[str, int], None]] = []
-        opened: list[BaseException | None] = []
-        started = threading.Event()
-        self._thread = threading.Thread(target=self._write, args=(opened, started), name="grip_journal", daemon=True)
+        try:
+            database = sqlite3.connect(self.file, timeout=30, isolation_level=None, check_same_thread=False)
+            prepare_to_write(database)
+        except (sqlite3.Error, UnicodeError) as error:
+            raise JournalError(f"{self.file}: can't be opened as a journal: {error}") from error
+        self._thread = threading.Thread(target=self._write, args=(database,), name="grip_journal", daemon=True)
         self._thread.start()
-        started.wait()
-        if opened and opened[0] is not None:
-            raise JournalError(f"{self.file}: can't be opened as a journal: {opened[0]}") from opened[0]
 
     def begin(
-        self,
-        task_name: str,
-        task_path: str = "",
-        task_text: str = "",
-        target: str = "bt",
-        seed: int | None = None,
+        self, task_name: str, task_path: str = "", task_text: str = "", target: str = "bt", seed: int | None = None
     ) -> RunLog:
-        """Enter a new run and return its log.
-
-        Args:
-            task_name: name of the task.
-            task_path: the file that it came from.
-            task_text: the document as it is run.
-            target: `bt` or `sm`.
-            seed: of the simulation, if any.
-        """
+        """Enter a new run and return its log; see `RunRecord`."""
         run = time.strftime("%Y%m%d-%H%M%S-") + secrets.token_hex(3)
         path = os.fsencode(task_path).decode(errors="backslashreplace")  # a name of bytes that are no text
         row = (run, task_name, path, task_text, target, seed, time.time(), None, "running", None)
@@ -141,15 +348,7 @@ class Journal:
 
     # --- the writer's thread ---
 
-    def _write(self, opened: list[BaseException | None], started: threading.Event) -> None:
-        try:
-            database = sqlite3.connect(self.file, timeout=30, isolation_level=None)
-            prepare_to_write(database)
-        except (sqlite3.Error, UnicodeError) as error:
-            opened.append(error)
-            return
-        finally:
-            started.set()
+    def _write(self, database: sqlite3.Connection) -> None:
         try:
             self._serve(database)
         except Exception as error:  # noqa: BLE001 - whoever flushes or closes is told
@@ -162,7 +361,7 @@ class Journal:
             self._discard()
 
     def _serve(self, database: sqlite3.Connection) -> None:
-        writers: dict[str, RunWriter] = {}
+        writers: dict[str, _RunWriter] = {}
         wait = _GATHER
         while True:
             closing = self._closing
@@ -171,18 +370,15 @@ class Journal:
             busy = bool(jobs) or any(log.buffer for log in logs.values())
             if busy:
                 self._commit(database, jobs, logs, writers)
-                self._part_with(writers)
+                over = {run for run, log in logs.items() if log.ended and not log.buffer}
+                if over:
+                    with self._lock:
+                        self._logs = {run: log for run, log in self._logs.items() if run not in over or log.buffer}
+                    for run in over - self._logs.keys():
+                        writers.pop(run, None)
             elif closing:
                 return
             wait = _GATHER if busy else min(IDLE, wait * 1.2)
-
-    def _part_with(self, writers: dict[str, RunWriter]) -> None:
-        with self._lock:
-            over = {run for run, log in self._logs.items() if log.ended and not log.buffer}
-            if over:
-                self._logs = {run: log for run, log in self._logs.items() if run not in over}
-        for run in over:
-            writers.pop(run, None)
 
     def _gather(self, wait: float) -> list[_Job | threading.Event]:
         """Return the jobs there are; where none comes, after `wait` [s] at most. Without a run, wait for one."""
@@ -200,7 +396,7 @@ class Journal:
         database: sqlite3.Connection,
         jobs: list[_Job | threading.Event],
         logs: dict[str, RunLog],
-        writers: dict[str, RunWriter],
+        writers: dict[str, _RunWriter],
     ) -> None:
         database.execute("BEGIN IMMEDIATE")
         for job in jobs:
@@ -210,7 +406,7 @@ class Journal:
         for run, log in logs.items():
             if log.buffer:
                 if run not in writers:
-                    writers[run] = RunWriter(database, log, self._largest)
+                    writers[run] = _RunWriter(database, log, self._largest)
                 if writers[run].write():
                     grown[run] = writers[run].last
         database.execute("COMMIT")

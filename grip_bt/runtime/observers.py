@@ -1,16 +1,107 @@
-"""Observers of a run beside its journal: they keep state beside the task, wait for the disk, and tell the parent."""
+"""Observers of a run: they write its journal, keep state beside the task, wait for the disk, and tell the parent."""
 
 from __future__ import annotations
 
 import mmap
 import threading
+import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Protocol
 
+from grip_bt.base.errors import NodeError
+from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Silent
-from grip_bt.runtime.journal import Journal
+from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, Journal, RunLog
 from grip_bt.runtime.journal_rows import JournalError
+from grip_bt.runtime.recording import PREEMPT
+from grip_bt.runtime.value_codec import snapshot
+
+
+class Recorder:
+    """The observer that writes a journal; blocks the threads that tick only where the writer is far behind."""
+
+    def __init__(self, log: RunLog, clock: Clock):
+        self._append, self._note, self._now, self._log = log.append, log.note, clock.now, log
+        self._extend = log.buffer.extend
+
+    # --- the run ---
+
+    def started(self, facts: Mapping[str, object] | None = None) -> None:
+        """The run begins; `facts` are JSON about how."""
+        self._append(self._now(), "/", "run_started", data=dict(facts) if facts else None)
+
+    def resumed(self, t: float, facts: Mapping[str, object]) -> None:
+        """It goes on at `t` [s], in another process; `facts` are JSON about how."""
+        self._append(t, "/", "run_resumed", data=dict(facts))
+
+    def went_on(self, path: str, how: str) -> None:
+        """A leaf that was active when its process died goes on, or is started again."""
+        self._append(self._now(), path, "went_on", data={"how": how})
+
+    def state(self, state: str) -> None:
+        """It runs, pauses or is being stopped."""
+        self._append(self._now(), "/", "state", data={"state": state})
+
+    def preempt_requested(self) -> None:
+        """Somebody asks the task to come to an end on its own terms."""
+        self._append(self._now(), "/", PREEMPT)
+
+    def error(self, error: BaseException, trace: str) -> None:
+        """A node raised."""
+        path, cause = (error.path, error.cause) if isinstance(error, NodeError) else ("/", error)
+        data = {"type": type(cause).__name__, "message": str(cause), "traceback": trace}
+        self._append(self._now(), path, "error", data=data)
+
+    def zombie(self, path: str, where: str) -> None:
+        """A node's code hasn't returned and was left behind."""
+        self._append(self._now(), path, "zombie", data={"where": where})
+
+    def finished(self, outcome: str | None, status: str, rest: str = "") -> None:
+        """The run has ended; `rest` tells what was measured of the robot then."""
+        data = {"status": status, "rest": rest} if rest else {"status": status}
+        self._append(self._now(), "/", "run_ended", outcome, data=data)
+        self._log.end(status, outcome)
+
+    def told(self, part: str, text: str) -> None:
+        """A part of the robot says something of itself, such as that its process has died."""
+        self._append(self._now(), "/", "message", data={"part": part, "text": f"{part}: {text}"})
+
+    def lost(self, why: str) -> None:
+        """Whoever controlled it has gone: it is cut off here."""
+        self._log.cut(self._now(), why)
+
+    # --- its nodes ---
+
+    def entered(self, path: str) -> None:
+        self._extend((path, ENTER, time.monotonic(), self._now()))
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        if failure is not None:
+            data: dict[str, Any] = {"message": failure.message}
+            if failure.data:
+                data["data"] = dict(failure.data)
+            self._append(self._now(), path, "exit", outcome, failure.code, data)
+            return
+        self._extend((path, outcome, time.monotonic(), self._now()))
+        if len(self._log.buffer) > ENTRIES * LIMIT:
+            self._log.wait_for_room()
+
+    def interrupted(self, path: str) -> None:
+        self._extend((path, INTERRUPTED, time.monotonic(), self._now()))
+
+    def message(self, path: str, text: str) -> None:
+        self._append(self._now(), path, "message", data={"text": text})
+
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
+        """A node wrote a variable; its value is kept as it is now."""
+        data = {"variable": variable, "type": type_name}
+        self._note(self._now(), path, DetailedEvent("write", data=data, written=(snapshot(value),)))
+
+    def kept(self, path: str, part: str, state: object) -> None:
+        """The state of a part beside the task is this, when a node ends; see `runtime.observers`."""
+        self._note(self._now(), path, DetailedEvent("kept", data={"part": part}, written=(snapshot(state),)))
+
 
 KEPT = "kept"
 """The event; its data has `part` and, as a write has, the state."""

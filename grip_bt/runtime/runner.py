@@ -21,19 +21,17 @@ from grip_bt.nodes.foreign import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended
-from grip_bt.runtime.observers import SideState, SideStateObserver
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Recorder, SideState, SideStateObserver
 from grip_bt.runtime.stopping import Watchdog
 
 from .context import RunContext
 from .debugger import Debugger
 from .engine import TickEngine, make_ticker
-from .journal import Journal
+from .journal import Journal, RunLog
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
 from .re_execution import ReExecution
 from .recording import NewEvents
-from .run_log import RunLog
 from .stopping import (
     EndedObserver,
     Zombie,

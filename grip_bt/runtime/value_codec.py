@@ -15,6 +15,7 @@ from __future__ import annotations
 import base64
 import json
 import math
+import reprlib
 from dataclasses import MISSING, fields, is_dataclass
 from importlib import import_module
 from typing import Any
@@ -200,3 +201,13 @@ def _value(name: str, items: dict[str, Any]) -> Any:
 def _class_in(module: str, name: str) -> type | None:
     cls = getattr(import_module(module), name, None)
     return cls if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == module else None
+
+
+_repr = reprlib.Repr()
+_repr.maxstring, _repr.maxother, _repr.maxlist, _repr.maxtuple = 60, 100, 3, 4
+
+
+def preview(value: object) -> str:
+    """Return a value in at most 120 characters, for people; big values are cut before they are formatted."""
+    text = _repr.repr(value)
+    return text if len(text) <= 120 else text[:117] + "..."

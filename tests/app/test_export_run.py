@@ -18,7 +18,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import CameraInfo, DepthImage, Failure, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Journal, JournalReader, ManualClock
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Recorder
 
 RNG = np.random.default_rng(4)
 CLOUD = PointCloud(RNG.normal(size=(600, 3)), RNG.integers(0, 255, (600, 3), np.uint8), "camera")

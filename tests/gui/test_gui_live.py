@@ -18,7 +18,7 @@ from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.ros.environment import own_domain
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import DetailedEvent
+from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.recorded import form_of, source_of
 from grip_gui.live.ros_client import RosClientProcess

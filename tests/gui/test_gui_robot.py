@@ -21,7 +21,7 @@ from grip_bt.base.values.solids import CellMap, Mesh
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import DetailedEvent
+from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.live.recorded import last_state, motion_of
 from grip_gui.live.ros_client import RosClientProcess

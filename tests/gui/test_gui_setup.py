@@ -12,7 +12,7 @@ from played import TASK, TestClient
 
 from grip_bt.base.values import JointState, Pose
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import DetailedEvent
+from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.setup.changes import UnchangeableError, remove, rename, set_value
 

@@ -17,7 +17,7 @@ from played import TASK, TestClient
 
 from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Journal
-from grip_bt.runtime.run_log import DetailedEvent
+from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_gui.view.values import LARGEST, PLACES, POINTS, ROWS, cloud_view, drawn_cloud, drawn_depth, png, value_view
 

@@ -17,7 +17,7 @@ from runtime_world import TARGETS, Started, leaf
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime import Journal, JournalError, JournalReader
-from grip_bt.runtime.journal_writer import preview
+from grip_bt.runtime.value_codec import preview
 
 
 @pytest.fixture
@@ -114,7 +114,8 @@ def test_who_flushes_waits_for_however_long_another_process_has_the_file(file: P
 def test_a_killed_writer_loses_nothing_that_it_announced(file: Path) -> None:
     writer = subprocess.Popen([sys.executable, "-c", WRITER, str(file)], stdout=subprocess.PIPE, text=True)
     assert writer.stdout is not None
-    for _ in range(10):
+    announced = "0"
+    while int(announced) < 200:
         run, announced = writer.stdout.readline().split()
     os.kill(writer.pid, signal.SIGKILL)
     for line in writer.stdout.read().splitlines(keepends=True):

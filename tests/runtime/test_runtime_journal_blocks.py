@@ -16,10 +16,9 @@ import numpy as np
 import pytest
 
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock, WallClock
-from grip_bt.runtime import run_log as run_logs
-from grip_bt.runtime.journal_events import unpack_numbers, unpack_times
-from grip_bt.runtime.journal_writer import pack_numbers, pack_times
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime import journal as journals
+from grip_bt.runtime.journal_events import pack_numbers, pack_times, unpack_numbers, unpack_times
+from grip_bt.runtime.observers import Recorder
 
 
 @pytest.fixture
@@ -106,8 +105,8 @@ def test_threads_that_append_at_once_lose_nothing_and_keep_their_own_order(file:
 
 
 def test_who_appends_faster_than_is_written_waits(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grip_bt.runtime.run_log.LIMIT", 1000)
-    monkeypatch.setattr(run_logs, "LIMIT", 1000)
+    monkeypatch.setattr("grip_bt.runtime.observers.LIMIT", 1000)
+    monkeypatch.setattr(journals, "LIMIT", 1000)
     longest = 0
     with Journal(file) as journal:
         recorder = Recorder(log := journal.begin("fast"), WallClock())
@@ -125,7 +124,7 @@ def test_a_run_goes_on_where_another_process_stopped_writing_it(file: Path) -> N
         log.append(0, "a", "enter")
         log.append(1, "b", "enter")
     with Journal(file) as journal:
-        again = run_logs.RunLog(journal, log.id)
+        again = journals.RunLog(journal, log.id)
         again.append(2, "b", "enter")
         again.append(3, "c", "enter")
     with JournalReader(file) as reader:
@@ -146,7 +145,7 @@ def test_a_journal_of_another_version_is_refused(file: Path, version: int) -> No
 WRITER = """
 import sys
 from grip_bt.runtime import Journal, WallClock
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Recorder
 journal = Journal(sys.argv[1])
 recorder = Recorder(journal.begin("doomed"), WallClock())
 journal.on_commit(lambda run, seq: print(run, seq, flush=True))

@@ -14,7 +14,7 @@ import pytest
 
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, ManualClock
 from grip_bt.runtime.journal_events import DAMAGED
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Recorder
 
 BLOCKS, PAGE = 18, 4096
 WRONG = (

@@ -11,7 +11,7 @@ import pytest
 
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
 from grip_bt.runtime.journal_limit import ROOM, prune, size_of
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Recorder
 
 KIB = 1024
 

@@ -16,8 +16,7 @@ import pytest
 from grip_bt.base.values import Failure, Grasp, Image, JointState, PointCloud, Pose
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
 from grip_bt.runtime.journal_events import is_name
-from grip_bt.runtime.observers import Durable
-from grip_bt.runtime.run_log import Recorder
+from grip_bt.runtime.observers import Durable, Recorder
 from grip_bt.runtime.value_codec import DEEPEST, OpaqueValueError, decode, encode, snapshot
 
 

@@ -19,8 +19,8 @@ from grip_bt.runtime import (
     RunLog,
     WallClock,
 )
+from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.observers import SideState
-from grip_bt.runtime.run_log import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
 from grip_bt.task.catalog import Manifest, check_value
 

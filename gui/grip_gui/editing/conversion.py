@@ -10,7 +10,7 @@ from grip_bt.base.values import Failure
 from grip_bt.compilers.restructure import Difference, Restructured, compare, moved, play, to_state_machines, to_trees
 from grip_bt.compilers.restructure.as_edit import expanded
 from grip_bt.compilers.restructure.equivalence import End
-from grip_bt.runtime.journal_writer import preview
+from grip_bt.runtime.value_codec import preview
 from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import Convert
