@@ -49,6 +49,13 @@ class ComparesArrays:
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
 
+    def _freeze(self, shape: tuple[int | None, ...], *names: str, dtype: DTypeLike = np.float64) -> None:
+        """Make fields read-only copies, as `frozen_array` does; those that are None stay."""
+        for name in names:
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, frozen_array(value, shape, name, dtype))
+
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented

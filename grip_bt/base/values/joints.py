@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from grip_bt.base.arrays import Array, ComparesArrays, Indices, frozen_array
+from grip_bt.base.arrays import Array, ComparesArrays, Indices
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,11 +43,7 @@ class JointState(ComparesArrays):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))
-        n = len(self.names)
-        for name in ("position", "velocity", "effort"):
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, frozen_array(value, (n,), name))
+        self._freeze((len(self.names),), "position", "velocity", "effort")
 
     @classmethod
     def from_mapping(cls, positions: Mapping[str, float], time: float = 0.0) -> JointState:
@@ -105,12 +101,8 @@ class Trajectory(ComparesArrays):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))
-        object.__setattr__(self, "times", frozen_array(self.times, (None,), "times"))
-        shape = (len(self.times), len(self.names))
-        for name in ("positions", "velocities", "accelerations"):
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, frozen_array(value, shape, name))
+        self._freeze((None,), "times")
+        self._freeze((len(self.times), len(self.names)), "positions", "velocities", "accelerations")
         if not len(self.times) or self.times[0] != 0 or np.any(np.diff(self.times) <= 0):
             raise ValueError("times of a trajectory start at 0 and increase")
 

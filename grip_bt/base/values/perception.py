@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.base.arrays import Array, ComparesArrays, frozen_array
+from grip_bt.base.arrays import Array, ComparesArrays
 
 from .pose import Pose
 
@@ -29,13 +29,8 @@ class PointCloud(ComparesArrays):
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen_array(self.points, (None, 3), "points", np.float32))
-        if self.colors is not None:
-            object.__setattr__(
-                self,
-                "colors",
-                frozen_array(self.colors, (len(self.points), 3), "colors", np.uint8),
-            )
+        self._freeze((None, 3), "points", dtype=np.float32)
+        self._freeze((len(self.points), 3), "colors", dtype=np.uint8)
 
     def __repr__(self) -> str:
         return f"PointCloud({len(self.points)} points, frame={self.frame!r})"
@@ -58,7 +53,7 @@ class CameraInfo(ComparesArrays):
     pose: Pose = field(default_factory=Pose)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "matrix", frozen_array(self.matrix, (3, 3), "matrix"))
+        self._freeze((3, 3), "matrix")
 
     def rays(self) -> Array:
         """Return the direction of each pixel with unit z, in the optical frame, shape (height, width, 3)."""
@@ -88,7 +83,7 @@ class Image(ComparesArrays):
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "pixels", frozen_array(self.pixels, (None, None, 3), "pixels", np.uint8))
+        self._freeze((None, None, 3), "pixels", dtype=np.uint8)
 
     def __repr__(self) -> str:
         return f"Image({self.pixels.shape[1]}x{self.pixels.shape[0]}, frame={self.frame!r})"
@@ -109,8 +104,7 @@ class DepthImage(ComparesArrays):
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        shape = (self.info.height, self.info.width)
-        object.__setattr__(self, "depth", frozen_array(self.depth, shape, "depth", np.float32))
+        self._freeze((self.info.height, self.info.width), "depth", dtype=np.float32)
 
     def points(self) -> Array:
         """Return a point per pixel in `info.pose.frame`, shape (height, width, 3) [m]; NaN where nothing was seen."""

@@ -12,14 +12,6 @@ from numpy.typing import ArrayLike
 from grip_bt.base.arrays import Array, ComparesArrays, frozen_array
 
 
-def _zeros() -> Array:
-    return np.zeros(3)
-
-
-def _identity() -> Array:
-    return np.array([1.0, 0.0, 0.0, 0.0])
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose(ComparesArrays):
     """A pose in `frame`: what maps points given in the posed body to `frame`.
@@ -30,8 +22,8 @@ class Pose(ComparesArrays):
         frame: name of the reference frame.
     """
 
-    position: Array = field(default_factory=_zeros)
-    quaternion: Array = field(default_factory=_identity)
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    quaternion: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
     frame: str = "world"
 
     if TYPE_CHECKING:  # what the constructor takes is wider than what it keeps

@@ -18,8 +18,16 @@ _SLIVER = 1e-3
 """What is shrunk keeps this size [m]."""
 
 
+class _Centred:
+    __slots__ = ()
+
+    def centre(self) -> tuple[float, float, float]:
+        """Return the middle of the bounding box along the shape's own axes [m]."""
+        return (0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True, slots=True)
-class Box:
+class Box(_Centred):
     """A box, centred at its pose; `size` holds its edge lengths [m]."""
 
     size: tuple[float, float, float]
@@ -31,10 +39,6 @@ class Box:
         """Return the edge lengths of the bounding box along the shape's own axes [m]."""
         return self.size
 
-    def centre(self) -> tuple[float, float, float]:
-        """Return the middle of the bounding box along the shape's own axes [m]."""
-        return (0.0, 0.0, 0.0)
-
     def grown(self, margin: float) -> Box:
         """Return the box with `margin` [m] more on every side; a negative one shrinks it, down to a sliver."""
         x, y, z = (max(length + 2 * margin, _SLIVER) for length in self.size)
@@ -42,7 +46,7 @@ class Box:
 
 
 @dataclass(frozen=True, slots=True)
-class Cylinder:
+class Cylinder(_Centred):
     """A cylinder about its z axis, centred at its pose; lengths in m."""
 
     radius: float
@@ -55,17 +59,13 @@ class Cylinder:
         """Return the edge lengths of the bounding box along the shape's own axes [m]."""
         return (2 * self.radius, 2 * self.radius, self.height)
 
-    def centre(self) -> tuple[float, float, float]:
-        """Return the middle of the bounding box along the shape's own axes [m]."""
-        return (0.0, 0.0, 0.0)
-
     def grown(self, margin: float) -> Cylinder:
         """Return the cylinder with `margin` [m] more on every side; a negative one shrinks it, down to a sliver."""
         return Cylinder(max(self.radius + margin, _SLIVER / 2), max(self.height + 2 * margin, _SLIVER))
 
 
 @dataclass(frozen=True, slots=True)
-class Sphere:
+class Sphere(_Centred):
     """A sphere, centred at its pose; its radius in m."""
 
     radius: float
@@ -76,10 +76,6 @@ class Sphere:
     def extents(self) -> tuple[float, float, float]:
         """Return the edge lengths of the bounding box [m]."""
         return (2 * self.radius, 2 * self.radius, 2 * self.radius)
-
-    def centre(self) -> tuple[float, float, float]:
-        """Return the middle of the bounding box [m]."""
-        return (0.0, 0.0, 0.0)
 
     def grown(self, margin: float) -> Sphere:
         """Return the sphere with `margin` [m] more all around; a negative one shrinks it, down to a sliver."""
@@ -104,8 +100,8 @@ class Mesh(ComparesArrays):
     margin: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen_array(self.points, (None, 3), "points"))
-        object.__setattr__(self, "triangles", frozen_array(self.triangles, (None, 3), "triangles", np.int32))
+        self._freeze((None, 3), "points")
+        self._freeze((None, 3), "triangles", dtype=np.int32)
         if len(self.points) < 4 or not np.isfinite(self.points).all():
             raise ValueError(f"a mesh has at least 4 points, all of finite numbers, not {len(self.points)} points")
         if np.linalg.matrix_rank(self.points - self.points[0], tol=1e-9) < 3 and not len(self.triangles):
