@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.catalog.ros_config import sensor_manifest
 
 _HEAD = """# Nodes
 

@@ -12,7 +12,7 @@ from py_trees.common import Status
 
 from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
-from grip_bt.compilers.leaves import prepare
+from grip_bt.compilers.binding import prepare
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, halt
 from grip_bt.smach_compat import State

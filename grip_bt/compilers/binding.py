@@ -1,18 +1,194 @@
-"""What a kind asks, bound to the variables of its scope: conditions, values, and variables that it reads and writes."""
+"""Nodes made and bound to variables: leaves, foreign behaviours, conditions; values go into and out of subtasks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+import inspect
+import logging
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from copy import deepcopy
+from importlib import import_module
+from typing import Any, Protocol, cast
 
-from grip_bt.base.errors import ExpressionError, UnknownNameError
+from py_trees.behaviour import Behaviour
+
+from grip_bt.base.errors import ExpressionError, ImplementationError, InvalidTaskError, NodeError, UnknownNameError
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
+from grip_bt.base.issue import Issue
 from grip_bt.compilers.resolve import Part, Resolved
-from grip_bt.compilers.scopes import Scope, Scopes
+from grip_bt.compilers.scopes import UNSET, Scope, Scopes
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.condition import Condition
-from grip_bt.task.model import Kind
+from grip_bt.nodes.leaf import Leaf
+from grip_bt.task import model
+from grip_bt.task.catalog import AllowedImports, Manifest, load_implementation
+from grip_bt.task.model import Foreign, Kind
+from grip_bt.task.validation.parts import not_listed
+
+_log = logging.getLogger(__name__)
+
+LeafFactory = Callable[[str, model.Leaf, Manifest], Leaf]
+"""(path, what the document says, manifest) -> a leaf, not bound yet."""
+
+
+def implementation_of(path: str, node: model.Leaf, manifest: Manifest) -> Leaf:
+    """Make a leaf of the class that its manifest names, with the defaults of its parameters filled in."""
+    defaults = {name: p.default for name, p in manifest.parameters.items() if not p.required}
+    implementation = load_implementation(manifest)
+    if not issubclass(implementation, Behaviour):  # before it is called: a manifest may name any class there is
+        reason = f"{implementation.__name__} is no class of nodes; derive it from `grip_bt.nodes.Leaf`"
+        raise ImplementationError(manifest.id, manifest.implementation, reason)
+    name = path.rsplit("/", 1)[-1] or manifest.id
+    return cast(Leaf, implementation(name, path, manifest, {**defaults, **node.with_}, dict(node.meaning)))
+
+
+def make_leaf(part: Part, factory: LeafFactory, scopes: Scopes) -> Leaf:
+    """Make one leaf and bind its ports to the cells of its variables."""
+    node = cast(model.Leaf, part.node)
+    assert part.manifest is not None, "resolved leaves have a manifest"
+    leaf = factory(part.path, node, part.manifest)
+    leaf.name = part.name
+    for port, variable in node.in_.items():
+        leaf.readers[port] = scopes.reader(part.path, port, part.scope.cell(variable))
+    for port, variable in node.out.items():
+        leaf.writers[port] = scopes.writer(part.path, port, part.scope.cell(variable))
+    return leaf
+
+
+def prepare(nodes: Iterable[Behaviour], context: object) -> None:
+    """Set up nodes, each once.
+
+    Raises:
+        NodeError: one raised; it is named.
+    """
+    for node in nodes:
+        try:
+            node.setup(context=context)
+        except Exception as error:
+            raise NodeError(getattr(node, "path", node.name), error) from error
+
+
+def release(nodes: Iterable[Behaviour]) -> None:
+    """Undo `prepare` as far as nodes can; what one raises is logged, since nobody could do anything about it."""
+    for node in nodes:
+        try:
+            node.shutdown()
+        except Exception:  # noqa: BLE001 - the run has ended, with a result that this must not replace
+            _log.exception("shutdown of %s", getattr(node, "path", node.name))
+
+
+BehaviourFactory = Callable[[str, str, Foreign], Behaviour]
+"""(path, name, what the document says) -> the behaviour of a foreign node."""
+
+
+def adopter(code: AllowedImports) -> BehaviourFactory:
+    """Return what imports and makes the behaviours of foreign nodes, of such code as a project lists."""
+
+    def adopt(path: str, name: str, node: Foreign) -> Behaviour:
+        """Return the behaviour of a foreign node.
+
+        Args:
+            path: the node's path.
+            name: the node's name, which the behaviour gets where its constructor takes a `name` and `args` has none.
+            node: what the document says.
+
+        Raises:
+            InvalidTaskError: it isn't listed, there is nothing at the import path, it isn't a class of behaviours or a
+                function that is listed, it can't be made of these arguments, or what it makes isn't a behaviour.
+        """
+        make = _maker(path, node.behaviour, code)
+        given: dict[str, Any] = dict(node.args)
+        try:
+            if "name" not in given and "name" in inspect.signature(make).parameters:
+                given["name"] = name
+            made = make(**given)
+        except Exception as error:
+            reason = f"{node.behaviour} can't be made of `args`: {type(error).__name__}: {error}"
+            raise _refused(path, reason) from error
+        if not isinstance(made, Behaviour):
+            raise _refused(path, f"{node.behaviour} makes a {type(made).__name__}, not a py_trees Behaviour")
+        if made.parent is not None:
+            raise _refused(path, f"{node.behaviour} makes a behaviour that is part of another tree already")
+        return made
+
+    return adopt
+
+
+def _maker(path: str, where: str, code: AllowedImports) -> Any:
+    """Return what is at an import path, where it may be called."""
+    if not code.allows(where):
+        trouble = not_listed(where, code.listed)
+        raise InvalidTaskError([Issue(path, trouble.code, "error", trouble.message, trouble.fix)])
+    found = _found(path, where, code)
+    if isinstance(found, type) and issubclass(found, Behaviour):
+        return found
+    if isinstance(found, type) or not callable(found):
+        what = "a class" if isinstance(found, type) else f"a {type(found).__name__}"
+        raise _refused(path, f"{where} is {what}, and no Behaviour of py_trees; name a class of behaviours")
+    if not code.names(where):
+        raise _refused(
+            path,
+            f"{where} is a function, which is called only if the project lists it by its name: "
+            f"`code: [{where!r}]` in grip.yaml",
+        )
+    return found
+
+
+def _found(path: str, where: str, code: AllowedImports) -> Any:
+    module, _, attributes = where.partition(":")
+    if code.folder is not None and code.is_third_party(where) and str(code.folder) not in sys.path:
+        sys.path.append(str(code.folder))  # last: nothing in a project takes the place of what is installed
+    try:
+        found: Any = import_module(module)
+        for attribute in attributes.split("."):
+            found = getattr(found, attribute)
+    except Exception as error:
+        raise _refused(path, f"{where} can't be imported: {type(error).__name__}: {error}") from error
+    return found
+
+
+def _refused(path: str, message: str) -> InvalidTaskError:
+    return InvalidTaskError([Issue(path, "unknown-behaviour", "error", message)])
+
+
+def variables_of(part: Part, scopes: Scopes) -> tuple[Callable[[], None] | None, Callable[[], None] | None]:
+    """Return what a container calls when it is entered, and when it has ended by itself: its variables begin anew.
+
+    A subtask gets its inputs then, and gives its outputs; one that wasn't made is none.
+    """
+    node, path, inside, around = part.node, part.path, part.scope, part.around
+    if not isinstance(node, model.Subtask):
+        return (inside.reset if part.declares else None), None
+    writers = {port: scopes.writer(path, port, inside.cell(port)) for port in (*node.in_, *node.with_)}
+    inputs = {port: scopes.reader(path, port, around.cell(variable)) for port, variable in node.in_.items()}
+    outputs = [(inside.cell(port), scopes.writer(path, port, around.cell(v))) for port, v in node.out.items()]
+
+    def enter() -> None:
+        inside.reset()
+        with _errors_of(path):
+            for port, read in inputs.items():
+                writers[port](read())
+            for port, literal in node.with_.items():
+                writers[port](deepcopy(literal))
+
+    def leave() -> None:
+        with _errors_of(path):
+            for cell, write in outputs:
+                if cell.value is not UNSET:
+                    write(cell.value)
+
+    return enter, leave
+
+
+@contextmanager
+def _errors_of(path: str) -> Iterator[None]:
+    """Name the node in what is raised."""
+    try:
+        yield
+    except Exception as error:
+        raise NodeError(path, error) from error
 
 
 def bind_condition(path: str, key: str, text: str, scope: Scope, scopes: Scopes) -> Condition:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue
 from grip_bt.task.catalog import Catalog, Manifest, check_value, manifest_of_task, parse_type
-from grip_bt.task.edges import Edges
 from grip_bt.task.model import (
     AnyNode,
     Container,
@@ -23,6 +22,7 @@ from grip_bt.task.model import (
     type_of,
     with_refusal,
 )
+from grip_bt.task.parts import Edges
 from grip_bt.task.validation import structural_issues
 from grip_bt.task.validation.analysis import type_or_none
 from grip_bt.task.validation.codes import default_outcome

@@ -11,16 +11,23 @@ from typing import Any
 from grip_bt import smach_compat
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.behaviour_state import Halted, Pacer, TaskEnd
-from grip_bt.compilers.binding import answers_of, bind_condition
-from grip_bt.compilers.leaves import BehaviourFactory, adopter, variables_of
+from grip_bt.compilers.binding import (
+    BehaviourFactory,
+    LeafFactory,
+    adopter,
+    answers_of,
+    bind_condition,
+    implementation_of,
+    release,
+    variables_of,
+)
+from grip_bt.compilers.task_machine import enclose
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
 from .behaviour_state import BehaviourState, MachineRun, MakeTicker, Refined, TaskState, labels
-from .enclosing import enclose
-from .leaves import LeafFactory, implementation_of, release
 from .machine_table import AGAIN, asks, first_step, interrupts, kind_of, state_labels, table_of
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes

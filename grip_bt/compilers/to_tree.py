@@ -6,8 +6,19 @@ from collections.abc import Callable, Mapping
 from typing import Any, cast
 
 from grip_bt.compilers.behaviour_state import Pacer, TaskEnd, drive
-from grip_bt.compilers.binding import bind_answers, bind_condition
-from grip_bt.compilers.leaves import BehaviourFactory, adopter
+from grip_bt.compilers.binding import (
+    BehaviourFactory,
+    LeafFactory,
+    adopter,
+    bind_answers,
+    bind_condition,
+    implementation_of,
+    make_leaf,
+    prepare,
+    release,
+    variables_of,
+)
+from grip_bt.compilers.task_machine import enclose
 from grip_bt.nodes.condition import conditional
 from grip_bt.nodes.container import RunAnswers, container
 from grip_bt.nodes.foreign import Foreign
@@ -16,8 +27,6 @@ from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .enclosing import enclose
-from .leaves import LeafFactory, implementation_of, make_leaf, prepare, release, variables_of
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
 

@@ -8,9 +8,8 @@ from typing import Any, TypeVar
 from grip_bt.base.errors import NodeError
 from grip_bt.base.evaluation import same_literal
 from grip_bt.base.ports import Context
-from grip_bt.task.edges import Edges
 from grip_bt.task.kinds.base import Ended
-from grip_bt.task.parts import Case
+from grip_bt.task.parts import Case, Edges
 
 Value = TypeVar("Value")
 

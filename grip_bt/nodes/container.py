@@ -15,8 +15,8 @@ from py_trees.common import ParallelPolicy, Status
 
 from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
-from grip_bt.task.edges import Edges
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Reason, Run, Stay, Step
+from grip_bt.task.parts import Edges
 
 from .answers import Answers
 from .node import STATUS, Node

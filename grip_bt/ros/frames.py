@@ -20,8 +20,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
 from grip_bt.base.values.pose import quaternion_of
-from grip_bt.task.catalog.ros_config import CameraTopics
-from grip_bt.task.catalog.sensors import Mount, SensorConfig
+from grip_bt.task.catalog.ros_config import CameraTopics, Mount, SensorConfig
 
 ROOT = "world"
 

@@ -14,8 +14,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import CameraInfo, RgbdFrame
 from grip_bt.ros.process import command_of
-from grip_bt.task.catalog.ros_config import CameraTopics
-from grip_bt.task.catalog.sensors import SensorConfig
+from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 from .client.types import ConversionError, Message
 from .convert import from_message

@@ -15,10 +15,10 @@ from grip_bt.compilers.behaviour_state import Refined, label, labels
 from grip_bt.nodes.answers import Answers
 from grip_bt.runtime.smach_states import TreeRun
 from grip_bt.smach_compat import Concurrence, Iterator, State
-from grip_bt.task.edges import Edges
 from grip_bt.task.kinds.base import End, Kind, Reason, Run
 from grip_bt.task.kinds.composites import Switch
 from grip_bt.task.kinds.repeating import Loop
+from grip_bt.task.parts import Edges
 
 
 class Choose(State):

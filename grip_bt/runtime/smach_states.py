@@ -15,7 +15,7 @@ from py_trees.common import Status
 
 from grip_bt.compilers import CompiledTree, Halted, Pacer, to_tree
 from grip_bt.compilers.behaviour_state import MachineRun, Refined, StateContext, drive, label, labels
-from grip_bt.compilers.leaves import LeafFactory, implementation_of
+from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.smach_compat import State
 from grip_bt.task import Leaf, Task

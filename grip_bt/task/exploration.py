@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple, NoReturn
 
-from .edges import Edges
+from grip_bt.task.parts import Edges
+
 from .kinds.base import ChildEnds, End, Ended, Kind, Next, Run, Stay, Step
 from .parts import Case
 

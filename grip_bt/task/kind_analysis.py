@@ -6,7 +6,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Literal
 
-from .edges import Edges
+from grip_bt.task.parts import Edges
+
 from .exploration import START, UNKNOWN, Labels, Oracle, TooManyError, Way, answered, explore, graph
 from .kinds.base import End, Ended, Kind, Next, Run, Step
 from .parts import Meaning

@@ -13,7 +13,7 @@ from grip_bt.nodes import Leaf, OperationLeaf
 from grip_bt.task import load
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.catalog.catalog import load_implementation
-from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.catalog.ros_config import sensor_manifest
 from grip_bt.task.model import Leaf as LeafNode
 from grip_bt.task.model import walk
 

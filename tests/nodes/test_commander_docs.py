@@ -10,7 +10,7 @@ import pytest
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task import loads
 from grip_bt.task.catalog import Catalog, read_python_nodes
-from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.catalog.ros_config import sensor_manifest
 from grip_bt.task.validation import validate
 
 DOCS = Path(__file__).parents[2] / "docs"

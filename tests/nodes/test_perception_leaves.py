@@ -9,7 +9,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, DepthImage, Image, Pose, RgbdFrame
-from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.catalog.ros_config import sensor_manifest
 
 F = 536.0
 INFO = CameraInfo(

@@ -11,7 +11,7 @@ from test_perception_leaves import INFO, frame, thing
 from grip_bt.base.operation import Operation
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.nodes.camera_views import outline, robot_pixels, share, within
-from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.catalog.ros_config import sensor_manifest
 
 ALL = np.ones((240, 320), dtype=bool)
 

@@ -26,7 +26,7 @@ from grip_bt.ros.frames import FrameError, FrameTree
 from grip_bt.ros.interface import BadRequestError, RosInterface, Synchroniser
 from grip_bt.ros.sensing import mounted_frames, open_sensors
 from grip_bt.ros.transforms import Transforms
-from grip_bt.task.catalog.sensors import SensorConfig
+from grip_bt.task.catalog.ros_config import SensorConfig
 
 CAMERA = {
     "topics": {

@@ -12,7 +12,7 @@ from ros_bench import Deadline, ended
 from grip_bt.base.failures import SensorError, ServerTimeOutError
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.sensing import open_sensors
-from grip_bt.task.catalog.sensors import SensorConfig
+from grip_bt.task.catalog.ros_config import SensorConfig
 
 pytestmark = pytest.mark.ros
 NOW = 1000.0

@@ -22,7 +22,7 @@ from grip_bt.commanders.description.tree import joints_of_fingers, links_of_grou
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task.catalog import AllowedImports, Catalog, TaskFolder, find_manifests, find_python_nodes
 from grip_bt.task.catalog.project_parts import NO_CONTROLLER, UNFIT_PROJECT, PartNames, Problem, ProjectParts
-from grip_bt.task.catalog.sensors import sensor_manifest
+from grip_bt.task.catalog.ros_config import sensor_manifest
 
 from .faults import TAUGHT, common_states, faults_of_arm, faults_of_camera, faults_of_hand, faults_of_world
 from .folder import Project, find_project

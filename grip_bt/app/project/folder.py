@@ -15,8 +15,7 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
 from grip_bt.task.catalog.component_parts import ProcessConfig
-from grip_bt.task.catalog.ros_config import RosRobotConfig
-from grip_bt.task.catalog.sensors import SensorConfig
+from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.robot import RobotDescription

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.yaml.models import read_model
-from grip_bt.compilers.leaves import LeafFactory, implementation_of
+from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.nodes.mock import MockLeaf, MockStep
 from grip_bt.runtime.debugger import node_path

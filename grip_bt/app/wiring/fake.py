@@ -19,7 +19,7 @@ from grip_bt.commanders.taught import TaughtStates
 from grip_bt.ros.frames import FrameError, mounted_frames
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.manifest import Manifest
-from grip_bt.task.catalog.sensors import SensorConfig
+from grip_bt.task.catalog.ros_config import SensorConfig
 
 from ..project.folder import Project
 from .fake_values import CAMERA, GRASP, HandFacts, arm_states, description_of, empty_table, hand_facts, value_of

@@ -7,11 +7,10 @@ explains which parts these are.
 
 from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees
 from grip_bt.compilers.restructure.result import to_text
+from grip_bt.compilers.restructure.subtasks import Extracted, extracted, inlined
 
 from .as_edit import expanded
 from .equivalence import Comparison, Difference, compare, moved, play
-from .extraction import Extracted, extracted
-from .inlining import inlined
 from .result import Note, Restructured
 
 __all__ = [

@@ -12,7 +12,7 @@ from typing import Any
 from grip_bt.base.errors import GripError
 from grip_bt.base.issue import Issue
 from grip_bt.compilers import CompiledMachine
-from grip_bt.compilers.leaves import LeafFactory, implementation_of
+from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.formats.compiled_machine import to_task
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.nodes.smach_leaf import SmachLeaf, task_name

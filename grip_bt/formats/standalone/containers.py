@@ -8,7 +8,7 @@ from grip_bt.formats.expressible import require_expressible
 from grip_bt.formats.python_source import Bracketed, Raw, call
 from grip_bt.formats.standalone.builder import TARGET
 from grip_bt.task import model
-from grip_bt.task.edges import Edges
+from grip_bt.task.parts import Edges
 
 from .builder import ModuleBuilder, is_fresh
 from .leaves import function_of, value_of

@@ -9,9 +9,9 @@ from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
 from grip_bt.nodes.node import SILENT, STATUS
-from grip_bt.task.edges import Edges
 from grip_bt.task.exploration import UNKNOWN, Labels, NoWayError, Oracle
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Run, Step
+from grip_bt.task.parts import Edges
 
 from .composites import Look
 from .halting import Compiled, Halt, Tick, report

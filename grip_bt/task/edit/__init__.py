@@ -1,6 +1,6 @@
 """Edits of a task as values: applied to a task or to its text, each with an exact inverse, kept in a history.
 
-`command` and the commands by subject -> `steps` on a `draft` -> the task; `text` applies steps to a text, of which
+`command` and the commands by subject -> `steps` on a `Draft` -> the task; `text` applies steps to a text, of which
 only the lines of the command change; `documents` reads typed text as a command; `history` with its file.
 """
 

@@ -12,7 +12,7 @@ from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_parts import Unit
-from grip_bt.task.catalog.sensors import MESSAGES
+from grip_bt.task.catalog.ros_config import MESSAGES
 
 from .kinds import JOINT_STATES, POSES, TRAJECTORIES
 from .robot_facts import data_in, is_path, project_robot_facts, robot_facts

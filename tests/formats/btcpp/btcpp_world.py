@@ -8,7 +8,7 @@ from typing import Any
 from py_trees.common import Status
 
 from grip_bt.compilers import to_tree
-from grip_bt.compilers.leaves import implementation_of
+from grip_bt.compilers.binding import implementation_of
 from grip_bt.formats.btcpp import from_xml
 from grip_bt.formats.imported import Imported
 from grip_bt.nodes import Leaf

@@ -10,7 +10,7 @@ from work import calls_in
 
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.compilers import to_tree
-from grip_bt.compilers.leaves import implementation_of
+from grip_bt.compilers.binding import implementation_of
 from grip_bt.formats.btcpp import from_xml
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.nodes.flow import Succeed

@@ -6,7 +6,7 @@ import pytest
 from control_world import World, leaf
 from py_trees.common import Status
 
-from grip_bt.task.edges import Edges
+from grip_bt.task.parts import Edges
 
 
 def pick(**more: object) -> dict[str, object]:

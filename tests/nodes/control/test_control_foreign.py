@@ -11,7 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.errors import DocumentError, InvalidTaskError, NodeError
-from grip_bt.compilers.leaves import adopter
+from grip_bt.compilers.binding import adopter
 from grip_bt.task import loads
 from grip_bt.task.catalog import AllowedImports
 from grip_bt.task.model import Foreign
