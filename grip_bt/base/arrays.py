@@ -26,10 +26,7 @@ def frozen_array(
     """Return a read-only copy of `value`.
 
     Args:
-        value: anything that numpy makes an array of.
         shape: wanted shape; None stands for any length.
-        name: used in the error message.
-        dtype: element type of the copy.
 
     Raises:
         ValueError: the shape differs.

@@ -77,13 +77,7 @@ class MissingPartError(GripError):
 
 
 class DocumentError(GripError):
-    """A file can't be read as a task, a project or a manifest.
-
-    Attributes:
-        source: the file's name as the user gave it.
-        line: 1-based line, or None.
-        column: 1-based column, or None.
-    """
+    """A file can't be read as a task, a project or a manifest; `line` and `column` are 1-based."""
 
     def __init__(self, message: str, source: str = "", line: int | None = None, column: int | None = None):
         self.message, self.source, self.line, self.column = message, source, line, column
@@ -94,13 +88,7 @@ class DocumentError(GripError):
 
 
 class ExpressionError(GripError):
-    """A text isn't an expression of the language of guards and switches.
-
-    Attributes:
-        text: the expression.
-        message: what is wrong and what is allowed.
-        column: 1-based column within the expression.
-    """
+    """A text isn't an expression of the language of guards and switches; `column` is 1-based, within it."""
 
     def __init__(self, text: str, message: str, column: int = 1):
         self.text, self.message, self.column = text, message, column
@@ -116,12 +104,7 @@ class EvaluationError(GripError):
 
 
 class EditError(GripError):
-    """An edit that can't be made; the task is as it was.
-
-    Attributes:
-        path: the node, or the place in the file, that the edit is about.
-        message: what is wrong and what to do.
-    """
+    """An edit that can't be made; the task is as it was. `path` is the node, or the place in the file."""
 
     def __init__(self, path: str, message: str):
         self.path, self.message = path, message
@@ -129,19 +112,11 @@ class EditError(GripError):
 
 
 class HandoverError(EditError):
-    """A part and a subtask can't take each other's place unseen: values go in and out of a subtask all at once.
-
-    Who wants it all the same says `approximate: true`.
-    """
+    """A part and a subtask can't take each other's place unseen: a subtask's values go in and out all at once."""
 
 
 class SubtaskError(GripError):
-    """A file can't be run as a subtask.
-
-    Attributes:
-        file: its name, as `task:` of the subtask has it.
-        reason: why, and what to do.
-    """
+    """A file can't be run as a subtask; `file` is its name, as `task:` of the subtask has it."""
 
     def __init__(self, file: str, reason: str):
         self.file, self.reason = file, reason
@@ -149,11 +124,7 @@ class SubtaskError(GripError):
 
 
 class ProjectExistsError(GripError):
-    """A new project was asked for where something is already.
-
-    Attributes:
-        folder: the folder, or file, that was named.
-    """
+    """A new project was asked for where something is already."""
 
     def __init__(self, folder: object):
         self.folder = str(folder)
@@ -161,11 +132,7 @@ class ProjectExistsError(GripError):
 
 
 class NotWritableError(GripError):
-    """A place that has to be written can't be: no permission, a read-only disk, no room.
-
-    Attributes:
-        place: the file or folder.
-    """
+    """A file or folder that has to be written can't be: no permission, a read-only disk, no room."""
 
     def __init__(self, place: object, error: OSError, advice: str):
         self.place = str(place)
@@ -181,11 +148,7 @@ class ImplementationError(GripError):
 
 
 class UntrustedCodeError(GripError):
-    """Code that isn't GRIP's would be run, and `--no-code` was said.
-
-    Attributes:
-        found: what would be imported or started, each in words.
-    """
+    """Code that isn't GRIP's would be run, and `--no-code` was said; `found` is that, each in words."""
 
     def __init__(self, found: Sequence[str]):
         self.found = tuple(found)
@@ -232,11 +195,7 @@ class HungError(GripError):
 
 
 class NotStoppedError(GripError):
-    """What was told to stop hasn't, so that nothing else that moves is begun; it ends the run as `error`.
-
-    Attributes:
-        paths: the nodes whose work goes on.
-    """
+    """What was told to stop hasn't, so that nothing else that moves is begun; it ends the run as `error`."""
 
     def __init__(self, paths: Iterable[str], why: str):
         self.paths = tuple(paths)
@@ -247,13 +206,7 @@ class NotStoppedError(GripError):
 
 
 class DivergedError(GripError):
-    """A recorded run doesn't happen again: its task, its nodes or its inputs aren't those that they were.
-
-    Attributes:
-        path: the node.
-        now: what it does.
-        before: what it did, as the journal has it.
-    """
+    """A recorded run doesn't happen again: its task, its nodes or its inputs aren't those that they were."""
 
     def __init__(self, path: str, now: str, before: str):
         self.path, self.now, self.before = path, now, before
@@ -272,11 +225,7 @@ class SimulatorLostError(GripError):
 
 
 class CampaignError(GripError):
-    """A campaign can't be run as it is written, or its results can't be gone on with.
-
-    Attributes:
-        source: its file.
-    """
+    """A campaign can't be run as it is written, or its results can't be gone on with."""
 
     def __init__(self, source: str, message: str):
         self.source = source

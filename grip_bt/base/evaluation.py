@@ -45,7 +45,6 @@ def value_of(expression: Expression, readers: Mapping[str, Evaluator]) -> Evalua
     """Return a function that computes the expression.
 
     Args:
-        expression: what to compute.
         readers: variable -> what returns its value; one for each of `expression.names`.
 
     Returns:

@@ -19,7 +19,6 @@ def replace_bytes(path: Path, data: bytes, durable: bool = False) -> None:
 
     Args:
         path: the file; it may not be there yet, but its folder is.
-        data: the new content.
         durable: whether it has to be on the disk before the old content goes: a power cut leaves one of the two.
 
     Raises:

@@ -62,8 +62,6 @@ def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], object] | None = Non
     """Tick `node` until it ends; whatever interrupts this halts everything below it first.
 
     Args:
-        node: what to tick.
-        pacer: says when.
         tick: does what `node.tick_once` does, which is the default.
 
     Raises:

@@ -90,9 +90,7 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
         """Return the behaviour of a foreign node.
 
         Args:
-            path: the node's path.
             name: the node's name, which the behaviour gets where its constructor takes a `name` and `args` has none.
-            node: what the document says.
 
         Raises:
             InvalidTaskError: it isn't listed, there is nothing at the import path, it isn't a class of behaviours or a

@@ -94,7 +94,6 @@ def table_of(part: Part, needed: Refined) -> Table:
     """Return the transitions of a container that doesn't interrupt.
 
     Args:
-        part: the container.
         needed: its own (outcome, code) pairs for which its parent needs a label.
     """
     table, names, labels = Table(), state_labels(part), labels_of(part)

@@ -106,8 +106,6 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, object] | None = No
     """Resolve every name of a task.
 
     Args:
-        task: the document.
-        catalog: where the leaves' manifests are.
         data: values that replace the initial values of the task's own variables.
 
     Raises:

@@ -267,8 +267,6 @@ def enclose(root: Part, nodes: Mapping[str, Node], states: Mapping[str, object])
     """Tell every leaf that cares which containers of SMACH are around it, and have these count their entries.
 
     Args:
-        root: the resolved task.
-        nodes: its behaviours, by path.
         states: what isn't a behaviour but a container of a machine, by path.
     """
     stack: list[tuple[Part, tuple[Enclosing, ...]]] = [(root, ())]

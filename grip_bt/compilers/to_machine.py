@@ -52,7 +52,6 @@ class MachineBuilder:
         """Return the state of `part`.
 
         Args:
-            part: a node.
             needed: (outcome, code) pairs for which the parent has an edge.
 
         Raises:
@@ -177,7 +176,6 @@ class CompiledMachine:
         """Execute the machine in this thread; each active state ticks its behaviour as the pacer says.
 
         Args:
-            pacer: says when.
             make_ticker: makes, for the behaviour of a state, what does its `tick_once`, which is the default.
 
         Raises:
@@ -212,8 +210,6 @@ def to_machine(
     """Compile a task to a machine of smach_compat; exact, or refused.
 
     Args:
-        task: the document.
-        catalog: where manifests and implementations are.
         leaf_factory: makes the leaves instead of the catalogue's implementations.
         behaviour_factory: makes what is in foreign nodes; without it, what the project lists is imported and made.
         data: initial values for the task's own variables, in place of those in the document.

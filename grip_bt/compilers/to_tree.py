@@ -114,7 +114,6 @@ class CompiledTree:
         """Tick until the task ends.
 
         Args:
-            pacer: says when.
             tick: does what `root.tick_once` does, which is the default.
 
         Raises:
@@ -143,8 +142,6 @@ def to_tree(
     """Compile a task to a py_trees behaviour tree; always exact.
 
     Args:
-        task: the document.
-        catalog: where manifests and implementations are.
         leaf_factory: makes the leaves instead of the catalogue's implementations.
         behaviour_factory: makes what is in foreign nodes; without it, what the project lists is imported and made.
         data: initial values for the task's own variables, in place of those in the document.

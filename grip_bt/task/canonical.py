@@ -153,8 +153,6 @@ def lines_of(key: str, value: object, node: bool, beside: str = "") -> list[str]
     """Return the lines of one entry in canonical order and layout, indented from column 0; nothing is left out.
 
     Args:
-        key: its key.
-        value: its value, as it stands in a file.
         node: whether the value is a node.
         beside: a comment for the end of its first line.
     """

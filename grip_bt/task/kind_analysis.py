@@ -68,8 +68,6 @@ def flow(
     """Return outcome -> the variables that are surely written when a container ends with it, as a set of bits.
 
     Args:
-        kind: the container.
-        labels: its children's ends.
         state: what is written on entry.
         after: child, what is written before -> outcome -> what is written after.
         bit_of: a key that the kind puts into -> the variable's bit.

@@ -55,7 +55,6 @@ class MessageLibrary:
         """Return a store.
 
         Args:
-            name: of the store.
             make: whether one of a new name is made, which holds anything.
 
         Raises:

@@ -87,9 +87,6 @@ class MessageStore(Generic[T]):
         """Add or replace a value.
 
         Args:
-            name: of the entry.
-            value: what it is from now on.
-            provenance: who or what puts it.
             at: when it was made, seconds of the Unix epoch; now by default.
 
         Raises:
@@ -246,7 +243,6 @@ def save(stores: Mapping[str, MessageStore[T]], file: Path, encode: Callable[[T]
     """Write all entries and queues into a file, in place of what it held; return how many there are.
 
     Args:
-        stores: by name.
         file: written beside itself first: what was there stays whole when we are killed.
         encode: makes bytes of a value.
     """

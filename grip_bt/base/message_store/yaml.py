@@ -26,7 +26,6 @@ def text_of(value: object, digits: int | None = None) -> str:
     """Return a joint state, a pose, a robot pose or a message as YAML; empty for what isn't changed by hand.
 
     Args:
-        value: what is written.
         digits: behind the point of positions and orientations; all by default.
     """
     match value:
@@ -50,8 +49,6 @@ def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] 
 
     Args:
         store: those of a project's files take what these hold; any other a mapping of a message's fields.
-        name: of the value, for messages.
-        text: YAML.
         states: what the way-points of a trajectory can name.
 
     Raises:

@@ -206,8 +206,6 @@ def exactly_one(settings: Settings, keys: Sequence[str], shown: str = "") -> Non
     """Check that one of several keys is given.
 
     Args:
-        settings: what has the keys.
-        keys: their names.
         shown: how the choice is written where the keys alone don't tell it.
 
     Raises:

@@ -156,7 +156,6 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
     """Read one YAML document.
 
     Args:
-        text: the document.
         source: what errors call it.
         begins: what an empty document is told.
 

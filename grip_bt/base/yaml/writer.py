@@ -23,7 +23,6 @@ def write(tree: YamlMapping, always_block: _AlwaysBlock, header: list[str] | Non
     """Return the text of a mapping.
 
     Args:
-        tree: what to write.
         always_block: tells which mappings stand one entry a line although they would fit on one.
         header: comment lines before everything.
     """

@@ -90,7 +90,6 @@ class Composer:
         """Return a machine in which regions are the states.
 
         Args:
-            initial: the first state.
             regions: entry of each region -> the region; edges between them lead to entries only.
         """
         old = self.part.node

@@ -45,8 +45,6 @@ def to_state_machines(task: Task, catalog: Catalog, approximate: bool = False, w
     without saying so.
 
     Args:
-        task: the document.
-        catalog: where the leaves' manifests are.
         approximate: let a reactive composite become the machine of one with memory, which isn't the same: it doesn't
             look at its first child again while a later one runs. Each is noted.
         within: only this node and those in it are converted.
@@ -160,8 +158,6 @@ def to_trees(task: Task, catalog: Catalog, within: str = "/") -> Restructured:
     and Tseng, MPC 2008).
 
     Args:
-        task: the document.
-        catalog: where the leaves' manifests are.
         within: only this node and those in it are converted.
 
     Raises:

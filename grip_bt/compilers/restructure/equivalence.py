@@ -111,9 +111,6 @@ def compare(task: Task, result: Restructured, catalog: Catalog, runs: int | None
     that aren't Python's stay unwritten.
 
     Args:
-        task: the task before.
-        result: its other form.
-        catalog: where the leaves' manifests are.
         runs: how many scripts are tried at most; by default up to 200, and fewer for large tasks.
 
     Raises:
@@ -146,7 +143,6 @@ def play(
 
     Args:
         task: the form; a script names leaves by their paths in it.
-        catalog: where the leaves' manifests are.
         script: how activations of leaves end; those that it doesn't name end with their first success.
         observe: given what tells the time of the run [s], returns who is told.
 

@@ -147,7 +147,6 @@ def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | Tang
     """Return a state machine's structure; or, when it has none, what is left after the reductions.
 
     Args:
-        initial: the first state.
         arcs: state -> its arcs, the most usual first.
     """
     return _Reduction(initial, arcs).run()
@@ -253,12 +252,7 @@ Edge = tuple[str, str]
 
 
 def offending_edges(graph: nx.DiGraph, initial: str) -> tuple[list[Edge], bool]:
-    """Return edges without which the graph would have a structure, and whether no smaller set is known to be enough.
-
-    Args:
-        graph: which state leads to which.
-        initial: the first state, from which all others are reached.
-    """
+    """Return edges without which the graph would have a structure, and whether no smaller set is known to be enough."""
     enough = unruly_edges(graph, initial)
     tried = 0
     for size in range(1, len(enough)):

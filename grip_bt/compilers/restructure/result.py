@@ -143,7 +143,6 @@ def to_text(result: Restructured, form: str, source: str) -> str:
     """Return the file of a restructured task.
 
     Args:
-        result: the task.
         form: what it was made into, such as `a behaviour tree`.
         source: name of the file that it was made from.
     """

@@ -29,11 +29,6 @@ from grip_bt.task.validation.dataflow import DataFlow
 def expect_nobody_can_tell(placed: PlacedNode, reads: set[str], writes: set[str]) -> None:
     """Refuse values that go in and out at another moment where something around a node could notice.
 
-    Args:
-        placed: the node.
-        reads: variables around it that it reads.
-        writes: variables around it that it writes.
-
     Raises:
         HandoverError: it could; the message names what, and where.
     """
@@ -73,11 +68,6 @@ def inlined(command: Inline, task: Task, catalog: Catalog) -> Patch:
 
     A port that is bound is the variable that it is bound to; every other variable of the file is declared in the
     container that comes, under a fresh name where its name is taken.
-
-    Args:
-        command: which subtask.
-        task: the task.
-        catalog: the nodes that exist, and the files of the project.
 
     Raises:
         EditError: there is no such subtask, its file can't be read, or the result would do something else.
@@ -254,9 +244,7 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     with its type and its name; outcomes are the node's. Its `on` and `precondition` stay.
 
     Args:
-        command: what is taken out, and where to.
         source: the task, or the document that it was read from; comments go with the part.
-        catalog: the nodes that exist, and the files of the project.
 
     Raises:
         EditError: there is no such node, it is the root, the part has errors, or a subtask would do something else.

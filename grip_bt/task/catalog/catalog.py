@@ -131,7 +131,6 @@ class Catalog:
         """Return a node's manifest.
 
         Args:
-            id: such as `arm/lift`.
             where: what to name in the error, such as the path of the task's node.
 
         Raises:

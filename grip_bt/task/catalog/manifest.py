@@ -180,7 +180,6 @@ def manifest_text(manifest: Manifest, header: str) -> str:
     """Return the file `manifest.yaml` as a person would write it: without what is default, in a fixed order.
 
     Args:
-        manifest: what to write.
         header: a comment for its first lines, each with `#`.
     """
     dumped = manifest.model_dump(exclude_defaults=True)

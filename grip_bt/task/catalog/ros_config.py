@@ -113,7 +113,6 @@ def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
     """Return the manifest of the leaf that takes one frame with the project's sensor `name`.
 
     Args:
-        name: the sensor's name.
         sensor: what is declared of it; a camera where nothing is.
     """
     if sensor is not None and sensor.topics:

@@ -21,7 +21,6 @@ def source_of(module: str, folder: Path | None = None) -> Path | None:
     """Return the Python file of a module, as an import would find it; None where it isn't one.
 
     Args:
-        module: `package.module`.
         folder: where it is looked for last.
 
     Raises:
@@ -75,8 +74,6 @@ def line_of(file: Path, name: str, folder: Path | None = None) -> Iterator[_Defi
     """Yield a definition and what it is made of, nearest first; full names of what has no source to look into.
 
     Args:
-        file: where the first is.
-        name: what it is called there.
         folder: where modules are looked for last.
     """
     todo, seen = [(file, name)], set[tuple[Path, str]]()

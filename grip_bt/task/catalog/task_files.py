@@ -107,7 +107,6 @@ def manifest_of_task(file: str, task: Task, surely_written: Mapping[str, Iterabl
 
     Args:
         file: its file; messages call it so.
-        task: what is in it.
         surely_written: output -> the outcomes with which it has been written; by default, all of them.
     """
     written = surely_written or {}

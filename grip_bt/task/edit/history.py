@@ -238,11 +238,6 @@ def stored(history: History) -> str:
 def load_history(path: Path, document: Document, limit: int = LIMIT) -> History:
     """Return the history of a task whose file holds `document` now; a new one where there is no file.
 
-    Args:
-        path: the history's file, as `history_path` names it.
-        document: the task as it is.
-        limit: moments that the history holds.
-
     Raises:
         DocumentError: the file is damaged or of a newer version; delete it, and begin with a new history.
     """

@@ -67,9 +67,6 @@ def region_start(text: str, mapping: YamlMapping, index: int, top: bool) -> int:
     """Return the offset of the first line that belongs to an entry of a tidy mapping.
 
     Args:
-        text: the file's text.
-        mapping: the mapping.
-        index: which of its entries.
         top: whether it is the whole file, whose first lines belong to the file.
     """
     entries = list(mapping.entries.values())
@@ -161,8 +158,6 @@ def expand(text: str, at: Place, depth: int) -> tuple[int, int, list[str]]:
     """Return how the mappings on the way to a place are written with one entry a line, from a depth on.
 
     Args:
-        text: the file's text.
-        at: the place.
         depth: how far down the first one is that is in braces; 0 is the file as a whole.
 
     Returns:

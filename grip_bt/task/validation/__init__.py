@@ -25,8 +25,6 @@ def validate(task: Task, catalog: Catalog, document: Document | None = None) -> 
     """Check a task against the nodes that exist.
 
     Args:
-        task: the task.
-        catalog: the nodes that exist.
         document: the text that the task was read from; with it, issues have lines and columns.
 
     Returns:
