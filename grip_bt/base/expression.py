@@ -48,9 +48,7 @@ class Expression:
     """An expression of the language.
 
     Attributes:
-        text: as it was written.
         names: the variables that it reads, each once, in order.
-        tree: its syntax; every node is on the allow-list.
     """
 
     text: str

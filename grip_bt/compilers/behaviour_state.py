@@ -107,7 +107,6 @@ class MachineRun:
     """What the states of one machine share while it runs; the pacer of each of them.
 
     Attributes:
-        pacer: says when to tick.
         make_ticker: makes, for a behaviour, what does its `tick_once`; None for that itself.
         error: the first exception raised below. smach wraps exceptions, so that the original is kept here; the states
             in other threads end because of it.
@@ -153,9 +152,7 @@ class TaskState(State):
     """Mixed into states and containers that stand for a node: what they ended with, and why.
 
     Attributes:
-        path: the node's path.
         outcome: the label of the last end, without a code.
-        failure: the reason of the last end.
     """
 
     path: str
@@ -176,13 +173,7 @@ def label(outcome: str, failure: Failure | None, refined: Refined) -> str:
 
 
 class BehaviourState(TaskState):
-    """Ticks a behaviour until it ends, waiting for what it waits for, and returns the label of its end.
-
-    Args:
-        node: a leaf, or the root of a sub-tree.
-        run: what the machine's states share.
-        refined: failure codes that have labels of their own.
-    """
+    """Ticks a behaviour until it ends, waiting for what it waits for, and returns the label of its end."""
 
     def __init__(self, node: Node, run: MachineRun, refined: Refined = ()):
         State.__init__(self, labels(node.meaning, refined))

@@ -38,12 +38,8 @@ class Part:
 
     Attributes:
         name: its key; the task's name for the root.
-        path: its path.
-        node: what the document says.
         meaning: each of its outcomes -> success or failure.
-        scope: the variables that it sees.
         declares: whether `scope` is its own.
-        children: its children, in order.
         exits: ends of children -> its outcomes.
         edges: of a state machine: ends of children -> siblings or its outcomes.
         manifest: of a leaf; what a subtask looks like from outside.
@@ -83,9 +79,6 @@ class Resolved:
     """A task that can be compiled.
 
     Attributes:
-        task: the document.
-        root: its root.
-        scopes: its variables.
         ends: (``"/"``, root's outcome, code) -> outcome of the task.
     """
 

@@ -25,8 +25,6 @@ class TaskContainer(TaskState):
     """Mixed in before a container of smach.
 
     Attributes:
-        run: what the machine's states share; it learns of errors.
-        meaning: each outcome -> success or failure.
         refined: (outcome, code) pairs with labels of their own.
         enter: resets the container's variables, if it declares some.
         condition: the precondition, looked at before anything else.
@@ -94,17 +92,9 @@ class Decide(TaskState):
 
     Its outcomes are `do CHILD`, and the container's.
 
-    Args:
-        kind: of the container.
-        answers: what the kind is answered.
-        meaning: the container's outcomes and their meanings.
-        run: what the machine's states share.
-        refined: (outcome, code) pairs that have a label of their own.
-
     Attributes:
         children: label of a child's state -> its position, its state, and the meaning of its outcomes.
         first: the state of the kind, where a child begins without asking.
-        state: the state of the kind.
     """
 
     def __init__(self, kind: Kind, answers: Answers, meaning: Mapping[str, str], run: MachineRun, refined: Refined):

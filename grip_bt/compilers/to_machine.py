@@ -118,9 +118,7 @@ class CompiledMachine:
     """A task as a machine of smach_compat.
 
     Attributes:
-        task: the document.
         machine: the machine; its one state is the root of the task, its outcomes are the task's.
-        data: the run's variables.
         by_path: states and containers by path; inside an embedded sub-tree, behaviours.
         leaves: the leaves, by path, in document order.
         ends: label of the root's end -> outcome of the task, as the document has it.

@@ -32,12 +32,7 @@ from .scopes import Scopes
 
 
 class TreeBuilder:
-    """Makes the behaviours of a resolved task, or of a part of it.
-
-    Attributes:
-        by_path: every behaviour made so far.
-        leaves: those of them that are leaves.
-    """
+    """Makes the behaviours of a resolved task, or of a part of it."""
 
     def __init__(self, scopes: Scopes, factory: LeafFactory, adopt: BehaviourFactory):
         self.scopes, self.factory, self.adopt = scopes, factory, adopt
@@ -77,10 +72,7 @@ class CompiledTree:
     """A task as a py_trees tree.
 
     Attributes:
-        task: the document.
         root: the tree; any tool of py_trees works on it.
-        data: the run's variables.
-        by_path: the behaviours, by path.
         leaves: the leaves, by path, in document order.
     """
 

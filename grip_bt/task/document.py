@@ -15,14 +15,7 @@ from .shape import CHILDREN, read_task
 
 @dataclass(frozen=True)
 class Document:
-    """A task with the text that it was read from.
-
-    Attributes:
-        task: the task.
-        tree: the text's syntax, with places.
-        text: the file's text.
-        source: the file's name as it was given, for messages.
-    """
+    """A task with the text that it was read from."""
 
     task: Task
     tree: YamlMapping

@@ -58,8 +58,6 @@ class Labels:
 
     Args:
         ends: child -> its possible outcomes and their meanings, in the order of the children.
-        exits: of the container.
-        edges: of its children.
     """
 
     def __init__(self, ends: Mapping[str, Sequence[tuple[str, str]]], exits: Edges, edges: Edges):
@@ -182,12 +180,7 @@ class Way(NamedTuple):
     """One step of the graph.
 
     Attributes:
-        at: the vertex.
         child: who ends, None where nobody does.
-        end: how.
-        answers: under which answers.
-        reads: keys that are read.
-        puts: keys that are written.
         step: what the kind says; None where a child goes on running.
         to: the vertex to which it leads, None for an end.
     """

@@ -125,7 +125,6 @@ class LocalMessages:
     """Implements `grip_bt.base.ports.Messages` within this process.
 
     Args:
-        library: the stores.
         saved: called after each `save`, which writes them somewhere; None when there is nowhere.
     """
 

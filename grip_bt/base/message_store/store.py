@@ -29,7 +29,6 @@ class Entry(Generic[T]):
         value: as it was put: not rounded, not copied.
         time: when it was put, seconds of the Unix epoch.
         provenance: who or what put it, such as a file or a node; for people.
-        revision: of the store when it was put.
     """
 
     name: str
@@ -48,9 +47,7 @@ class Change(Generic[T]):
 
     Attributes:
         kind: `put`, `deleted`; of the queue `pushed` or `taken`.
-        name: of the entry; empty for the queue.
         value: the new value; None when it was deleted.
-        revision: counts the changes of the store, from 1.
     """
 
     kind: ChangeKind
@@ -65,7 +62,6 @@ class MessageStore(Generic[T]):
     Values are frozen or treated as such: what was put is what is got, not a copy.
 
     Args:
-        name: of the store, for messages.
         type_name: as in a manifest: `Grasp`, `list[Pose]`, `Any`.
     """
 

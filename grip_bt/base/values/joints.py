@@ -73,7 +73,6 @@ class Closing:
     """What a hand did when it last closed.
 
     Attributes:
-        goal: the posture that it was sent to.
         reached: what was measured when the fingers had stopped.
     """
 
@@ -184,9 +183,6 @@ class Plan(ComparesArrays):
     """A motion that was planned and timed for one group.
 
     Attributes:
-        group: the group of joints that moves.
-        trajectory: what to execute.
-        planner: how it was found.
         planning_time: wall time spent [s].
         radii: of a motion through way points, the blend radius at each inner one [m], as it fitted; 0: the arm rests.
     """

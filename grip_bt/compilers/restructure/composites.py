@@ -20,9 +20,7 @@ class End:
     """One way in which a new child ends.
 
     Attributes:
-        outcome: its outcome.
         code: its failure code, or None for every other.
-        meaning: the outcome's meaning.
         target: the state or the machine's outcome that the machine would go to.
     """
 
@@ -37,9 +35,6 @@ class Item:
     """A new child.
 
     Attributes:
-        name: its name.
-        node: what the document says.
-        ends: how it ends.
         places: old child of the machine -> its names, beginning with `name`.
     """
 
@@ -63,12 +58,7 @@ Wishes = Mapping[str, str]
 
 
 class Composer:
-    """Makes the composites of one state machine.
-
-    Args:
-        part: the machine.
-        children: its children in their new form.
-    """
+    """Makes the composites of one state machine."""
 
     def __init__(self, part: Part, children: Mapping[str, Built]):
         self.part, self.children = part, children

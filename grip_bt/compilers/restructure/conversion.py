@@ -230,7 +230,6 @@ class _Stays:
     """Why a machine stays one.
 
     Attributes:
-        reason: a phrase without a full stop.
         edges: those without which it would have a structure.
         regions: entry -> region, where parts of it have a structure; these become composites within the machine.
     """

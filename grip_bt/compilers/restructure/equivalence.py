@@ -42,9 +42,6 @@ class End:
     Attributes:
         path: the leaf, in the task that was converted.
         count: which of its activations, from 0.
-        outcome: its outcome.
-        code: the failure's code, or None.
-        ticks: ticks for which it runs before.
     """
 
     path: str
@@ -87,10 +84,8 @@ class Comparison:
     """What came of comparing two forms.
 
     Attributes:
-        runs: scripts that both were run with.
         length: all scripts that say how so many ends are, with the usual outcome after them, are among them; None
             where there are no longer ones.
-        difference: the shortest script found with which they differ, or None.
     """
 
     runs: int

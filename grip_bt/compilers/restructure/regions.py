@@ -20,11 +20,7 @@ class Arc:
     """One end of a state, and where it leads.
 
     Attributes:
-        state: the state.
-        outcome: its outcome.
         code: failure code that the end must have; None for all ends that no other arc of the outcome names.
-        meaning: the outcome's meaning.
-        target: a state, or an outcome of the machine.
     """
 
     state: str

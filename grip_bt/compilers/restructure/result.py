@@ -28,8 +28,6 @@ class Note:
     """A container that kept its kind.
 
     Attributes:
-        path: where it is in the task that was restructured.
-        kind: its kind.
         reason: why it has no equal in the other form; a phrase without a full stop.
         by_design: whether its kind never changes, such as a decorator's; nothing is missing then.
         edges: of a state machine: those without which it would have a structure.
@@ -53,9 +51,7 @@ class Restructured:
     """A task in another form.
 
     Attributes:
-        task: the task.
         paths: path of each node before -> its path now.
-        notes: what kept its kind, in document order.
     """
 
     task: Task
@@ -78,7 +74,6 @@ class Built:
     """A node in its new form.
 
     Attributes:
-        node: what the new document says.
         places: path of each old node, from here downwards -> its names below `node`.
     """
 

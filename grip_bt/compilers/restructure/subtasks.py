@@ -227,7 +227,6 @@ class Extracted:
     """A part of a task, taken out.
 
     Attributes:
-        file: the new file, relative to the project's folder.
         text: what is in it, with the comments of the part where it was taken from a document.
         edit: the command that puts a subtask in its place; its inverse leads back.
     """

@@ -20,13 +20,7 @@ _MOST = 12
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Why something that the project declares won't work.
-
-    Attributes:
-        code: of validation.
-        message: what is wrong, where, and what was allowed.
-        fix: what to do.
-    """
+    """Why something that the project declares won't work."""
 
     code: str
     message: str

@@ -67,12 +67,7 @@ def _all_arguments(item: ast.FunctionDef | ast.AsyncFunctionDef) -> list[ast.arg
 
 
 class _Source:
-    """One file.
-
-    Args:
-        path: its name, for messages.
-        module: its syntax.
-    """
+    """One file."""
 
     def __init__(self, path: Path | str, module: ast.Module):
         self._path, self._module = path, module

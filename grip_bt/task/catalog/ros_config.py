@@ -262,12 +262,9 @@ class FieldSpec:
     """One field.
 
     Attributes:
-        name: the field's name.
         type: a primitive (`float64`, `string`) or a full message name (`geometry_msgs/msg/Pose`).
-        array: whether it holds several.
         size: how many, exactly or at most; None when it isn't bounded, or isn't an array.
         bounded: whether `size` is an upper bound rather than exact.
-        doc: the comment beside it.
     """
 
     name: str
@@ -296,14 +293,9 @@ class InterfaceSpec:
     """One interface.
 
     Attributes:
-        package: the ROS package that defines it.
-        kind: `msg`, `srv` or `action`.
-        name: its name in the package.
         request: fields of the request or goal; of the message itself for a `msg`.
         response: fields of the response or result; empty for a `msg`.
         feedback: fields of the feedback of an `action`.
-        doc: the comment at the top of the file.
-        source: the file it was read from.
     """
 
     package: str

@@ -50,8 +50,6 @@ class _Definition:
     """A class or function at the top level of a file.
 
     Attributes:
-        file: where it is.
-        syntax: how it is written.
         bases: full names of what a class is made of; those of the file itself without a module.
     """
 

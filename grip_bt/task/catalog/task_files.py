@@ -32,12 +32,7 @@ class TaskFiles(Protocol):
 
 
 class TaskTexts:
-    """Tasks that are at hand, by the name that `task:` calls them.
-
-    Args:
-        tasks: by name; none for tasks that come from nowhere.
-        missing: what is said about a name that isn't there.
-    """
+    """Tasks that are at hand, by the name that `task:` calls them."""
 
     def __init__(self, tasks: Mapping[str, Task], missing: str = "there is no such file"):
         self._tasks, self._missing = dict(tasks), missing
@@ -57,11 +52,7 @@ NO_TASK_FILES = TaskTexts({}, "no project is known in which it could be; load th
 
 
 class TaskFolder:
-    """The task files of one project; nothing outside its folder is read. A file is read again when it has changed.
-
-    Args:
-        folder: the project's folder, to which names are relative.
-    """
+    """The task files of one project; nothing outside its folder is read. A file is read again when it has changed."""
 
     def __init__(self, folder: Path):
         self._folder = folder.resolve()

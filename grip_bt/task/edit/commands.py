@@ -110,13 +110,7 @@ def title_of(command: AnyCommand) -> str:
 
 @dataclass(frozen=True)
 class Applied:
-    """A task after a command.
-
-    Attributes:
-        task: the new task.
-        inverse: the command that leads back.
-        steps: what was done, for whatever else follows the edit.
-    """
+    """A task after a command."""
 
     task: Task
     inverse: Patch

@@ -30,10 +30,7 @@ class _NodeComment:
 
     Attributes:
         begin: offset of the first line above that belongs to it; of the entry's own line where there is none.
-        end: offset of the entry's own line.
-        above: what the lines above say.
         beside: begin and end of what stands at the end of the entry's line, from the `#` on; None where nothing does.
-        aside: what it says.
     """
 
     begin: int
@@ -110,8 +107,6 @@ class _FileComment:
 
     Attributes:
         begin: offset of its first line; where one would go, if there is none.
-        end: offset after its last line.
-        spelled: its lines as they are, with their ends.
         after: offset after the blank lines that set it off from what follows.
     """
 

@@ -42,10 +42,8 @@ class Edited:
     """A document after a command.
 
     Attributes:
-        document: the new document.
         inverse: the command that leads back; on this document's text to the very bytes that were there before.
         steps: what was done, for whatever else follows the edit.
-        splices: what changed in the text, one after the other.
     """
 
     document: Document

@@ -49,7 +49,6 @@ class Text:
     """A text under edit; `splices` are the changes, in their order.
 
     Args:
-        text: the text.
         tree: its syntax, where it is known already; it stays as it is.
 
     Raises:

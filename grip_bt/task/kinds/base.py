@@ -185,12 +185,10 @@ class Kind(BaseNode):
     """The base of every kind of container.
 
     Attributes:
-        rank: kinds are listed in its order.
         title: what it is called on the page, where that isn't what stands in the document.
         sign: stands for the kind in text.
         icon: stands for it in pictures: an SVG path in a square of 16.
         example: the fields with which an editor inserts one.
-        codes: failure codes of its own.
         keeps_codes: whether it fails with its children's codes too.
         conditions: fields that are expressions and true or false.
         values: fields that are other expressions.

@@ -70,15 +70,9 @@ class PlacedNode:
     """One node in its surroundings.
 
     Attributes:
-        path: its path.
-        name: its key.
-        node: what the document says.
-        parent: None for the root.
-        scope: the variables that it sees; a container's own included.
         around: the variables that it sees without its own.
         manifest: of a leaf whose type is known, and of a subtask whose file is.
         outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
-        children: by name, in order.
         reads: variables that it or anything below it reads.
         writes: likewise.
     """
@@ -129,14 +123,9 @@ class TaskAnalysis:
     """All nodes and variables of a task.
 
     Attributes:
-        task: the task.
-        catalog: the nodes that exist.
         nodes: every node, parents first, in document order.
-        leaves: those of them that are leaves.
         containers: those of them that are neither leaves nor subtasks.
         declared: every variable, in document order.
-        subtasks: what is known of the files that it runs.
-        issues: what rules have found.
         written: output of the task -> its outcomes with which it has surely been written; the data flow says so.
     """
 

@@ -13,11 +13,10 @@ from grip_bt.task.validation.codes import default_outcome
 
 
 class PossibleOutcomes:
-    """PossibleOutcomes ends of every node, found from the leaves upwards.
+    """The possible ends of every node, found from the leaves upwards.
 
     Attributes:
         ends: path of a container -> what its children may end with.
-        unreached: nodes that are never run.
     """
 
     def __init__(self, analysis: TaskAnalysis):

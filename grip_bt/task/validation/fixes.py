@@ -37,24 +37,14 @@ MOST = 4
 
 @dataclass(frozen=True)
 class Fix:
-    """A way to mend an issue.
-
-    Attributes:
-        title: what it does, in a few words.
-        command: what to apply.
-    """
+    """A way to mend an issue."""
 
     title: str
     command: AnyCommand
 
 
 class Fixer:
-    """Finds fixes for the issues of one task.
-
-    Args:
-        task: the task that was validated.
-        catalog: the nodes that exist.
-    """
+    """Finds fixes for the issues of one task."""
 
     def __init__(self, task: Task, catalog: Catalog):
         self._analysis = TaskAnalysis(task, catalog)

@@ -33,9 +33,7 @@ class _TaughtName:
     """One name that a task gives.
 
     Attributes:
-        side: `arm` or `hand`.
         part: which arm or hand, as the task names it; empty for the only one.
-        name: what is taught.
         pose: whether it is a pose of the hand, and no joint state.
     """
 
@@ -46,12 +44,7 @@ class _TaughtName:
 
 
 class TaughtNames:
-    """What tasks of a project teach.
-
-    Args:
-        analysis: of a task.
-        parts: of its project.
-    """
+    """What tasks of a project teach."""
 
     def __init__(self, analysis: TaskAnalysis, parts: ProjectParts):
         self._analysis, self._files, self._parts = analysis, analysis.catalog.tasks, parts

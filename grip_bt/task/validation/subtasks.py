@@ -21,8 +21,6 @@ class CheckedFile:
     Attributes:
         face: its ports and outcomes; None when it can't be read.
         code: of the issue that every subtask which runs it has; empty when there is none.
-        message: of that issue.
-        fix: likewise.
     """
 
     face: Manifest | None
@@ -35,7 +33,6 @@ class Subtasks:
     """The files of one task, of those that they run, and so on.
 
     Args:
-        catalog: where the files are.
         check: checks one task; it may ask for further files while it does.
     """
 
