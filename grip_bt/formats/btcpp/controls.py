@@ -14,8 +14,8 @@ from .drafts import (
     SUCCEED,
     Keys,
     NodeDraft,
-    SkipHandling,
     container,
+    failing,
     named,
     sequence_of,
     set_variable,
@@ -35,8 +35,7 @@ def _series(kind: str, memory: bool) -> Reader:
         if not all(child.skips for child in children):
             return container(kind, named(children), **more)
         if len(children) == 1:
-            only = named(children)
-            return container(kind, only, SkipHandling.of(here.meaning, only), **more)
+            return container(kind, named(children), here.meaning, **more)
         return _all_may_skip(here, kind, children, more)
 
     return read
@@ -49,23 +48,17 @@ def _all_may_skip(here: ElementReader, kind: str, children: list[NodeDraft], mor
     for child in children:
         note = set_variable(ran, True)
         if kind == "fallback":
-            note = NodeDraft({"kind": "force", "as": "failure", "child": {"then": note.keys}}, instant=True)
-        made = container(
-            kind,
-            {"do": child, "ran": note},
-            SkipHandling.of("success" if kind == "sequence" else "failure", {"do": child}),
-        )
-        told.append(NodeDraft(made.keys, True, child.name, child.instant))
+            note = failing("then", note)
+        made = container(kind, {"do": child, "ran": note}, "success" if kind == "sequence" else "failure")
+        told.append(NodeDraft(made.keys, False, child.name, child.instant))
     end = NodeDraft(dict(SUCCEED if kind == "sequence" else FAIL), instant=True)
     last = switch(ran, {"ended": True}, {"ended": end, "skip": skip()}, here.meaning, default="skip")
     last.name = "any_ran"
     first = set_variable(ran, False)
     if kind == "fallback":
-        first = NodeDraft({"kind": "force", "as": "failure", "child": {"begin": first.keys}}, instant=True)
+        first = failing("begin", first)
     first.name = "begin"
-    all_of = named([first, *told, last])
-    name_of_last = list(all_of)[-1]
-    return container(kind, all_of, SkipHandling.of(here.meaning, {name_of_last: last}), **more)
+    return container(kind, named([first, *told, last]), here.meaning, **more)
 
 
 def _async(kind: str) -> Reader:
@@ -98,13 +91,8 @@ def _with_memory(here: ElementReader) -> NodeDraft:
     steps = []
     for number, child in enumerate(children, 1):
         step = container("sequence", {"do": child, "next": set_variable(place, number)})
-        made = switch(
-            f"{place} < {number}",
-            {"step": True},
-            {"step": step, "done": NodeDraft(dict(SUCCEED), instant=True)},
-            "success",
-            default="done",
-        )
+        ways = {"step": step, "done": NodeDraft(dict(SUCCEED), instant=True)}
+        made = switch(f"{place} < {number}", {"step": True}, ways, "success", default="done")
         made.name = child.name
         steps.append(made)
     begin = set_variable(place, 0)
@@ -138,10 +126,8 @@ def _unskipped(here: ElementReader) -> list[NodeDraft]:
     children = here.children()
     for child, below in zip(children, here.element.children, strict=True):
         if child.skips:
-            here.reading.refuse(
-                below,
-                f"may be skipped; inside <{here.element.tag}> BehaviorTree.CPP would evaluate it again on every tick",
-            )
+            why = f"may be skipped; inside <{here.element.tag}> BehaviorTree.CPP would evaluate it again on every tick"
+            here.refuse(why, below)
     return children
 
 
@@ -149,9 +135,7 @@ def _threshold(here: ElementReader, port: str, default: str, count: int) -> int:
     said = here.number(port, default)
     number = said if said >= 0 else max(count + said + 1, 0)
     if not 1 <= number <= count:
-        here.refuse(
-            f"`{port}` is {said}, and there are {count} children; it has to be 1 to {count}, or negative",
-        )
+        here.refuse(f"`{port}` is {said}, and there are {count} children; it has to be 1 to {count}, or negative")
     return number
 
 
@@ -159,25 +143,17 @@ def _if_then_else(here: ElementReader) -> NodeDraft:
     children = here.children(2, 3)
     condition, then = children[0], children[1]
     if condition.skips:
-        here.reading.refuse(here.element.children[0], "a condition that may be skipped is an error in BT.CPP")
-    parts = named(children)
-    names = list(parts)
-    chosen = {name: parts[name] for name in names[:2]}
-    up = SkipHandling.of(here.meaning, {names[1]: then})
+        here.refuse("a condition that may be skipped is an error in BT.CPP", here.element.children[0])
+    parts = dict(list(named(children).items())[:2])
+    inner = container("sequence", parts, here.meaning)
     if len(children) == 2:
-        return container("sequence", chosen, up)
-    inner = container("sequence", chosen, up)
-    if not then.can_fail:
-        return container(
-            "fallback",
-            {"then": inner, "else": children[2]},
-            SkipHandling.of(here.meaning, {"then": inner, "else": children[2]}),
-        )
-    lost = {"outcomes": {**inner.keys.get("outcomes", {}), "then_failed": "failure"}}
-    inner.keys |= {**lost, "exits": {**inner.keys.get("exits", {}), f"{names[1]}.failure": "then_failed"}}
-    up = SkipHandling.of(here.meaning, {"then": inner, "else": children[2]})
-    made = container("fallback", {"then": inner, "else": children[2]}, up)
-    made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
+        return inner
+    if then.can_fail:
+        inner.keys["outcomes"] = {**inner.keys.get("outcomes", {}), "then_failed": "failure"}
+        inner.keys["exits"] = {**inner.keys.get("exits", {}), f"{list(parts)[1]}.failure": "then_failed"}
+    made = container("fallback", {"then": inner, "else": children[2]}, here.meaning)
+    if then.can_fail:
+        made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
     return made
 
 
@@ -185,21 +161,17 @@ def _while_do_else(here: ElementReader) -> NodeDraft:
     children = here.children(2, 3)
     condition = children[0]
     if condition.skips:
-        here.reading.refuse(here.element.children[0], "a condition that may be skipped is no condition")
+        here.refuse("a condition that may be skipped is no condition", here.element.children[0])
     if not condition.instant:
         here.note("changed", "its condition is assumed to end in the tick in which it begins")
     if len(children) == 2:
-        parts = named(children)
-        up = SkipHandling.of(here.meaning, {list(parts)[1]: children[1]})
-        return container("sequence", parts, up, memory=False)
+        return container("sequence", named(children), here.meaning, memory=False)
     holds = here.variable("holds", "bool", False)
     yes = container("sequence", {"ask": condition, "yes": set_variable(holds, True)})
     asked = container("fallback", {"yes": yes, "no": set_variable(holds, False)})
     ways = {"do": children[1], "else": children[2]}
     turn = switch(holds, {"do": True}, ways, here.meaning, default="else", memory=False)
-    return container(
-        "sequence", {"ask": asked, "then": turn}, SkipHandling.of(here.meaning, {"then": turn}), memory=False
-    )
+    return container("sequence", {"ask": asked, "then": turn}, here.meaning, memory=False)
 
 
 def _switch(cases: int) -> Reader:
@@ -249,10 +221,7 @@ def _try_catch(here: ElementReader) -> NodeDraft:
     tried = children[:-1]
     if all(child.skips for child in tried):
         here.refuse(f"all of the first {count - 1} children may be skipped; add one that may not")
-    caught = NodeDraft(
-        {"kind": "force", "as": "failure", "child": {"do": children[-1].keys}}, instant=children[-1].instant
-    )
-    return container("fallback", {"try": sequence_of(tried, "try"), "catch": caught})
+    return container("fallback", {"try": sequence_of(tried, "try"), "catch": failing("do", children[-1])})
 
 
 CONTROLS: dict[str, tuple[Reader, tuple[str, ...]]] = {

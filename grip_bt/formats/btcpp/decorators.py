@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from grip_bt.formats.btcpp.drafts import key_of
 
 from .controls import Reader
@@ -11,9 +9,9 @@ from .drafts import (
     FAIL,
     SUCCEED,
     NodeDraft,
-    SkipHandling,
     container,
     decorator,
+    failing,
     sequence_of,
     set_variable,
     skip,
@@ -39,43 +37,35 @@ def end(status: str) -> NodeDraft:
     return NodeDraft(dict(SUCCEED if status == "SUCCESS" else FAIL), instant=True)
 
 
-def _inverter(here: ElementReader) -> NodeDraft:
-    return decorator("invert", here.only(), here.meaning)
-
-
-def _forced(outcome: str) -> Reader:
-    def read(here: ElementReader) -> NodeDraft:
-        return decorator("force", here.only(), here.meaning, **{"as": outcome})
-
-    return read
+def _around(kind: str, **settings: str) -> Reader:
+    return lambda here: decorator(kind, here.only(), here.meaning, **settings)
 
 
 def _unskipped(here: ElementReader) -> NodeDraft:
     """Return the child of a decorator that remembers something beyond its end, which can't be skipped."""
     child = here.only()
     if child.skips:
-        below = here.element.children[0]
         kept = "clock" if here.element.tag == "Timeout" else "count"
-        here.reading.refuse(
-            below,
-            f"may be skipped inside of <{here.element.tag}>, whose {kept} BT.CPP then keeps for the next time",
-        )
+        why = f"may be skipped inside of <{here.element.tag}>, whose {kept} BT.CPP then keeps for the next time"
+        here.refuse(why, here.element.children[0])
     return child
 
 
-def _repeat(here: ElementReader) -> NodeDraft:
-    times = here.number("num_cycles")
+def _counted(here: ElementReader, port: str) -> tuple[int, NodeDraft]:
+    times = here.number(port)
     child = _unskipped(here)
     if times == 0 or times < -1:
-        here.refuse(f"`num_cycles` is {times}; write 1 or more, or -1 for ever")
+        here.refuse(f"`{port}` is {times}; write 1 or more, or -1 for ever")
+    return times, child
+
+
+def _repeat(here: ElementReader) -> NodeDraft:
+    times, child = _counted(here, "num_cycles")
     return decorator("repeat", child, here.meaning, **({} if times == -1 else {"times": times}))
 
 
 def _retry(here: ElementReader) -> NodeDraft:
-    times = here.number("num_attempts")
-    child = _unskipped(here)
-    if times == 0 or times < -1:
-        here.refuse(f"`num_attempts` is {times}; write 1 or more, or -1 for ever")
+    times, child = _counted(here, "num_attempts")
     if times > 0:
         return decorator("retry", child, here.meaning, times=times)
     failing = decorator("invert", child, here.meaning)
@@ -83,10 +73,6 @@ def _retry(here: ElementReader) -> NodeDraft:
     again = decorator("repeat", failing, here.meaning)
     again.name = "until it succeeds"
     return decorator("invert", again, here.meaning)
-
-
-def _keep_running(here: ElementReader) -> NodeDraft:
-    return decorator("repeat", _unskipped(here), here.meaning)
 
 
 def _timeout(here: ElementReader) -> NodeDraft:
@@ -101,8 +87,7 @@ def _delay(here: ElementReader) -> NodeDraft:
     seconds = here.seconds("delay_msec")
     child = here.only()
     wait = NodeDraft({"node": "flow/wait", "with": {"seconds": seconds}}, name="wait")
-    up = SkipHandling.of(here.meaning, {"do": child})
-    return container("sequence", {"wait": wait, "do": child}, up)
+    return container("sequence", {"wait": wait, "do": child}, here.meaning)
 
 
 def _precondition(here: ElementReader) -> NodeDraft:
@@ -116,16 +101,9 @@ def _run_once(here: ElementReader) -> NodeDraft:
     child = here.only()
     skips = here.exact(lambda: value_of_text(here.literal("then_skip", "true"), "bool"))
     ran = here.variable(f"{child.name}_ran", "str", "")
-    failed = NodeDraft(
-        {"kind": "force", "as": "failure", "child": {"note": set_variable(ran, "failure").keys}}, instant=True
-    )
-    well = container(
-        "sequence",
-        {"do": child, "note": set_variable(ran, "success")},
-        SkipHandling.of(here.meaning, {"do": child}),
-    )
-    up = SkipHandling.of(here.meaning, {"do": well})
-    first = container("fallback", {"do": well, "failed": failed}, up)
+    well = container("sequence", {"do": child, "note": set_variable(ran, "success")}, here.meaning)
+    failed = failing("note", set_variable(ran, "failure"))
+    first = container("fallback", {"do": well, "failed": failed}, here.meaning)
     if skips:
         return switch(ran, {"first": ""}, {"first": first, "skip": skip()}, here.meaning, default="skip")
     ways = {"first": first, "succeeded": end("SUCCESS"), "had failed": end("FAILURE")}
@@ -137,10 +115,8 @@ def _loop(type_name: str) -> Reader:
         child = _unskipped(here)
         text = here.attributes.get("queue", "")
         if key_of(text, "queue") is not None:
-            here.refuse(
-                f"the queue {text} is consumed on the blackboard item by item; write it as a literal, or"
-                " use `for_each` over a list",
-            )
+            why = "is consumed on the blackboard item by item; write it as a literal, or use `for_each` over a list"
+            here.refuse(f"the queue {text} {why}")
         key = key_of(here.attributes.get("value", "{=}"), "value")
         if key is None:
             here.refuse("`value` has to be a key in braces")
@@ -156,32 +132,32 @@ def _loop(type_name: str) -> Reader:
         del here.board.variables.every[item]
         if empty.keys == SUCCEED:
             return NodeDraft(keys)
-        up = SkipHandling.of(here.meaning, {"empty": empty})
-        return container("sequence", {"loop": NodeDraft(keys), "empty": empty}, up)
+        return container("sequence", {"loop": NodeDraft(keys), "empty": empty}, here.meaning)
 
     return read
 
 
 DECORATORS: dict[str, tuple[Reader, tuple[str, ...]]] = {
-    "Inverter": (_inverter, ()),
-    "ForceSuccess": (_forced("success"), ()),
-    "ForceFailure": (_forced("failure"), ()),
+    "Inverter": (_around("invert"), ()),
+    "ForceSuccess": (_around("force", **{"as": "success"}), ()),
+    "ForceFailure": (_around("force", **{"as": "failure"}), ()),
     "Repeat": (_repeat, ("num_cycles",)),
     "RetryUntilSuccessful": (_retry, ("num_attempts",)),
-    "KeepRunningUntilFailure": (_keep_running, ()),
+    "KeepRunningUntilFailure": (lambda here: decorator("repeat", _unskipped(here), here.meaning), ()),
     "Timeout": (_timeout, ("msec",)),
     "Delay": (_delay, ("delay_msec",)),
     "Precondition": (_precondition, ("if", "else")),
     "RunOnce": (_run_once, ("then_skip",)),
-    "LoopInt": (_loop("int"), ("queue", "value", "if_empty")),
-    "LoopBool": (_loop("bool"), ("queue", "value", "if_empty")),
-    "LoopDouble": (_loop("float"), ("queue", "value", "if_empty")),
-    "LoopString": (_loop("str"), ("queue", "value", "if_empty")),
+    **{
+        f"Loop{word}": (_loop(type_name), ("queue", "value", "if_empty"))
+        for word, type_name in (("Int", "int"), ("Bool", "bool"), ("Double", "float"), ("String", "str"))
+    },
 }
 """Tag -> its reader and its ports."""
 
 
-_CONDITIONS = ("_failureIf", "_successIf", "_skipIf", "_while")
+_DECIDED = {"_failureIf": ("fails", "FAILURE"), "_successIf": ("succeeds", "SUCCESS"), "_skipIf": ("skip", "SKIPPED")}
+_CONDITIONS = (*_DECIDED, "_while")
 _SCRIPTS = ("_onSuccess", "_onFailure", "_post")
 _NO_MATTER = ("_uid", "_fullpath", "_autoremap", "_description")
 """Groot's own notes, and what sub-trees read."""
@@ -191,9 +167,8 @@ def check_attributes(here: ElementReader) -> None:
     """Refuse attributes that have no equivalent."""
     for name in here.attributes:
         if name == "_onHalted":
-            here.refuse(
-                "`_onHalted` runs a script when the node is halted; nothing of a task does: use a leaf of your own",
-            )
+            why = "runs a script when the node is halted; nothing of a task does: use a leaf of your own"
+            here.refuse(f"`_onHalted` {why}")
         if name.startswith("_") and name not in (*_CONDITIONS, *_SCRIPTS, *_NO_MATTER):
             here.note("left-out", f"the attribute `{name}`, which BT.CPP gives no meaning, was left out")
 
@@ -204,24 +179,24 @@ def with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
     BT.CPP looks at `_failureIf`, `_successIf`, `_skipIf` and `_while` in this order when the node begins, and at
     `_while` on every tick; the scripts also run when a condition has decided.
     """
-    said = here.attributes
-    made = here.exact(lambda: _with_conditions(here, node))
+    said, scripts = here.attributes, here.scripts
+
+    def read() -> NodeDraft:
+        made = node
+        for name in reversed(_CONDITIONS):
+            if name in said:
+                made = _condition_before(name, said[name], scripts, made, here.meaning)
+        well, badly = (
+            [each for attribute in (own, "_post") for each in scripts.assignments(said.get(attribute, ""))]
+            for own in ("_onSuccess", "_onFailure")
+        )
+        return after(made, well, badly, here.meaning)
+
+    made = here.exact(read)
     made.name = node.name
     if said.get("_description"):
         made.keys = {**made.keys, "doc": said["_description"]}
     return made
-
-
-def _with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
-    said, scripts = here.attributes, here.scripts
-    made = node
-    for name in reversed(_CONDITIONS):
-        if name in said:
-            made = _condition_before(name, said[name], scripts, made, here.meaning)
-    always = said.get("_post", "")
-    well = [each for text in (said.get("_onSuccess", ""), always) for each in scripts.assignments(text)]
-    badly = [each for text in (said.get("_onFailure", ""), always) for each in scripts.assignments(text)]
-    return after(made, well, badly, here.meaning)
 
 
 def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, meaning: str) -> NodeDraft:
@@ -229,21 +204,10 @@ def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, m
         holds = scripts.condition(f"!({text})")
         return NodeDraft({**node.keys, "precondition": holds}, node.skips, node.name, node.instant)
     condition = scripts.condition(text)
-    if name == "_failureIf":
-        return switch(condition, {"fails": True}, {"fails": end("FAILURE"), "do": node}, meaning, default="do")
-    if name == "_successIf":
-        return switch(condition, {"succeeds": True}, {"succeeds": end("SUCCESS"), "do": node}, meaning, default="do")
-    if name == "_skipIf":
-        return switch(condition, {"skip": True}, {"skip": skip(), "do": node}, meaning, default="do")
-    return switch(condition, {"do": True}, {"do": node, "skip": skip()}, meaning, default="skip", memory=False)
-
-
-def _end(keys: dict[str, Any]) -> Reader:
-    return lambda here: NodeDraft(dict(keys), instant=True)
-
-
-def _sleep(here: ElementReader) -> NodeDraft:
-    return NodeDraft({"node": "flow/wait", "with": {"seconds": here.seconds("msec")}})
+    if name == "_while":
+        return switch(condition, {"do": True}, {"do": node, "skip": skip()}, meaning, default="skip", memory=False)
+    way, status = _DECIDED[name]
+    return switch(condition, {way: True}, {way: end(status), "do": node}, meaning, default="do")
 
 
 def _script(here: ElementReader) -> NodeDraft:
@@ -277,34 +241,31 @@ def _set_blackboard(here: ElementReader) -> NodeDraft:
 
 
 ACTIONS: dict[str, tuple[Reader, tuple[str, ...]]] = {
-    "AlwaysSuccess": (_end(SUCCEED), ()),
-    "AlwaysFailure": (_end(FAIL), ()),
-    "Sleep": (_sleep, ("msec",)),
+    "AlwaysSuccess": (lambda here: end("SUCCESS"), ()),
+    "AlwaysFailure": (lambda here: end("FAILURE"), ()),
+    "Sleep": (lambda here: NodeDraft({"node": "flow/wait", "with": {"seconds": here.seconds("msec")}}), ("msec",)),
     "Script": (_script, ("code",)),
     "ScriptCondition": (_script_condition, ("code",)),
     "SetBlackboard": (_set_blackboard, ("value", "output_key")),
 }
 """Tag -> its reader and its ports."""
 
-_COUNTS = "counts the writes of a blackboard entry; use a leaf of your own that remembers what it has seen"
 REFUSED = {
+    **dict.fromkeys(
+        ("SkipUnlessUpdated", "WaitValueUpdate", "EntryUpdated", "WasEntryUpdated", "WaitEntryUpdated")
+        + ("SkipUnlessEntryUpdated",),
+        "counts the writes of a blackboard entry; use a leaf of your own that remembers what it has seen",
+    ),
+    **dict.fromkeys(
+        ("BlackboardCheckInt", "BlackboardCheckDouble", "BlackboardCheckString", "BlackboardCheckBool"),
+        "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
+    ),
+    **dict.fromkeys(("ConsumeQueue", "PopFromQueue"), "consumes a queue on the blackboard; use `for_each` over a list"),
     "ManualSelector": "asks the user at a terminal which child to tick; use a `switch` over a variable",
     "UnsetBlackboard": "takes a variable away; give it a value that means nothing",
-    "SkipUnlessUpdated": _COUNTS,
-    "WaitValueUpdate": _COUNTS,
-    "EntryUpdated": _COUNTS,
-    "WasEntryUpdated": _COUNTS,
-    "WaitEntryUpdated": _COUNTS,
-    "SkipUnlessEntryUpdated": _COUNTS,
-    "ConsumeQueue": "consumes a queue on the blackboard; use `for_each` over a list",
-    "PopFromQueue": "consumes a queue on the blackboard; use `for_each` over a list",
     "QueueSize": "asks for the length of a queue on the blackboard; use `len(...)` of a list",
     "TestNode": "is BT.CPP's stand-in for tests",
     "AlwaysRunning": "never ends",
-    "BlackboardCheckInt": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
-    "BlackboardCheckDouble": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
-    "BlackboardCheckString": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
-    "BlackboardCheckBool": "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
     "SequenceStar": "belongs to BehaviorTree.CPP 3; use <SequenceWithMemory>",
     "RetryUntilSuccesful": "belongs to BehaviorTree.CPP 3; use <RetryUntilSuccessful>",
     "SubTreePlus": 'belongs to BehaviorTree.CPP 3; use <SubTree _autoremap="true">',

@@ -53,38 +53,30 @@ def _never_fails(node: str) -> bool:
     return node in builtin and "failure" not in builtin.get(node).outcomes
 
 
-@dataclass
-class SkipHandling:
-    """What `skipped` of a container means, and the ends of children that lead to it."""
-
-    meaning: str
-    ends: list[str] = field(default_factory=list)
-
-    @classmethod
-    def of(cls, meaning: str, children: Mapping[str, NodeDraft]) -> SkipHandling:
-        """Return how the children that may be skipped are handed up."""
-        return cls(meaning, [f"{name}.{child.label}" for name, child in children.items() if child.skips])
-
-    def on(self, keys: Keys) -> Keys:
-        """Return the container's keys with the outcome and the exits that lead to it."""
-        if not self.ends:
-            return keys
-        exits = {**keys.get("exits", {}), **dict.fromkeys(self.ends, SKIPPED)}
-        return {**keys, "outcomes": {**keys.get("outcomes", {}), SKIPPED: self.meaning}, "exits": exits}
+def _handing_up(keys: Keys, children: Mapping[str, NodeDraft], meaning: str) -> NodeDraft:
+    ends = [f"{name}.{child.label}" for name, child in children.items() if child.skips and meaning]
+    if ends:
+        keys |= {"outcomes": {SKIPPED: meaning}, "exits": dict.fromkeys(ends, SKIPPED)}
+    return NodeDraft(keys, bool(ends), instant=all(child.instant for child in children.values()))
 
 
 def decorator(kind: str, child: NodeDraft, meaning: str, **more: Any) -> NodeDraft:
     """Return a decorator that hands up `skipped`."""
     name = distinct([child.name])[0]
-    keys = {"kind": kind, **more, "child": {name: child.keys}}
-    return NodeDraft(SkipHandling.of(meaning, {name: child}).on(keys), child.skips, child.name, child.instant)
+    made = _handing_up({"kind": kind, **more, "child": {name: child.keys}}, {name: child}, meaning)
+    made.name = child.name
+    return made
 
 
-def container(kind: str, children: Mapping[str, NodeDraft], up: SkipHandling | None = None, **more: Any) -> NodeDraft:
-    """Return a composite; `up` says which children hand up `skipped`, the others go by its meaning."""
+def container(kind: str, children: Mapping[str, NodeDraft], meaning: str = "", **more: Any) -> NodeDraft:
+    """Return a composite that hands up `skipped`, which means `meaning`; without one its children's own counts."""
     keys = {"kind": kind, **more, "children": {name: child.keys for name, child in children.items()}}
-    instant = all(child.instant for child in children.values())
-    return NodeDraft(up.on(keys) if up else keys, bool(up and up.ends), instant=instant)
+    return _handing_up(keys, children, meaning)
+
+
+def failing(name: str, child: NodeDraft) -> NodeDraft:
+    """Return a node that fails when its child has ended."""
+    return NodeDraft({"kind": "force", "as": "failure", "child": {name: child.keys}}, instant=child.instant)
 
 
 def named(children: list[NodeDraft]) -> dict[str, NodeDraft]:
@@ -96,9 +88,7 @@ def switch(
     on_value: str, cases: Mapping[str, object], children: Mapping[str, NodeDraft], meaning: str, **more: object
 ) -> NodeDraft:
     """Return a switch that hands up `skipped` of every child that has it."""
-    return container(
-        "switch", children, SkipHandling.of(meaning, children), on_value=on_value, cases=dict(cases), **more
-    )
+    return container("switch", children, meaning, on_value=on_value, cases=dict(cases), **more)
 
 
 def skip() -> NodeDraft:

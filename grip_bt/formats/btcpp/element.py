@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NoReturn, TypeVar
 
 from grip_bt.base.errors import ExpressionError
@@ -17,68 +17,18 @@ from .expressions import Scripts
 Value = TypeVar("Value")
 
 
-@dataclass(frozen=True)
-class ReadContext:
-    """Where an element is read.
-
-    Attributes:
-        board: its keys.
-        inside: the sub-trees around, the outermost first.
-        meaning: what `skipped` means to the node around.
-    """
-
-    board: Board
-    inside: tuple[str, ...]
-    meaning: str = "success"
-
-
 class Refused(Exception):
     """Ends the reading of one element; the refusal is noted already."""
 
 
-Child = Callable[["ElementReader"], NodeDraft]
-
-
+@dataclass
 class Reading:
-    """One reading of a file.
+    """One reading of a file: what reads an element, what was found, how many elements were read, and which."""
 
-    Args:
-        child: reads an element below.
-
-    Attributes:
-        issues: what was found.
-        nodes: how many elements were read.
-    """
-
-    def __init__(self, child: Child):
-        self.child = child
-        self.issues = Issues()
-        self.nodes = 0
-        self.seen: set[int] = set()
-
-    def refuse(self, element: Element, why: str) -> NoReturn:
-        """Note a refusal, and end the reading of this element.
-
-        Raises:
-            Refused: always.
-        """
-        self.issues.add("no-equivalent", str(element), why, element.source, element.line)
-        raise Refused
-
-    def note(self, code: str, element: Element, text: str) -> None:
-        """Note what to know about an element."""
-        self.issues.add(code, str(element), text, element.source, element.line)
-
-    def attempt(self, element: Element, where: ReadContext) -> NodeDraft:
-        """Read an element; a refusal is noted, and something stands in for it so that the others are found too."""
-        self.seen.add(id(element))
-        try:
-            return self.child(ElementReader(self, element, where))
-        except Refused:
-            for below in element.children:
-                if id(below) not in self.seen:
-                    self.attempt(below, where)
-            return NodeDraft(dict(SUCCEED), name=element.tag)
+    child: Callable[[ElementReader], NodeDraft]
+    issues: Issues = field(default_factory=Issues)
+    nodes: int = 0
+    seen: set[int] = field(default_factory=set)
 
 
 @dataclass(frozen=True)
@@ -88,12 +38,16 @@ class ElementReader:
     Attributes:
         reading: of the file.
         element: what is read.
-        where: where it stands.
+        board: the blackboard around it.
+        inside: the sub-trees around, the outermost first.
+        meaning: what `skipped` means to the node around.
     """
 
     reading: Reading
     element: Element
-    where: ReadContext
+    board: Board
+    inside: tuple[str, ...]
+    meaning: str = "success"
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -101,31 +55,34 @@ class ElementReader:
         return self.element.attributes
 
     @property
-    def board(self) -> Board:
-        """Its blackboard."""
-        return self.where.board
-
-    @property
-    def meaning(self) -> str:
-        """What `skipped` means to the node around."""
-        return self.where.meaning
-
-    @property
     def scripts(self) -> Scripts:
         """What reads scripts on its blackboard."""
         return Scripts(self.board, lambda text: self.note("changed", text))
 
-    def refuse(self, why: str) -> NoReturn:
-        """Note a refusal, and end the reading of this element.
+    def attempt(self) -> NodeDraft:
+        """Read it; a refusal is noted, and something stands in for it so that the others are found too."""
+        self.reading.seen.add(id(self.element))
+        try:
+            return self.reading.child(self)
+        except Refused:
+            for below in self.element.children:
+                if id(below) not in self.reading.seen:
+                    replace(self, element=below).attempt()
+            return NodeDraft(dict(SUCCEED), name=self.element.tag)
+
+    def refuse(self, why: str, element: Element | None = None) -> NoReturn:
+        """Note a refusal of this element or one below, and end the reading of this one.
 
         Raises:
             Refused: always.
         """
-        self.reading.refuse(self.element, why)
+        self.note("no-equivalent", why, element)
+        raise Refused
 
-    def note(self, code: str, text: str) -> None:
-        """Note what to know about it."""
-        self.reading.note(code, self.element, text)
+    def note(self, code: str, text: str, element: Element | None = None) -> None:
+        """Note what to know about it, or about one below."""
+        found = element or self.element
+        self.reading.issues.add(code, str(found), text, found.source, found.line)
 
     def exact(self, read: Callable[[], Value]) -> Value:
         """Return what is read; what can't be read exactly is a refusal of this element."""
@@ -140,8 +97,8 @@ class ElementReader:
         if not least <= count <= most:
             wanted = f"{least}" if least == most else f"{least} to {most}" if most < 10_000 else f"at least {least}"
             self.refuse(f"has {count} children and needs {wanted}")
-        where = self.where if meaning is None else replace(self.where, meaning=meaning)
-        return [self.reading.attempt(below, where) for below in self.element.children]
+        around = self if meaning is None else replace(self, meaning=meaning)
+        return [replace(around, element=below).attempt() for below in self.element.children]
 
     def only(self) -> NodeDraft:
         """Return the one child of a decorator."""

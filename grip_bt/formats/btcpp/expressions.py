@@ -9,14 +9,13 @@ from dataclasses import dataclass, field
 from grip_bt.formats.btcpp.drafts import Board
 
 from . import script as s
-from .drafts import NodeDraft, SkipHandling, container, sequence_of, set_variable, switch
+from .drafts import NodeDraft, container, failing, sequence_of, set_variable, switch
 
 EPSILON = 1.1920928955078125e-07
 """Of a single float: numbers that are no further apart are equal to BT.CPP."""
 LARGEST = 2**53
 NUMBERS = ("int", "float")
 _OR, _AND, _NOT, _COMPARE, _SUM, _PRODUCT, _SIGN, _ATOM = range(8)
-_FLIPPED = {"==": "==", "!=": "!="}
 
 
 class Inexact(ValueError):
@@ -83,14 +82,19 @@ class Translator:
             case s.Name(name=name):
                 kind = self.type_of(name)
                 return Value(self.name_of(name), kind if kind in ("bool", "int", "float", "str") else "Any")
+            case s.Unary(sign="-", operand=s.Literal(value=int() | float() as number)) if not isinstance(number, bool):
+                return literal(-number)
             case s.Unary(sign="-", operand=operand):
-                return self._negative(operand)
+                found = self._number(operand, "-")
+                return Value(f"-{found.within(_SIGN)}", found.type, _SIGN)
             case s.Unary(sign="!", operand=operand):
                 if isinstance(operand, s.Unary) and operand.sign == "!":
                     return self.condition(operand.operand)
                 return Value(f"not {self.condition(operand).within(_NOT)}", "bool", _NOT)
-            case s.Binary(sign="&&" | "||"):
-                return self._logic(script)
+            case s.Binary(sign="&&" | "||" as sign):
+                level, word = (_AND, "and") if sign == "&&" else (_OR, "or")
+                left, right = self.condition(script.left), self.condition(script.right)
+                return Value(f"{left.within(level)} {word} {right.within(level + 1)}", "bool", level)
             case s.Binary(sign="+" | "-" | "*" | "/"):
                 return self._arithmetic(script)
             case s.Binary(sign=".."):
@@ -103,17 +107,6 @@ class Translator:
                 raise Inexact(f"the assignment to {target!r} inside of an expression; make it a statement of its own")
         sign = script.sign if isinstance(script, s.Unary | s.Binary) else "?"
         raise Inexact(f"the bit operator `{sign}`, which expressions of a task don't have; use a leaf of your own")
-
-    def _negative(self, operand: s.Script) -> Value:
-        if isinstance(operand, s.Literal) and not isinstance(operand.value, bool | str):
-            return literal(-operand.value)
-        value = self._number(operand, "-")
-        return Value(f"-{value.within(_SIGN)}", value.type, _SIGN)
-
-    def _logic(self, script: s.Binary) -> Value:
-        level, word = (_AND, "and") if script.sign == "&&" else (_OR, "or")
-        left, right = self.condition(script.left), self.condition(script.right)
-        return Value(f"{left.within(level)} {word} {right.within(level + 1)}", "bool", level)
 
     def _arithmetic(self, script: s.Binary) -> Value:
         if script.sign == "+" and "str" in (self.value(script.left).type, self.value(script.right).type):
@@ -159,7 +152,7 @@ class Translator:
         if "str" in types and not types <= {"str", "Any"}:
             raise Inexact(f"comparing {left.text} with {right.text}: one is a text, the other a number")
         plain = f"{left.within(_SUM)} {sign} {right.within(_SUM)}"
-        if sign not in _FLIPPED or types <= {"bool", "int", "str"}:
+        if sign not in ("==", "!=") or types <= {"bool", "int", "str"}:
             return plain
         if "float" in types:
             if "bool" in types:
@@ -279,10 +272,7 @@ class Scripts:
 
     def _either(self, key: str, sign: str, value: s.Ternary) -> NodeDraft:
         condition = self._translated(lambda translator: translator.condition(value.condition)).text
-        ways = {
-            "yes": self._assignment(key, sign, value.then),
-            "no": self._assignment(key, sign, value.otherwise),
-        }
+        ways = {"yes": self._assignment(key, sign, value.then), "no": self._assignment(key, sign, value.otherwise)}
         made = switch(condition, {"yes": True, "no": False}, ways, "success")
         made.name = f"choose {self.board.variable(key)}"
         return made
@@ -315,12 +305,9 @@ def after(node: NodeDraft, on_success: list[NodeDraft], on_failure: list[NodeDra
     """Return a node with what is done when it has succeeded and when it has failed."""
     made = node
     if on_failure:
-        cause = sequence_of(on_failure, "set")
-        told = NodeDraft({"kind": "force", "as": "failure", "child": {"then": cause.keys}}, instant=True)
-        up = SkipHandling.of(meaning, {"do": made})
-        made = container("fallback", {"do": made, "failed": told}, up)
+        told = failing("then", sequence_of(on_failure, "set"))
+        made = container("fallback", {"do": made, "failed": told}, meaning)
     if on_success:
-        up = SkipHandling.of(meaning, {"do": made})
-        made = container("sequence", {"do": made, "then": sequence_of(on_success, "set")}, up)
+        made = container("sequence", {"do": made, "then": sequence_of(on_success, "set")}, meaning)
     made.name, made.instant = node.name, node.instant
     return made

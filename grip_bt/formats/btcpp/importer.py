@@ -7,6 +7,7 @@ with that known, to write the task.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from grip_bt.base.issue import Issue
 from grip_bt.formats.btcpp.drafts import Board, Variables, key_of
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import MOST_NODES, Element
+from grip_bt.formats.xml_trees import MOST_NODES
 from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
@@ -28,7 +29,7 @@ from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
 from .document import Document, Model
 from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft
-from .element import ElementReader, ReadContext, Reading, Refused
+from .element import ElementReader, Reading, Refused
 from .leaves import Leaves, value_of_text
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
@@ -87,18 +88,19 @@ class _Importer:
         self.variables = Variables(before=self.variables.every)
         self.reading = Reading(self.node)
         self.used = {tree}
-        where = ReadContext(Board(self.variables), (tree,))
+        root = self.document.trees[tree]
         try:
-            made = self._root(self.document.trees[tree], where)
+            made = self._root(ElementReader(self.reading, root, Board(self.variables), (tree,)))
         except Refused:
             made = NodeDraft(dict(SUCCEED))
         self.leaves.settle()
         return made
 
-    def _root(self, tree: Element, where: ReadContext) -> NodeDraft:
-        if len(tree.children) != 1:
-            self.reading.refuse(tree, f"needs one node inside, and has {len(tree.children)}")
-        return self.reading.attempt(tree.children[0], where)
+    def _root(self, tree: ElementReader) -> NodeDraft:
+        below = tree.element.children
+        if len(below) != 1:
+            tree.refuse(f"needs one node inside, and has {len(below)}")
+        return replace(tree, element=below[0]).attempt()
 
     def node(self, here: ElementReader) -> NodeDraft:
         """Read a node, and all below it."""
@@ -138,9 +140,9 @@ class _Importer:
         trees = self.document.trees
         if name not in trees:
             here.refuse(f"there is no tree {name!r}{nearest(name, trees)} (available: {listing(trees)})")
-        inside = here.where.inside
-        if name in inside:
-            here.refuse(f"the tree {name!r} contains itself ({' > '.join((*inside, name))})")
+        inside = (*here.inside, name)
+        if name in here.inside:
+            here.refuse(f"the tree {name!r} contains itself ({' > '.join(inside)})")
         self.used.add(name)
         auto = here.attributes.get("_autoremap", "false") in ("true", "1", "True")
         board = Board(self.variables, here.attributes.get("name") or name, here.board, auto)
@@ -155,7 +157,7 @@ class _Importer:
             else:
                 board.names[key] = self.variables.new(f"{board.space}_{key}")
                 self.variables.every[board.names[key]].initial = text
-        return self._root(trees[name], ReadContext(board, (*inside, name), here.meaning))
+        return self._root(replace(here, element=trees[name], board=board, inside=inside))
 
     # --- the task ---
 
