@@ -13,14 +13,7 @@ _DIRECTIONS = {"input_port": "in", "output_port": "out", "inout_port": "inout"}
 
 @dataclass(frozen=True)
 class Port:
-    """A port as a TreeNodesModel says it.
-
-    Attributes:
-        direction: `in`, `out` or `inout`.
-        type: as it is written; empty where it isn't.
-        default: what it is without an attribute, or None.
-        doc: its text.
-    """
+    """A port as a TreeNodesModel says it; `direction` is `in`, `out` or `inout`."""
 
     direction: str
     type: str = ""
@@ -37,13 +30,7 @@ class Model:
 
 
 class Document(TreeFiles):
-    """What a file and its includes say.
-
-    Attributes:
-        trees: by ID.
-        models: by ID.
-        issues: what to know about the file.
-    """
+    """What a file and its includes say: trees and models by ID, and what to know about the file."""
 
     include_tags = ("include",)
     path_attributes = ("path",)

@@ -28,10 +28,8 @@ class NodeDraft:
 
     Attributes:
         keys: of its entry in a file.
-        skips: whether it has the outcome `skipped`.
-        name: what it was called.
+        skips: it has the outcome `skipped`, or what `label` calls it.
         instant: it ends in the tick in which it begins.
-        label: the outcome that it has when it is skipped.
     """
 
     keys: Keys
@@ -115,10 +113,13 @@ def sequence_of(children: list[NodeDraft], name: str) -> NodeDraft:
 _WRONG = re.compile(r"[^A-Za-z0-9_]+")
 _KEY = re.compile(r"\{([^{}]*)\}")
 _UNSET = object()
+_INTEGERS = (
+    *("int", "unsigned", "unsigned int", "long", "short", "int8_t", "int16_t", "int32_t", "int64_t", "uint8_t"),
+    *("uint16_t", "uint32_t", "uint64_t", "size_t", "unsigned short", "unsigned long", "long long", "unsigned char"),
+    "signed char",
+)
 _TYPES = {
-    **dict.fromkeys(("int", "unsigned", "unsigned int", "long", "short", "int8_t", "int16_t", "int32_t"), "int"),
-    **dict.fromkeys(("int64_t", "uint8_t", "uint16_t", "uint32_t", "uint64_t", "size_t", "unsigned short"), "int"),
-    **dict.fromkeys(("unsigned long", "long long", "unsigned char", "signed char"), "int"),
+    **dict.fromkeys(_INTEGERS, "int"),
     **dict.fromkeys(("double", "float"), "float"),
     "bool": "bool",
     **dict.fromkeys(("string", "std::string", "BT::StringView", "std::string_view"), "str"),
@@ -128,9 +129,7 @@ _TYPES = {
 def type_named(cpp: str) -> str:
     """Return the type that a port's C++ type is here; `Any` for every other."""
     text = cpp.strip().removeprefix("const ").rstrip("& ").removeprefix("std::__cxx11::")
-    text = (
-        "std::string" if text.startswith(("basic_string", "std::basic_string", "std::__cxx11::basic_string")) else text
-    )
+    text = "std::string" if text.startswith(("basic_string", "std::basic_string")) else text
     text = text if text in _TYPES else text.removeprefix("std::")
     return _TYPES.get(text, "Any")
 
@@ -138,9 +137,7 @@ def type_named(cpp: str) -> str:
 def key_of(text: str, port: str) -> str | None:
     """Return the key that an attribute points to; None for a literal. `{=}` is the key of the port's own name."""
     found = _KEY.fullmatch(text.strip())
-    if found is None:
-        return None
-    return port if found.group(1) == "=" else found.group(1)
+    return None if found is None else port if found.group(1) == "=" else found.group(1)
 
 
 @dataclass

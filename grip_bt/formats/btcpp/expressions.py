@@ -91,8 +91,8 @@ class Translator:
                 if isinstance(operand, s.Unary) and operand.sign == "!":
                     return self.condition(operand.operand)
                 return Value(f"not {self.condition(operand).within(_NOT)}", "bool", _NOT)
-            case s.Binary(sign="&&" | "||" as sign):
-                level, word = (_AND, "and") if sign == "&&" else (_OR, "or")
+            case s.Binary(sign="&&" | "||"):
+                level, word = (_AND, "and") if script.sign == "&&" else (_OR, "or")
                 left, right = self.condition(script.left), self.condition(script.right)
                 return Value(f"{left.within(level)} {word} {right.within(level + 1)}", "bool", level)
             case s.Binary(sign="+" | "-" | "*" | "/"):

@@ -116,8 +116,7 @@ class _Importer:
             here.refuse(REFUSED[name])
         elif name in _KNOWN:
             reader, ports = _KNOWN[name]
-            wrong = [a for a in here.attributes if a not in (*ports, "name", "ID") and not a.startswith("_")]
-            if wrong:
+            if wrong := [name for name in _ports(here) if name not in ports]:
                 here.refuse(f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (available: {listing(ports)})")
             made = reader(here)
         else:
@@ -131,10 +130,8 @@ class _Importer:
         if here.element.children or said.kind in ("Control", "Decorator"):
             kind = said.kind if said.kind in ("Control", "Decorator") else "node with children"
             here.refuse(f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes")
-        ports = {k: v for k, v in here.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
-        return NodeDraft(
-            here.exact(lambda: self.leaves.leaf(name, ports, here.board)), instant=said.kind == "Condition"
-        )
+        keys = here.exact(lambda: self.leaves.leaf(name, _ports(here), here.board))
+        return NodeDraft(keys, instant=said.kind == "Condition")
 
     def _sub_tree(self, here: ElementReader, name: str) -> NodeDraft:
         trees = self.document.trees
@@ -148,9 +145,7 @@ class _Importer:
         board = Board(self.variables, here.attributes.get("name") or name, here.board, auto)
         model_of = self.document.models.get(name)
         defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
-        for key, text in {**defaults, **here.attributes}.items():
-            if key in ("ID", "name") or key.startswith("_"):
-                continue
+        for key, text in {**defaults, **_ports(here)}.items():
             outer = key_of(text, key)
             if outer is not None:
                 board.names[key] = here.board.variable(outer)
@@ -174,11 +169,10 @@ class _Importer:
             loads(dumps(read))
         except (ValidationError, DocumentError, RecursionError) as error:
             raise DocumentError(f"its task can't be written as a file: {error}", self.document.source) from error
-        unused = [t for t in self.document.trees if t not in self.used]
         issues = Issues(self.document.source)
         issues.extend(self.document.issues)
         issues.extend(self.reading.issues)
-        for name in unused:
+        for name in (t for t in self.document.trees if t not in self.used):
             issues.add("left-out", f"<BehaviorTree> {name!r}", f"isn't used by {tree!r}, and isn't imported")
         for name in early:
             issues.add("null-at-first", name, "may be read before it is written; it is null until then")
@@ -187,7 +181,7 @@ class _Importer:
         used = {node.node for _, node in model.walk(read.root) if isinstance(node, model.Leaf)}
         manifests = tuple(m for m in self.leaves.settled.values() if m.id in used)
         for face in self.leaves.faces.values():
-            unknown = [port for port, use in face.uses.items() if use.port is None and use.bound]
+            unknown = [port for port, use in face.uses.items() if use.bound and not use.declared]
             if unknown:
                 text = f"no <TreeNodesModel> declares the direction of {listing(map(repr, unknown))}"
                 issues.add("incomplete", face.name, f"{text}; treated as input and output")
@@ -203,13 +197,12 @@ class _Importer:
                 value = entry.initial
                 kind = entry.type
                 if isinstance(value, str):
-                    kind = kind if kind in ("int", "float", "bool") else "str" if kind == "Any" else kind
+                    kind = "str" if kind == "Any" else kind
                     try:
                         value = value_of_text(value, kind)
                     except ValueError as error:
-                        raise DocumentError(
-                            f"the entry {name!r} holds {value!r}: {error}", self.document.source
-                        ) from error
+                        message = f"the entry {name!r} holds {value!r}: {error}"
+                        raise DocumentError(message, self.document.source) from error
                 data[name] = {"type": kind, "value": value}
             elif not entry.known:
                 data[name] = {"type": "Any", "value": None}
@@ -218,6 +211,10 @@ class _Importer:
             else:
                 inputs[name] = entry.type
         return inputs, data
+
+
+def _ports(here: ElementReader) -> dict[str, str]:
+    return {k: v for k, v in here.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
 
 
 def _mentioned(root: Keys) -> set[str]:

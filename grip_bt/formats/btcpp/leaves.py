@@ -20,14 +20,8 @@ from .drafts import Keys
 GROUP = "btcpp"
 _WRONG = re.compile(r"[^A-Za-z0-9_]")
 _TRUTH = {
-    "true": True,
-    "True": True,
-    "TRUE": True,
-    "1": True,
-    "false": False,
-    "False": False,
-    "FALSE": False,
-    "0": False,
+    **dict.fromkeys(("true", "True", "TRUE", "1"), True),
+    **dict.fromkeys(("false", "False", "FALSE", "0"), False),
 }
 
 
@@ -58,22 +52,13 @@ def value_of_text(text: str, type_name: str) -> Any:
 
 @dataclass
 class PortUse:
-    """How one port of an unknown node type is used in the whole file."""
+    """How one port of an unknown node type is used in the whole file; without a model it may be in and out."""
 
-    port: Port | None
+    port: Port
+    declared: bool
     literal: bool = False
     bound: bool = False
     times: int = 0
-
-    @property
-    def type(self) -> str:
-        """Its type here."""
-        return type_named(self.port.type) if self.port is not None else "Any"
-
-    @property
-    def direction(self) -> str:
-        """`in`, `out` or `inout`; without a model it may be either."""
-        return self.port.direction if self.port is not None else "inout"
 
 
 @dataclass
@@ -90,29 +75,31 @@ class UnknownNodeType:
         """Its id in the catalogue."""
         return f"{GROUP}/{_WRONG.sub('_', self.name)}"
 
-    def use(self, port: str, *, bound: bool) -> PortUse:
+    def __post_init__(self) -> None:
+        """Begin with the ports of its model."""
+        self.declared = self.model.ports if self.model is not None else {}
+
+    def use(self, port: str, *, bound: bool) -> None:
         """Note how a port is used."""
-        known = self.model.ports.get(port) if self.model is not None else None
-        use = self.uses.setdefault(port, PortUse(known))
+        use = self.uses.setdefault(port, PortUse(self.declared.get(port, Port("inout")), port in self.declared))
         use.bound, use.literal, use.times = use.bound or bound, use.literal or not bound, use.times + 1
-        return use
 
     def manifest(self) -> Manifest:
         """Return its manifest: a port that only has literals is a parameter."""
-        for port, said in (self.model.ports if self.model is not None else {}).items():
-            self.uses.setdefault(port, PortUse(said))
+        for port, said in self.declared.items():
+            self.uses.setdefault(port, PortUse(said, True))
         parameters: dict[str, Parameter] = {}
         inputs: dict[str, InputPort] = {}
         outputs: dict[str, OutputPort] = {}
         for port, use in self.uses.items():
-            doc = use.port.doc if use.port is not None else ""
-            if not use.bound and use.direction != "out" and (use.port is None or use.literal):
-                parameters[port] = _parameter(use, doc, always=use.times == self.times)
+            direction, kind, doc = use.port.direction, type_named(use.port.type), use.port.doc
+            if not use.bound and direction != "out" and (use.literal or not use.declared):
+                parameters[port] = _parameter(use.port, kind, always=use.times == self.times)
                 continue
-            if use.direction != "out":
-                inputs[port] = InputPort(type=use.type, doc=doc, required=False)
-            if use.direction != "in":
-                outputs[port] = OutputPort(type=use.type, doc=doc)
+            if direction != "out":
+                inputs[port] = InputPort(type=kind, doc=doc, required=False)
+            if direction != "in":
+                outputs[port] = OutputPort(type=kind, doc=doc)
         return Manifest(
             id=self.id,
             doc=f"{self.name} of BehaviorTree.CPP; its code has to be written.",
@@ -123,12 +110,11 @@ class UnknownNodeType:
         )
 
 
-def _parameter(use: PortUse, doc: str, *, always: bool) -> Parameter:
+def _parameter(port: Port, kind: str, *, always: bool) -> Parameter:
     """Return a parameter; one that isn't always given has the model's default, or is null."""
-    kind = use.type if use.type != "Any" else "str"
-    default = use.port.default if use.port is not None else None
-    if default is not None and key_of(default, "") is None:
-        return Parameter(type=kind, doc=doc, default=value_of_text(default, kind))
+    kind, doc = kind if kind != "Any" else "str", port.doc
+    if port.default is not None and key_of(port.default, "") is None:
+        return Parameter(type=kind, doc=doc, default=value_of_text(port.default, kind))
     return Parameter(type=kind, doc=doc) if always else Parameter(type=f"{kind} | None", doc=doc, default=None)
 
 
@@ -173,17 +159,14 @@ class Leaves:
         face = self.faces.setdefault(name, UnknownNodeType(name, self.models.get(name)))
         face.times += 1
         if face.model is not None:
-            self._check_ports(name, said, face.model)
+            for port in said:
+                if port not in face.model.ports:
+                    there = f"{nearest(port, face.model.ports)} (its model has: {listing(face.model.ports)})"
+                    raise ValueError(f"{name} has no port {port!r}{there}")
             said = {**{p: d.default for p, d in face.model.ports.items() if d.default is not None}, **said}
         for port, text in said.items():
             face.use(port, bound=key_of(text, port) is not None)
         return self._known(self.settled.get(name) or face.manifest(), said, board)
-
-    def _check_ports(self, name: str, said: dict[str, str], model: Model) -> None:
-        for port in said:
-            if port not in model.ports:
-                near = nearest(port, model.ports)
-                raise ValueError(f"{name} has no port {port!r}{near} (its model has: {listing(model.ports)})")
 
     def _known(self, manifest: Manifest, said: dict[str, str], board: Board) -> Keys:
         keys: Keys = {"node": manifest.id}

@@ -68,7 +68,11 @@ def to_xml(task: model.Task, catalog: Catalog) -> str:
         "</root>",
     ]
     text = "\n".join(lines) + "\n"
-    _check_back(text, task, catalog)
+    try:
+        back = from_xml(text, catalog, "the file that was written").task
+    except (DocumentError, ImportRefusedError) as error:
+        raise NotExpressibleError("/", f"something ({error})", TARGET) from error
+    _check_same(task, back)
     return text
 
 
@@ -87,15 +91,6 @@ def _check_task(resolved: Resolved) -> None:
             raise NotExpressibleError("/", what, TARGET)
 
 
-def _check_back(text: str, task: model.Task, catalog: Catalog) -> None:
-    """Read the file again; a task that comes back otherwise is refused."""
-    try:
-        back = from_xml(text, catalog, "the file that was written").task
-    except (DocumentError, ImportRefusedError) as error:
-        raise NotExpressibleError("/", f"something ({error})", TARGET) from error
-    _check_same(task, back)
-
-
 def _check_same(task: model.Task, back: model.Task) -> None:
     """Refuse the first difference between a task and what came back; the task's own `doc` is a comment, may be lost."""
 
@@ -108,7 +103,8 @@ def _check_same(task: model.Task, back: model.Task) -> None:
             refuse(path, "its name or place", "it comes back under another")
         there = other[path]
         if type(node) is not type(there):
-            refuse(path, f"a {_kind(node)}", f"it comes back as a {_kind(there)}")
+            one_kind, other_kind = (getattr(each, "kind", "leaf") for each in (node, there))
+            refuse(path, f"a {one_kind}", f"it comes back as a {other_kind}")
         for name in type(node).model_fields.keys() - {"order"}:
             a, b = _compared(node, name), _compared(there, name)
             if a != b:
@@ -136,27 +132,17 @@ def _compared(node: model.AnyNode, field: str) -> object:
     return value
 
 
-def _kind(node: model.AnyNode) -> str:
-    return getattr(node, "kind", "leaf")
-
-
 def _described(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
     require_expressible(part.path, part.node, _KEYS, TARGET, _COMMON)
     if not isinstance(part.node, model.Leaf) and not part.children:
         raise NotExpressibleError(part.path, f"a {part.node.kind} without children", TARGET)
-    tag, said = _element(part, used)
-    name = {} if part.path == "/" else {"name": part.name}
-    return tag, {**name, **said, **_around(part)}
-
-
-def _around(part: Part) -> dict[str, str]:
-    """Return the attributes that any node may have."""
-    said = {}
+    tag, own = _element(part, used)
+    said = {**({} if part.path == "/" else {"name": part.name}), **own}
     if part.node.precondition and not _is_condition(part):
         said["_failureIf"] = f"!({_script(part, part.node.precondition)})"
     if part.node.doc:
         said["_description"] = part.node.doc
-    return said
+    return tag, said
 
 
 def _is_condition(part: Part) -> bool:

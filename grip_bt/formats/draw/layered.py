@@ -8,7 +8,6 @@ regression). Each edge passes through a rank that belongs to its label, so label
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -17,14 +16,7 @@ _SWEEPS = 8
 
 @dataclass(slots=True)
 class Item:
-    """Something with a place: a node, or where an edge crosses a rank.
-
-    Attributes:
-        width: [px].
-        height: [px].
-        rank: its layer.
-        x: its middle.
-    """
+    """Something with a place [px]: a node, or where an edge crosses a rank; `x` is its middle."""
 
     width: float
     height: float
@@ -36,11 +28,9 @@ class Item:
 
 @dataclass(slots=True)
 class Edge:
-    """A connection; `label` is the size of its words.
+    """A connection between nodes by name.
 
     Attributes:
-        source: name of a node.
-        target: name of a node.
         label: width and height of its words [px].
         bends: what it passes, from source to target; set by `place`.
         label_item: the one of `bends` where its words are.
@@ -55,14 +45,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class Placed:
-    """Where everything is.
-
-    Attributes:
-        width: of the whole [px].
-        height: of the whole [px].
-        tops: upper edge of each rank.
-        heights: height of each rank.
-    """
+    """How large the whole is, and the upper edge and height of each rank [px]."""
 
     width: float
     height: float
@@ -80,13 +63,12 @@ def place(nodes: dict[str, Item], edges: Sequence[Edge], last: Sequence[str], ga
         gap: least distance in a rank [px].
         rank_gap: distance of ranks [px].
     """
-    backward = _backward(nodes, edges)
-    _rank(nodes, edges, backward, last)
+    backward = _ranked(nodes, edges, last)
     ranks: list[list[Item]] = [[] for _ in range(max(n.rank for n in nodes.values()) + 1)]
     for node in nodes.values():
         ranks[node.rank].append(node)
-    for number, edge in enumerate(edges):
-        _route(nodes, edge, number in backward, ranks)
+    for edge in edges:
+        _route(nodes, edge, (edge.source, edge.target) in backward, ranks)
     _order(ranks)
     _spread(ranks, gap)
     heights = tuple(max((i.height for i in rank), default=0.0) for rank in ranks)
@@ -102,45 +84,28 @@ def place(nodes: dict[str, Item], edges: Sequence[Edge], last: Sequence[str], ga
     return Placed(width, y - rank_gap, tuple(tops), heights)
 
 
-def _backward(nodes: dict[str, Item], edges: Sequence[Edge]) -> set[int]:
-    """Return the edges that close a cycle when nodes are followed depth first in document order."""
-    leaving: defaultdict[str, list[int]] = defaultdict(list)
-    for number, edge in enumerate(edges):
-        leaving[edge.source].append(number)
-    state: dict[str, int] = {}  # 1: being followed, 2: done
-    found: set[int] = set()
-    for start in nodes:
-        stack: list[tuple[str, int]] = [(start, 0)] if start not in state else []
-        while stack:
-            name, at = stack.pop()
-            state[name] = 1
-            if at == len(leaving[name]):
-                state[name] = 2
-                continue
-            stack.append((name, at + 1))
-            number = leaving[name][at]
-            target = edges[number].target
-            if state.get(target) == 1:
-                found.add(number)
-            elif target not in state:
-                stack.append((target, 0))
-    return found
-
-
-def _rank(nodes: dict[str, Item], edges: Sequence[Edge], backward: set[int], last: Sequence[str]) -> None:
+def _ranked(nodes: dict[str, Item], edges: Sequence[Edge], last: Sequence[str]) -> set[tuple[str, str]]:
+    """Rank the nodes; return the edges that close a cycle when they are followed depth first in document order."""
     import networkx as nx
 
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(nodes)
-    for number, edge in enumerate(edges):
-        ends = (edge.source, edge.target)
-        graph.add_edge(*(reversed(ends) if number in backward else ends))
+    graph.add_edges_from((edge.source, edge.target) for edge in edges)
+    around, backward = set[str](), set[tuple[str, str]]()
+    for source, target, way in nx.dfs_labeled_edges(graph):
+        if way == "nontree" and target in around:
+            backward.add((source, target))
+        elif way != "nontree":
+            (around.add if way == "forward" else around.discard)(target)
+    graph.remove_edges_from(backward)
+    graph.add_edges_from((target, source) for source, target in backward)
     for rank, names in enumerate(nx.topological_generations(graph)):
         for name in names:
             nodes[name].rank = 2 * rank
     deepest = max(node.rank for node in nodes.values())
     for name in last:
         nodes[name].rank = deepest
+    return backward
 
 
 def _route(nodes: dict[str, Item], edge: Edge, backward: bool, ranks: list[list[Item]]) -> None:

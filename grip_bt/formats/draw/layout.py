@@ -20,19 +20,13 @@ _WIDTH, _WIDTH_BEYOND_LATIN = 0.64, 0.95
 
 @dataclass(frozen=True)
 class Box:
-    """A node: a leaf or, as a frame, a container around others.
+    """A node from its upper left corner: a leaf or, as a frame, a container around others.
 
     Attributes:
-        x: left edge.
-        y: upper edge.
-        width: outer width.
-        height: outer height.
         kind: `leaf` or a container's kind.
-        name: first line.
-        lines: further lines.
+        lines: below its name.
         title: shown when the pointer rests on it.
         frame: whether other things are drawn inside.
-        path: of the node.
     """
 
     x: float
@@ -64,10 +58,7 @@ class Line:
     """A line through points; curved where they aren't one below the other.
 
     Attributes:
-        points: where it runs.
-        label: its words.
-        label_at: their centre.
-        arrow: whether it ends with a head.
+        label_at: the centre of its words.
         axis: along which coordinate it leaves its points.
     """
 
@@ -119,13 +110,7 @@ SCREEN = 700.0
 
 @dataclass(slots=True)
 class TreeItem:
-    """A node of the tree to lay out.
-
-    Attributes:
-        height: of its box [px].
-        below: its children, from top to bottom.
-        y: middle of its box; set by `place_tree`.
-    """
+    """A node of the tree to lay out: its box's height [px], its children, and its middle, set by `place_tree`."""
 
     height: float
     below: list[TreeItem] = field(default_factory=list)
@@ -138,12 +123,7 @@ def is_tall(item: TreeItem) -> bool:
 
 
 def place_tree(root: TreeItem, gap: float) -> None:
-    """Set `y` of every item.
-
-    Args:
-        root: the tree.
-        gap: least distance between boxes of one column [px].
-    """
+    """Set `y` of every item; boxes of one column are `gap` apart at least [px]."""
     order: list[tuple[TreeItem, int]] = []
     todo = [(root, 0)]
     while todo:
@@ -176,10 +156,7 @@ def _join(
         bottom = [low + shift for low in lower] + bottom[len(lower) :]
     middle = (shifts[0] + shifts[-1]) / 2 if shifts and shifts[-1] - shifts[0] <= SCREEN else 0.0
     half = item.height / 2
-    contours[id(item)] = (
-        [-half, *(t - middle for t in top)],
-        [half, *(b - middle for b in bottom)],
-    )
+    contours[id(item)] = ([-half, *(t - middle for t in top)], [half, *(b - middle for b in bottom)])
     return [shift - middle for shift in shifts]
 
 
@@ -191,20 +168,11 @@ _ASPECT = 1.5
 
 def is_long(children: Sequence[Figure]) -> bool:
     """Tell whether one column would be too long."""
-    return len(children) > _LONGEST_COLUMN and _height(children) > 700
-
-
-def _height(children: Sequence[Figure]) -> float:
-    return sum(child.height + _ROW_GAP for child in children)
+    return len(children) > _LONGEST_COLUMN and sum(child.height + _ROW_GAP for child in children) > 700
 
 
 def rows_figure(children: Sequence[Figure], label: str) -> Figure:
-    """Lay out children in rows.
-
-    Args:
-        children: in order.
-        label: stands at each link.
-    """
+    """Lay out children in rows; `label` stands at each link."""
     gap = _CHILD_GAP + (text_width(label, TEXT_SIZE) if label else 0.0)
     area = sum((c.width + gap) * (c.height + _ROW_GAP) for c in children)
     widest = max(sqrt(area * _ASPECT), *(c.width for c in children))

@@ -56,47 +56,34 @@ def tree_figure(task: Task, catalog: Catalog) -> Figure:
         name = task.name if path == "/" else path.rpartition("/")[2]
         box = box_of(name, node, catalog, [describe(node), *details(node)])
         boxes[path], items[path] = box, TreeItem(box.height)
+        depth[path] = 0
         if path != "/":
-            parent = _parent(path)
-            items[parent].below.append(items[path])
-            depth[path] = depth[parent] + 1
-        else:
-            depth[path] = 0
+            items[_parent(path)].below.append(items[path])
+            depth[path] = depth[_parent(path)] + 1
         columns[depth[path]] = max(columns[depth[path]], box.width)
     place_tree(items["/"], _ROW_GAP)
-    return _placed(boxes, items, columns, depth)
-
-
-def _parent(path: str) -> str:
-    return path.rpartition("/")[0] or "/"
-
-
-def _placed(
-    boxes: dict[str, Box], items: dict[str, TreeItem], columns: dict[int, float], depth: dict[str, int]
-) -> Figure:
     left = [_MARGIN]
     for column in range(len(columns)):
         left.append(left[-1] + columns[column] + _COLUMN_GAP)
     up = min(t.y - t.height / 2 for t in items.values()) - _MARGIN
-    figure = Figure(
-        width=left[-1] - _COLUMN_GAP + _MARGIN,
-        height=max(t.y + t.height / 2 for t in items.values()) - up + _MARGIN,
-    )
+    figure = Figure(left[-1] - _COLUMN_GAP + _MARGIN, max(t.y + t.height / 2 for t in items.values()) - up + _MARGIN)
     for path, box in boxes.items():
         x, y = left[depth[path]], items[path].y - up
         figure.boxes.append(replace(box, x=x, y=y - box.height / 2, path=path))
         if path != "/":
-            parent = boxes[_parent(path)]
-            start = left[depth[path] - 1] + parent.width
-            bend = left[depth[path]] - _COLUMN_GAP  # every line of a column curves in the same place
-            from_y = items[_parent(path)].y - up
-            bend = max(start, bend)
-            points: tuple[tuple[float, float], ...] = ((start, from_y), (bend, from_y), (x, y))
-            if is_tall(items[_parent(path)]):  # curves as long as that would lie over each other
+            parent = _parent(path)
+            start, from_y = left[depth[path] - 1] + boxes[parent].width, items[parent].y - up
+            bend = max(start, left[depth[path]] - _COLUMN_GAP)  # every line of a column curves in the same place
+            points: tuple[Point, ...] = ((start, from_y), (bend, from_y), (x, y))
+            if is_tall(items[parent]):  # curves as long as that would lie over each other
                 trunk = (bend + x) / 2
                 points = ((start, from_y), (trunk, from_y), (trunk, y), (x, y))
             figure.lines.append(Line(points, arrow=False, axis="x"))
     return figure
+
+
+def _parent(path: str) -> str:
+    return path.rpartition("/")[0] or "/"
 
 
 _FRAME_PAD, _HEADER, _GAP, _RANK_GAP, _FLOW_MARGIN = 14.0, 30.0, 22.0, 13.0, 20.0
@@ -142,31 +129,30 @@ def _inside(children: dict[str, Figure], outcomes: dict[str, str], links: list[L
     if any(not link.source for link in links):
         items[""] = Item(_START, _START)
     for name, child in children.items():
-        room = 0.0
-        if name in loops:
-            room = 2 * (_LOOP + text_width(loops[name].label, TEXT_SIZE) + 4)
+        room = 2 * (_LOOP + text_width(loops[name].label, TEXT_SIZE) + 4) if name in loops else 0.0
         items[name] = Item(child.width + room, child.height)
     for name in outcomes:
         items[_pill(name)] = Item(text_width(name, TEXT_SIZE) + 36, _PILL_HEIGHT)
     if not items:
         return Figure()
-    edges = [_edge(link) for link in links if link not in loops.values()]
+    shown = [link for link in links if link not in loops.values()]
+    edges = []
+    for link in shown:
+        size = (text_width(link.label, TEXT_SIZE) + 8, _LABEL_HEIGHT) if link.label else (0.0, 0.0)
+        edges.append(Edge(link.source, _pill(link.target) if link.to_outcome else link.target, size))
     placed = place(items, edges, [_pill(name) for name in outcomes], _GAP, _RANK_GAP)
     figure = Figure(placed.width, placed.height)
     ends = _ends(items, edges, placed, {n: c.width for n, c in children.items()})
-    shown = [link for link in links if link not in loops.values()]
-    for number, (link, edge) in enumerate(zip(shown, edges, strict=True)):
-        figure.lines.append(_line(link, edge, ends[number], placed))
+    figure.lines += [_line(link, edge, at, placed) for link, edge, at in zip(shown, edges, ends, strict=True)]
     for name, child in children.items():
-        item = items[name]
-        top = placed.tops[item.rank]
+        item, top = items[name], placed.tops[items[name].rank]
         figure.add(child, item.x - child.width / 2, top)
         if name in loops:
             figure.lines.append(_loop(loops[name], item.x + child.width / 2, top, child.height))
     for name, meaning in outcomes.items():
         item = items[_pill(name)]
-        y = placed.tops[item.rank]
-        figure.pills.append(Pill(item.x - item.width / 2, y, item.width, item.height, name, meaning))
+        corner = item.x - item.width / 2, placed.tops[item.rank]
+        figure.pills.append(Pill(*corner, item.width, item.height, name, meaning))
     if "" in items:
         x, y = items[""].x - _START / 2, placed.tops[items[""].rank]
         figure.pills.append(Pill(x, y, _START, _START, "", "start"))
@@ -175,11 +161,6 @@ def _inside(children: dict[str, Figure], outcomes: dict[str, str], links: list[L
 
 def _pill(outcome: str) -> str:
     return f"/{outcome}"  # no child's name has a slash
-
-
-def _edge(link: Link) -> Edge:
-    size = (text_width(link.label, TEXT_SIZE) + 8, _LABEL_HEIGHT) if link.label else (0.0, 0.0)
-    return Edge(link.source, _pill(link.target) if link.to_outcome else link.target, size)
 
 
 def _ends(

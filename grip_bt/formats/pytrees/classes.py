@@ -57,14 +57,6 @@ def reason_unsupported(cls: type[Behaviour]) -> str:
     return _WHY.get(cls) or f"{cls.__module__}.{cls.__name__} is no class that a task has"
 
 
-def _sequence(node: Any) -> NodeSettings:
-    return NodeSettings({"kind": "sequence", "memory": bool(node.memory)})
-
-
-def _selector(node: Any) -> NodeSettings:
-    return NodeSettings({"kind": "fallback", "memory": bool(node.memory)})
-
-
 def _parallel(node: Any) -> NodeSettings:
     policy = node.policy
     # A child that has failed ends it: none but those that have succeeded could be ticked again.
@@ -75,62 +67,41 @@ def _parallel(node: Any) -> NodeSettings:
         # The first failure ends it too, and before a success is looked at: that is what an exit does.
         return NodeSettings({"kind": "parallel", "policy": "any"}, failures=True)
     if type(policy) is ParallelPolicy.SuccessOnSelected:
-        return _selected(node, again)
+        chosen = {id(child) for child in policy.children}
+        positions = tuple(n for n, child in enumerate(node.children) if id(child) in chosen)
+        if not chosen or len(positions) < len(chosen):
+            why = "needs a selection of its own children; py_trees refuses it too"
+            raise NoEquivalentError(f"a Parallel with SuccessOnSelected {why}")
+        return NodeSettings({"kind": "parallel", **again}, selected=positions)
     raise NoEquivalentError(f"a Parallel with {type(policy).__name__}: what that decides isn't known")
-
-
-def _selected(node: Any, again: dict[str, Any]) -> NodeSettings:
-    chosen = {id(child) for child in node.policy.children}
-    positions = tuple(n for n, child in enumerate(node.children) if id(child) in chosen)
-    if not chosen or len(positions) < len(chosen):
-        raise NoEquivalentError(
-            "a Parallel with SuccessOnSelected needs a selection of its own children; py_trees refuses it too"
-        )
-    return NodeSettings({"kind": "parallel", **again}, selected=positions)
-
-
-def _retry(node: Any) -> NodeSettings:
-    return NodeSettings({"kind": "retry", "times": max(1, node.num_failures)})
-
-
-def _repeat(node: Any) -> NodeSettings:
-    return NodeSettings({"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})})
 
 
 def _timeout(node: Any) -> NodeSettings:
     if node.duration <= 0:
         raise NoEquivalentError(f"a Timeout of {node.duration:g} s is over at once")
-    own = {"kind": "timeout", "seconds": float(node.duration), "child_first": True}
-    return NodeSettings(own, remark="its time is that of the run's clock now")
+    return NodeSettings({"kind": "timeout", "seconds": float(node.duration), "child_first": True}, remark=_CLOCK)
 
 
-def _timer(node: Any) -> NodeSettings:
-    leaf = {"node": "flow/wait", "with": {"seconds": float(node.duration)}}
-    return NodeSettings(leaf, remark="its time is that of the run's clock now")
-
-
-def _always(**settings: object) -> Callable[[object], NodeSettings]:
-    return lambda node: NodeSettings(dict(settings))
-
-
-def _pass_through(node: object) -> NodeSettings:
-    return NodeSettings({"kind": "guard", "if": "true"}, remark="a PassThrough is a guard that is always open")
-
-
-_KNOWN: dict[type[Behaviour], Callable[[object], NodeSettings]] = {
-    composites.Sequence: _sequence,
-    composites.Selector: _selector,
+_CLOCK = "its time is that of the run's clock now"
+_OPEN = "a PassThrough is a guard that is always open"
+_KNOWN: dict[type[Behaviour], Callable[[Any], NodeSettings]] = {
+    composites.Sequence: lambda node: NodeSettings({"kind": "sequence", "memory": bool(node.memory)}),
+    composites.Selector: lambda node: NodeSettings({"kind": "fallback", "memory": bool(node.memory)}),
     composites.Parallel: _parallel,
-    decorators.Retry: _retry,
-    decorators.Repeat: _repeat,
+    decorators.Retry: lambda node: NodeSettings({"kind": "retry", "times": max(1, node.num_failures)}),
+    decorators.Repeat: lambda node: NodeSettings(
+        {"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})}
+    ),
     decorators.Timeout: _timeout,
-    decorators.Inverter: _always(kind="invert"),
-    decorators.FailureIsSuccess: _always(kind="force", **{"as": "success"}),
-    decorators.SuccessIsFailure: _always(kind="force", **{"as": "failure"}),
-    decorators.PassThrough: _pass_through,
-    behaviours.Success: _always(node="flow/succeed"),
-    behaviours.Failure: _always(node="flow/fail"),
-    timers.Timer: _timer,
+    decorators.Inverter: lambda node: NodeSettings({"kind": "invert"}),
+    decorators.FailureIsSuccess: lambda node: NodeSettings({"kind": "force", "as": "success"}),
+    decorators.SuccessIsFailure: lambda node: NodeSettings({"kind": "force", "as": "failure"}),
+    decorators.PassThrough: lambda node: NodeSettings({"kind": "guard", "if": "true"}, remark=_OPEN),
+    behaviours.Success: lambda node: NodeSettings({"node": "flow/succeed"}),
+    behaviours.Failure: lambda node: NodeSettings({"node": "flow/fail"}),
+    timers.Timer: lambda node: NodeSettings(
+        {"node": "flow/wait", "with": {"seconds": float(node.duration)}}, remark=_CLOCK
+    ),
 }
 ENDS = {
     "flow/succeed": {"success": "success"},
@@ -141,25 +112,23 @@ ENDS = {
 _RUNNING = "it turns RUNNING into an end or an end into RUNNING; no task node does that"
 _BLACKBOARD = "it works on py_trees' blackboard, which a task hasn't; its variables have types and a place"
 _WHY: dict[type[Behaviour], str] = {
-    decorators.RunningIsFailure: f"RunningIsFailure: {_RUNNING}",
-    decorators.RunningIsSuccess: f"RunningIsSuccess: {_RUNNING}",
-    decorators.FailureIsRunning: f"FailureIsRunning: {_RUNNING}",
-    decorators.SuccessIsRunning: f"SuccessIsRunning: {_RUNNING}",
-    decorators.Condition: f"Condition: {_RUNNING}",
+    **{
+        cls: f"{cls.__name__}: {_RUNNING}"
+        for cls in (
+            *(decorators.RunningIsFailure, decorators.RunningIsSuccess, decorators.FailureIsRunning),
+            *(decorators.SuccessIsRunning, decorators.Condition),
+        )
+    },
     decorators.OneShot: "OneShot: what it remembers outlives its container; no node of a task does that",
     decorators.Count: "Count: its counters can't be read; leave it out",
     decorators.EternalGuard: "EternalGuard: its condition is a Python function; write a guard with an expression",
-    decorators.StatusToBlackboard: f"StatusToBlackboard: {_BLACKBOARD}",
-    decorators.ForEach: f"ForEach: {_BLACKBOARD}",
-    behaviours.SetBlackboardVariable: f"SetBlackboardVariable: {_BLACKBOARD}",
-    behaviours.UnsetBlackboardVariable: f"UnsetBlackboardVariable: {_BLACKBOARD}",
-    behaviours.BlackboardToStatus: f"BlackboardToStatus: {_BLACKBOARD}",
-    behaviours.CheckBlackboardVariableExists: f"CheckBlackboardVariableExists: {_BLACKBOARD}",
-    behaviours.CheckBlackboardVariableValue: f"CheckBlackboardVariableValue: {_BLACKBOARD}",
-    behaviours.CheckBlackboardVariableValues: f"CheckBlackboardVariableValues: {_BLACKBOARD}",
-    behaviours.CompareBlackboardVariables: f"CompareBlackboardVariables: {_BLACKBOARD}",
-    behaviours.WaitForBlackboardVariable: f"WaitForBlackboardVariable: {_BLACKBOARD}",
-    behaviours.WaitForBlackboardVariableValue: f"WaitForBlackboardVariableValue: {_BLACKBOARD}",
+    **{
+        cls: f"{cls.__name__}: {_BLACKBOARD}"
+        for cls in (
+            *(decorators.StatusToBlackboard, decorators.ForEach),
+            *(found for name, found in vars(behaviours).items() if "Blackboard" in name),
+        )
+    },
 }
 
 
@@ -172,15 +141,11 @@ def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[
     """
     keys = document.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child"})
     if isinstance(behaviour, Leaf) and isinstance(document, model.Leaf):
-        keys |= _changed_parameters(behaviour, document)
+        defaults = {name: p.default for name, p in behaviour.manifest.parameters.items() if not p.required}
+        if behaviour.params != {**defaults, **document.with_}:
+            params = behaviour.params.items()
+            keys["with"] = {k: v for k, v in params if k in document.with_ or v != defaults.get(k)}
     return keys
-
-
-def _changed_parameters(leaf: Leaf, document: model.Leaf) -> dict[str, object]:
-    defaults = {name: p.default for name, p in leaf.manifest.parameters.items() if not p.required}
-    if leaf.params == {**defaults, **document.with_}:
-        return {}
-    return {"with": {k: v for k, v in leaf.params.items() if k in document.with_ or v != defaults.get(k)}}
 
 
 def refuse_variables(document: model.AnyNode) -> None:

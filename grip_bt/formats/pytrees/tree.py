@@ -145,21 +145,20 @@ _OF_A_RUN = {
 
 
 def foreign_node(behaviour: Behaviour, name: str) -> dict[str, object]:
-    """Return the keys of a foreign node that makes a behaviour like this one.
+    """Return the keys of a foreign node of this name that makes a behaviour like this one.
 
     Each argument of its constructor is looked for in an attribute of the same name. Whether these are right is seen
     by making one: its attributes have to be equal.
-
-    Args:
-        behaviour: without children.
-        name: of the node.
 
     Raises:
         NoEquivalentError: it can't be made again of literals; the text says why.
     """
     cls = type(behaviour)
     where = f"{cls.__module__}:{cls.__qualname__}"
-    if cls.__module__ == "__main__" or _imported(cls) is not cls:
+    found: object = sys.modules.get(cls.__module__)
+    for part in cls.__qualname__.split("."):  # what other programs find under its name
+        found = getattr(found, part, None)
+    if cls.__module__ == "__main__" or found is not cls:
         raise NoEquivalentError(f"{cls.__qualname__} can't be imported by a name")
     if behaviour.children:
         raise NoEquivalentError(f"{where} has children, and is no class that a task has")
@@ -177,14 +176,6 @@ def foreign_node(behaviour: Behaviour, name: str) -> dict[str, object]:
             args["name"] = behaviour.name
     _compare(behaviour, where, args, "name" in inspect.signature(cls).parameters)
     return {"kind": "foreign", "behaviour": where, **({"args": args} if args else {})}
-
-
-def _imported(cls: type) -> object:
-    """Return what other programs find under the name of a class."""
-    found: object = sys.modules.get(cls.__module__)
-    for name in cls.__qualname__.split("."):
-        found = getattr(found, name, None)
-    return found
 
 
 def _literal(value: object) -> bool:

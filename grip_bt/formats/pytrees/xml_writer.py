@@ -66,15 +66,20 @@ def _check_task(resolved: Resolved) -> None:
 
 def _element(part: Part) -> tuple[str, dict[str, str]]:
     require_expressible(part.path, part.node, _KEYS, _TARGET, _COMMON)
-    tag, attributes = _leaf(part, part.node) if isinstance(part.node, model.Leaf) else _container(part)
+    tag, attributes = _tag_of(part)
     return tag, {"name": part.name, **attributes}
 
 
-def _container(part: Part) -> tuple[str, dict[str, str]]:
+def _tag_of(part: Part) -> tuple[str, dict[str, str]]:
     node = part.node
     if not isinstance(node, model.Parallel) and part.exits:
         raise NotExpressibleError(part.path, "`exits`", _TARGET)
     match node:
+        case model.Leaf():
+            if both := node.in_.keys() & node.out.keys():
+                what = f"{min(both)!r}, which is more than one port or parameter,"
+                raise NotExpressibleError(part.path, what, _TARGET)
+            return node.node.replace("/", "."), leaf_attributes(part, node, to_text, _TARGET)
         case model.Sequence(memory=memory):
             return "Sequence", {"memory": str(memory).lower()}
         case model.Fallback(memory=memory):
@@ -114,9 +119,3 @@ def _policy(part: Part, node: model.Parallel) -> str:
     if (node.policy, node.cancel) == ("any", "halt") and set(part.exits) == failing:
         return "success_on_one"
     raise NotExpressibleError(part.path, "this parallel, which matches no py_trees policy,", _TARGET)
-
-
-def _leaf(part: Part, node: model.Leaf) -> tuple[str, dict[str, str]]:
-    if both := node.in_.keys() & node.out.keys():
-        raise NotExpressibleError(part.path, f"{min(both)!r}, which is more than one port or parameter,", _TARGET)
-    return node.node.replace("/", "."), leaf_attributes(part, node, to_text, _TARGET)
