@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 from grip_bt.base.python_literals import py
 
@@ -22,13 +25,7 @@ class Raw:
 
 @dataclass(frozen=True)
 class Bracketed:
-    """Something between brackets.
-
-    Attributes:
-        before: text up to and including the opening bracket.
-        items: (what stands before an item, such as `name=`; the item).
-        after: the closing bracket.
-    """
+    """Something between brackets, which `before` and `after` end with and are; items with what stands before each."""
 
     before: str
     items: tuple[tuple[str, Expr], ...]
@@ -91,6 +88,19 @@ def statement(target: str, expression: Expr, indent: int = _STEP) -> str:
     """Return `target = expression`, indented; no target makes it the expression alone."""
     before = f"{' ' * indent}{target} = " if target else " " * indent
     return before + format_expression(expression, indent, len(before))
+
+
+@cache
+def template(package: str, name: str) -> Template:
+    """Return a template of a package."""
+    return Environment(
+        loader=PackageLoader(package),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # what is made is Python; values enter it through `literal` alone
+    ).get_template(name)
 
 
 def remarked(text: str, remark: str, indent: int = _STEP) -> str:

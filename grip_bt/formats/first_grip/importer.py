@@ -12,10 +12,10 @@ from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.formats.imported import Imported, Issues, manifests_text
 from grip_bt.formats.names import free, key_of
-from grip_bt.task import FrozenDict, Task
+from grip_bt.task import FrozenDict, Meaning, Task
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 
-from .project import MARK, MESSAGES, Configuration, add_files, project_texts, read_configuration
+from .project import MARK, MESSAGES, Configuration, add_files, outcome_count, project_texts, read_configuration
 from .settings import read_settings
 from .states import ImportContext, node_of
 from .tasks import GripContainer, GripState, graph_task, is_hand, name_of, outcome_meanings, text_task
@@ -54,7 +54,15 @@ def import_grip(path: Path) -> Imported:
     tasks: dict[str, Task] = {}
     unknown: dict[str, GripState] = {}
     for root in originals:
-        task = task_of(root, _context(found, unknown, issues))
+        context = ImportContext(
+            arms={group: key_of(group) for group in found.part("planners") if not is_hand(group)},
+            sensors={name: key_of(name) for name in found.part("sensors")},
+            components={n: (key_of(n), outcome_count(said)) for n, said in found.part("components").items()},
+            messages={kind: set(found.part(kind)) for kind in MESSAGES} if found.parts else {},
+            unknown=unknown,
+            issues=issues,
+        )
+        task = _task(root, context)
         tasks[free(key_of(task.name), tasks)] = task
     if unknown:
         texts |= _nodes(unknown)
@@ -85,22 +93,6 @@ def _task_data(file: Path) -> Mapping[str, object] | None:
     except DocumentError:
         return None
     return data if isinstance(data, dict) and isinstance(data.get("states"), list) else None
-
-
-def _context(found: Configuration, unknown: dict[str, GripState], issues: Issues) -> ImportContext:
-    return ImportContext(
-        arms={group: key_of(group) for group in found.part("planners") if not is_hand(group)},
-        sensors={name: key_of(name) for name in found.part("sensors")},
-        components={n: (key_of(n), _count(said)) for n, said in found.part("components").items()},
-        messages={kind: set(found.part(kind)) for kind in MESSAGES} if found.parts else {},
-        unknown=unknown,
-        issues=issues,
-    )
-
-
-def _count(said: Mapping[str, object]) -> int:
-    number = said.get("number_outcomes")
-    return number if type(number) is int and 0 < number < 100 else 1
 
 
 def _nodes(unknown: Mapping[str, GripState]) -> dict[str, str]:
@@ -138,7 +130,7 @@ def _class(cls: str, state: GripState, outcomes: tuple[str, ...]) -> str:
     )
 
 
-def task_of(root: GripContainer, context: ImportContext) -> Task:
+def _task(root: GripContainer, context: ImportContext) -> Task:
     """Return the task; what isn't as it was is added to the context's issues.
 
     Raises:
@@ -151,12 +143,11 @@ def task_of(root: GripContainer, context: ImportContext) -> Task:
         if state.type == "ComputePlan" and state.slots.get("plan_name"):
             context.produced.add(name_of(str(state.slots["plan_name"])))
     node = _container(root, context, root.name)
-    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(root.outcomes).items()}
     document = {
         "grip": 1,
         "name": name_of(root.name),
         "doc": "Imported from a task of the first GRIP.",
-        "outcomes": outcomes,
+        "outcomes": _outcomes(root),
         "data": context.variables,
         "root": node,
     }
@@ -184,8 +175,12 @@ def _container(found: GripContainer, context: ImportContext, place: str) -> dict
         children[names[label]] = {**node, "on": on}
     if found.initial not in names:
         raise GripError(f"{place}: it begins with {found.initial!r}, which isn't there")
-    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(found.outcomes).items()}
-    return {"kind": "state_machine", "initial": names[found.initial], "outcomes": outcomes, "children": children}
+    initial = names[found.initial]
+    return {"kind": "state_machine", "initial": initial, "outcomes": _outcomes(found), "children": children}
+
+
+def _outcomes(found: GripContainer) -> dict[str, Meaning]:
+    return {name_of(outcome): meaning for outcome, meaning in outcome_meanings(found.outcomes).items()}
 
 
 def _parallel(found: GripContainer, names: dict[str, str], context: ImportContext, place: str) -> dict[str, object]:
@@ -205,8 +200,7 @@ def _parallel(found: GripContainer, names: dict[str, str], context: ImportContex
                 text = f"{wanted} of {label!r} lead to {outcome!r}: any of them will do; only the last counted"
                 context.issues.add("changed", place, text)
     rules.append({"then": name_of(found.default)})
-    outcomes = {name_of(outcome): meaning for outcome, meaning in outcome_meanings(found.outcomes).items()}
-    own = {outcome: meaning for outcome, meaning in outcomes.items() if outcome not in ("success", "failure")}
+    own = {outcome: meaning for outcome, meaning in _outcomes(found).items() if outcome not in ("success", "failure")}
     return {"kind": "parallel", "cancel": "join", "rules": rules, "outcomes": own, "children": children}
 
 
@@ -217,8 +211,7 @@ def _child(child: GripState, context: ImportContext, place: str) -> tuple[dict[s
         if child.concurrent:  # a parallel may end with these too, as far as its document says
             ends |= {end: end for end in ("success", "failure") if end not in ends.values()}
         return node, ends
-    made = node_of(child, context, place)
-    return made.node, made.ends
+    return node_of(child, context, place)
 
 
 def _target(

@@ -25,14 +25,7 @@ _OTHERS = (".xacro", ".urdf", ".launch", ".world", ".scene")
 
 @dataclass
 class Configuration:
-    """What was found.
-
-    Attributes:
-        parts: kind of file -> name -> what the file says of it.
-        sources: kind of file -> the files that it was read from.
-        scene: a file of the collision scene.
-        issues: what isn't as it was.
-    """
+    """What was found: by kind of file, what is said of each name, and the files; and a file of the collision scene."""
 
     parts: dict[str, dict[str, Any]] = field(default_factory=dict)
     sources: dict[str, list[str]] = field(default_factory=dict)
@@ -106,9 +99,8 @@ def _take_yaml(found: Configuration, path: Path) -> None:
     known = found.parts.setdefault(kind, {})
     for name, value in data.items():
         if name in known and known[name] != value:
-            found.issues.add(
-                "incomplete", path.name, f"{name!r} is also defined in another file with a different value"
-            )
+            text = f"{name!r} is also defined in another file with a different value"
+            found.issues.add("incomplete", path.name, text)
         else:
             known[name] = value
     found.sources.setdefault(kind, []).append(path.name)
@@ -122,20 +114,16 @@ def _has(*keys: str) -> Callable[[object], bool]:
     return lambda value: isinstance(value, dict) and set(keys) <= set(value)
 
 
-def _numbers(value: object) -> bool:
-    return isinstance(value, dict) and bool(value) and all(type(each) in (int, float) for each in value.values())
-
-
-def _points(value: object) -> bool:
-    return isinstance(value, list) and bool(value) and all(_has("name", "interpolate_time")(each) for each in value)
-
-
 _KINDS: dict[str, Callable[[dict[str, object]], bool]] = {
     "hardware": lambda data: "robot_hardware" in data,
     "sensor plugins": lambda data: isinstance(data.get("sensors"), list),
     "poses": _each(_has("reference_frame")),
-    "joint_states": _each(_numbers),
-    "trajectories": _each(_points),
+    "joint_states": _each(
+        lambda said: isinstance(said, dict) and bool(said) and all(type(each) in (int, float) for each in said.values())
+    ),
+    "trajectories": _each(
+        lambda said: isinstance(said, list) and bool(said) and all(map(_has("name", "interpolate_time"), said))
+    ),
     "components": _each(_has("action/service")),
     "planners": _each(_has("planner_name")),
     "sensors": _each(_has("data_topics")),
@@ -197,12 +185,8 @@ def _mount(name: str, frame: str, pose: Mapping[str, Any], found: Configuration)
     except (KeyError, TypeError, ValueError) as error:
         found.issues.add("incomplete", name, f"its pose can't be read ({error}); add `mount`")
         return None
-    return {
-        "frame": frame,
-        "on": str(pose.get("reference_frame", "world")),
-        "position": position,
-        "quaternion": quaternion,
-    }
+    on = str(pose.get("reference_frame", "world"))
+    return {"frame": frame, "on": on, "position": position, "quaternion": quaternion}
 
 
 MARK = generated_by("grip")
@@ -235,9 +219,8 @@ def _project(found: Configuration) -> dict[str, Any]:
     for group, said in found.part("planners").items():
         if is_hand(group):
             hands[key_of(group)] = {"group": group}
-            found.issues.add(
-                "changed", group, "treated as a hand because of its name; no motions are planned for hands"
-            )
+            text = "treated as a hand because of its name; no motions are planned for hands"
+            found.issues.add("changed", group, text)
         else:
             arms[key_of(group)] = _arm(group, said, found.issues)
     sensors = {key_of(name): sensor_entry(name, said, found) for name, said in found.part("sensors").items()}
@@ -274,8 +257,7 @@ def component_entry(name: str, said: Mapping[str, object], issues: Issues) -> di
         text = f"{path}: PACKAGE/{{action,srv}}/Name.{{action,srv}} is expected; the component isn't imported"
         issues.add("incomplete", name, text)
         return None
-    number = said.get("number_outcomes")
-    count = number if type(number) is int and 0 < number < 100 else 1
+    number, count = said.get("number_outcomes"), outcome_count(said)
     if count != number:
         issues.add("incomplete", name, f"number_outcomes is {number!r}; one outcome is assumed")
     key, package = key_of(name), key_of(path.parts[-3])
@@ -289,7 +271,9 @@ def component_entry(name: str, said: Mapping[str, object], issues: Issues) -> di
     program = str(said.get("node_type") or PurePosixPath(str(said.get("file", ""))).name)
     if program:
         owner = PurePosixPath(str(said.get("file", "")))
-        made["start"] = {"package": _package(owner, package), "executable": program, "run": False}
+        below = owner.parts[owner.parts.index("src") + 1 :] if "src" in owner.parts else ()
+        # the package is the folder below `src`
+        made["start"] = {"package": below[0] if below[1:] else package, "executable": program, "run": False}
     text = "its server is one of ROS 1: port it to ROS 2, set `run: true`"
     issues.add("incomplete", name, f"{text}, and run `grip component add components/{key}` for its node")
     if said.get("run_node") is False:
@@ -297,12 +281,10 @@ def component_entry(name: str, said: Mapping[str, object], issues: Issues) -> di
     return made
 
 
-def _package(file: PurePosixPath, otherwise: str) -> str:
-    """Return the package that a server's file is in: the folder below `src`."""
-    parts = file.parts
-    if "src" in parts and parts.index("src") + 2 < len(parts):
-        return parts[parts.index("src") + 1]
-    return otherwise
+def outcome_count(said: Mapping[str, object]) -> int:
+    """Return how many outcomes an external component has; one where that isn't said."""
+    number = said.get("number_outcomes")
+    return number if type(number) is int and 0 < number < 100 else 1
 
 
 def _yaml_text(data: Mapping[str, object], flow: bool = False) -> str:

@@ -19,18 +19,7 @@ LARGEST = 64 * 2**20
 """Longest file [bytes]."""
 Key = tuple[str, ...]
 
-_ESCAPES = {
-    "a": "\a",
-    "b": "\b",
-    "f": "\f",
-    "n": "\n",
-    "r": "\r",
-    "t": "\t",
-    "v": "\v",
-    '"': '"',
-    "\\": "\\",
-    "0": "\0",
-}
+_ESCAPES = dict(zip('abfnrtv"\\', '\a\b\f\n\r\t\v"\\', strict=True))
 _PERCENT = re.compile(r"%U([0-9A-Fa-f]{4})|%([0-9A-Fa-f]{2})")
 _USER_TYPE = 127
 _PYTHON_OBJECT = b"PyQt_PyObject\0"
@@ -38,12 +27,7 @@ _PYTHON_OBJECT = b"PyQt_PyObject\0"
 
 @dataclass(frozen=True)
 class Refused:
-    """A value that isn't read.
-
-    Attributes:
-        reason: why.
-        line: where.
-    """
+    """A value that isn't read: why, and in which line."""
 
     reason: str
     line: int
@@ -75,7 +59,8 @@ def read_settings(path: Path) -> dict[Key, object]:
         key, equal, value = line.partition("=")
         if not equal:
             raise DocumentError("neither a section nor `key=value`", str(path), number)
-        found[(*group, *_key(key.strip()))] = _value(value.strip(), number)
+        values = [_variant(item, number) for item in _items(value.strip())]
+        found[(*group, *_key(key.strip()))] = values[0] if len(values) == 1 else values
     return found
 
 
@@ -87,12 +72,6 @@ def _key(text: str) -> Key:
         return chr(int(wide or narrow, 16))
 
     return tuple(_PERCENT.sub(character, part) for part in re.split(r"[\\/]", text) if part)
-
-
-def _value(text: str, line: int) -> object:
-    items = _items(text)
-    values = [_variant(item, line) for item in items]
-    return values[0] if len(values) == 1 else values
 
 
 def _items(text: str) -> list[str]:

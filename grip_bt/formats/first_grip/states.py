@@ -22,17 +22,8 @@ PLAIN = {"success": "success", "failure": "failure"}
 """Ends of most states."""
 
 
-@dataclass
-class ConvertedState:
-    """A state as a node.
-
-    Attributes:
-        node: the node's keys.
-        ends: outcome of the state -> outcome of the node; those that can't happen are left out.
-    """
-
-    node: dict[str, Any]
-    ends: dict[str, str]
+Converted = tuple[dict[str, Any], dict[str, str]]
+"""A node's keys, and outcome of the state -> outcome of the node; those that can't happen are left out."""
 
 
 @dataclass
@@ -102,9 +93,8 @@ class StepBuilder:
             found = [(s, t) for s, t in STORES.values() if name in self.context.messages.get(s, ())]
             store, type_name = found[0] if found else ("", "Any")
             if not found:
-                self.note(
-                    "incomplete", f"{what} {name!r} is neither written by a state nor a stored message; give it a value"
-                )
+                text = f"{what} {name!r} is neither written by a state nor a stored message; give it a value"
+                self.note("incomplete", text)
         if not store:
             return self.context.variable(name)
         known = self.context.messages.get(store)
@@ -114,10 +104,6 @@ class StepBuilder:
         self.add(f"get_{key_of(name)}", "messages/get", with_={"store": store, "name": name}, out={"value": variable})
         return variable
 
-    def produced(self, name: str) -> str:
-        """Return the variable that some state writes under a name; empty where none does."""
-        return self.context.variable(name) if name_of(name) in self.context.produced else ""
-
     def node(self) -> dict[str, Any]:
         """Return one step as it is, several in a sequence."""
         if len(self.steps) == 1:
@@ -125,19 +111,13 @@ class StepBuilder:
         return {"kind": "sequence", "children": self.steps}
 
 
-def moves_a_hand(state: GripState) -> bool:
-    """Tell whether a state has a hand follow a trajectory, which no node does: hands go from posture to posture."""
-    return state.type == "ExecuteTrajectory" and is_hand(str(state.slots.get("group_name") or ""))
-
-
 def _compute_plan(steps: StepBuilder) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
     given = {"goal": steps.value(steps.slot("target_name"), steps.slot("target_type"), "the target")}
     if start := steps.slot("starting_name"):
         if steps.slot("starting_type") == "pose":
-            steps.note(
-                "incomplete", f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`"
-            )
+            text = f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`"
+            steps.note("incomplete", text)
         else:
             given["start"] = steps.value(start, steps.slot("starting_type"), "the start")
     variable = steps.context.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
@@ -158,16 +138,16 @@ def _move(steps: StepBuilder) -> dict[str, str]:
 
 
 def _execute_trajectory(steps: StepBuilder) -> dict[str, str]:
-    group, name = steps.slot("group_name"), steps.slot("trajectory_name")
-    variable = steps.produced(name) or steps.value(name, "trajectory", "the trajectory")
-    arm = steps.context.arm(group)
+    name, arm = steps.slot("trajectory_name"), steps.context.arm(steps.slot("group_name"))
+    produced = name_of(name) in steps.context.produced
+    variable = steps.context.variable(name) if produced else steps.value(name, "trajectory", "the trajectory")
     steps.add("follow", "arm/execute_trajectory", with_=arm, in_={"trajectory": variable})
     steps.note("changed", "goes to where the trajectory begins; is checked before, and fails when it can't be followed")
     return PLAIN
 
 
 def _wait_for(steps: StepBuilder) -> dict[str, str]:
-    seconds = _seconds(steps, "timeout")
+    seconds = _number(steps, "timeout", r"\d{1,9}(\.\d{0,9})?|\.\d{1,9}", " of seconds")
     if topic := steps.slot("topic_name"):
         # its type is that of the publisher, as it was
         steps.add("wait", "ros/wait_for_message", with_={"topic": "/" + topic.strip("/"), "timeout": seconds})
@@ -194,34 +174,23 @@ def _select(steps: StepBuilder) -> dict[str, str]:
 
 
 def _counter(steps: StepBuilder) -> dict[str, str]:
-    first, last = _number(steps, "initial_value", 0), _number(steps, "end_value", None)
-    down = last is not None and first is not None and last < first
+    first, last = (_number(steps, slot, r"-?\d{1,9}") for slot in ("initial_value", "end_value"))
     output = name_of(steps.slot("output") or "counter")
-    if down:
+    if last is not None and last < (first or 0):
         steps.note("incomplete", "it counts down; `flow/count` ends at a limit from below: turn its numbers round")
-    steps.context.variables[output] = {"type": "int", "value": (first or 0) - 1}
-    limit = {} if last is None else {"limit": last}
+    steps.context.variables[output] = {"type": "int", "value": int(first or 0) - 1}
+    limit = {} if last is None else {"limit": int(last)}
     steps.add("count", "flow/count", with_=limit, in_={"count": output}, out={"count": output})
     return {"success": "success", "finished": "reached"} if last is not None else {"success": "success"}
 
 
-def _number(steps: StepBuilder, slot: str, otherwise: int | None) -> int | None:
-    text = steps.slot(slot)
-    if text in ("", "None"):
-        return otherwise
-    if re.fullmatch(r"-?\d{1,9}", text):
-        return int(text)
-    steps.note("incomplete", f"`{slot}` is {text!r} and no number")
-    return otherwise
-
-
-def _seconds(steps: StepBuilder, slot: str) -> float | None:
+def _number(steps: StepBuilder, slot: str, pattern: str, unit: str = "") -> float | None:
     text = steps.slot(slot)
     if text in ("", "None"):
         return None
-    if re.fullmatch(r"\d{1,9}(\.\d{0,9})?|\.\d{1,9}", text):
+    if re.fullmatch(pattern, text):
         return float(text)
-    steps.note("incomplete", f"`{slot}` is {text!r} and no number of seconds")
+    steps.note("incomplete", f"`{slot}` is {text!r} and no number{unit}")
     return None
 
 
@@ -256,20 +225,25 @@ STATES: dict[str, Callable[[StepBuilder], dict[str, str]]] = {
 """Type -> what adds its steps and returns its ends: outcome of the state -> outcome of the node."""
 
 
-def node_of(state: GripState, context: ImportContext, place: str) -> ConvertedState:
+def node_of(state: GripState, context: ImportContext, place: str) -> Converted:
     """Return a state as a node."""
     steps = StepBuilder(state, context, place)
-    if state.type in STATES and not moves_a_hand(state):
+    # no node has a hand follow a trajectory: hands go from posture to posture
+    moves_a_hand = state.type == "ExecuteTrajectory" and is_hand(str(state.slots.get("group_name") or ""))
+    if state.type in STATES and not moves_a_hand:
         ends = STATES[state.type](steps)
-        return ConvertedState(steps.node(), ends)
+        return steps.node(), ends
     if state.type in context.components:
         return _component(steps)
     if state.type in context.sensors:
-        return ConvertedState(_sensor(steps), PLAIN)
+        key, alias = context.sensors[state.type], key_of(steps.slot("sensor_topic") or "data")
+        out = {alias: context.variable(steps.slot("output"))} if steps.slot("output") else {}
+        steps.add("look", f"sensor/{key}", out=out)
+        return steps.node(), PLAIN
     return _unknown(steps)
 
 
-def _component(steps: StepBuilder) -> ConvertedState:
+def _component(steps: StepBuilder) -> Converted:
     key, count = steps.context.components[steps.state.type]
     given = {"input": _input(steps)} if steps.slot("input") else {}
     output, store = steps.slot("output"), STORES.get(steps.slot("output_type"), ("", ""))[0]
@@ -280,10 +254,10 @@ def _component(steps: StepBuilder) -> ConvertedState:
         steps.note("incomplete", f"its result went to the {store} as {output!r}; add `messages/put` after it")
     ends = {str(number): f"outcome_{number}" for number in range(count)} | {"state_failure": "failure"}
     if len(steps.steps) == 1:
-        return ConvertedState(steps.node(), ends)
+        return steps.node(), ends
     exits = {f"call.outcome_{number}": f"outcome_{number}" for number in range(count)}
     outcomes = dict.fromkeys(exits.values(), "success")
-    return ConvertedState({**steps.node(), "outcomes": outcomes, "exits": exits}, ends)
+    return {**steps.node(), "outcomes": outcomes, "exits": exits}, ends
 
 
 def _input(steps: StepBuilder) -> str:
@@ -297,14 +271,7 @@ def _input(steps: StepBuilder) -> str:
     return variable
 
 
-def _sensor(steps: StepBuilder) -> dict[str, object]:
-    key, alias = steps.context.sensors[steps.state.type], key_of(steps.slot("sensor_topic") or "data")
-    out = {alias: steps.context.variable(steps.slot("output"))} if steps.slot("output") else {}
-    steps.add("look", f"sensor/{key}", out=out)
-    return steps.node()
-
-
-def _unknown(steps: StepBuilder) -> ConvertedState:
+def _unknown(steps: StepBuilder) -> Converted:
     """Return a node of the project's own whose class has to be filled in."""
     state, context = steps.state, steps.context
     id_ = f"original/{key_of(state.type or state.name)}"
@@ -316,7 +283,6 @@ def _unknown(steps: StepBuilder) -> ConvertedState:
     for name in read.values():
         context.variable(name)
     steps.add("do", id_, with_=given, in_=read, out=out)
-    steps.note(
-        "incomplete", f"{state.type or 'a state without type'} has no equivalent; write its class: nodes/original"
-    )
-    return ConvertedState(steps.node(), {outcome: name_of(outcome) for outcome in state.outcomes})
+    what = state.type or "a state without type"
+    steps.note("incomplete", f"{what} has no equivalent; write its class: nodes/original")
+    return steps.node(), {outcome: name_of(outcome) for outcome in state.outcomes}

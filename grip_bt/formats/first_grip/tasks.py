@@ -10,7 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, S
 
 from grip_bt.base.errors import GripError
 from grip_bt.formats.imported import Issues
-from grip_bt.formats.names import free, node_name
+from grip_bt.formats.names import free, key_of, node_name
 from grip_bt.task.model import Meaning
 
 from .settings import Key, Refused
@@ -162,7 +162,12 @@ class _Reader:
         if depth > _DEEPEST:
             raise BrokenTaskError(f"{self.source}: containers lie in each other more than {_DEEPEST} deep")
         place = "/".join(key)
-        graph = self._graph(self.graphs[key], place)
+        try:
+            graph = _Graph.model_validate(self.graphs[key])
+        except ValidationError as error:
+            first = error.errors()[0]
+            where = "/".join(map(str, first["loc"]))
+            raise BrokenTaskError(f"{self.source}: {place}: {where}: {first['msg']}") from None
         ends = [each.name for each in graph.terminal_sockets]
         start = ends.index(_START) if _START in ends else 0
         outcomes = [end for number, end in enumerate(ends) if number != start and end]
@@ -178,14 +183,6 @@ class _Reader:
             self._child(made, inner, entry, sockets, place)
         self._finish(made, self._connect(made, graph.connectors, sockets, place), place)
         return made
-
-    def _graph(self, data: Mapping[str, object], place: str) -> _Graph:
-        try:
-            return _Graph.model_validate(data)
-        except ValidationError as error:
-            first = error.errors()[0]
-            where = "/".join(map(str, first["loc"]))
-            raise BrokenTaskError(f"{self.source}: {place}: {where}: {first['msg']}") from None
 
     def _find(self, name: str, parent: Key) -> Key:
         for key in ((*parent, name), (*parent[:-1], name), (name,)):
@@ -225,19 +222,16 @@ class _Reader:
             if left[0] == "start" and right[0] == "in":
                 starts.append(right[1])
             elif left[0] == "out" and right[0] in ("in", "end"):
-                target = right[1] if right[0] == "in" else right[2]
-                self._lead(made, left[1], left[2], target, right[0] == "end", place)
+                (_, child, outcome), target = left, right[1] if right[0] == "in" else right[2]
+                made.children[child].leads[outcome] = target
+                if made.concurrent and right[0] == "end":
+                    made.rules.setdefault(target, {}).setdefault(child, []).append(outcome)
+                elif made.concurrent:
+                    what = "in a concurrent container, whose children begin at once"
+                    self.issues.add("changed", place, f"{outcome!r} of {child!r} led to {target!r} {what}")
             else:
                 self.issues.add("incomplete", place, f"a connector joins {left[0]} and {right[0]}: left out")
         return starts
-
-    def _lead(self, made: GripContainer, child: str, outcome: str, target: str, ends: bool, place: str) -> None:
-        made.children[child].leads[outcome] = target
-        if made.concurrent and ends:
-            made.rules.setdefault(target, {}).setdefault(child, []).append(outcome)
-        elif made.concurrent:
-            text = f"{outcome!r} of {child!r} led to {target!r} in a concurrent container, whose children begin at once"
-            self.issues.add("changed", place, text)
 
     def _finish(self, made: GripContainer, starts: list[str], place: str) -> None:
         if not made.children:
@@ -271,17 +265,8 @@ def _id(said: object) -> int | str | None:
 
 
 _CONTAINERS = {"state_machine": False, "concurrent_state_machine": True, "sm_base": False}
-_TYPES = {
-    "plan": "ComputePlan",
-    "compute_plan": "ComputePlan",
-    "move": "Move",
-    "counter": "Counter",
-    "select": "Select",
-    "wait_for": "WaitFor",
-    "execute_trajectory": "ExecuteTrajectory",
-    "allow_collisions": "AllowCollisions",
-    "reinitialise_managers": "ReinitialiseManagers",
-}
+_NAMED = ("ComputePlan", "Move", "Counter", "Select", "WaitFor", "ExecuteTrajectory", "AllowCollisions")
+_TYPES = {"plan": "ComputePlan", **{key_of(name): name for name in (*_NAMED, "ReinitialiseManagers")}}
 
 
 def text_task(data: object, source: str) -> GripContainer:

@@ -11,7 +11,7 @@ from grip_bt.task import Task
 
 from .importer import ImportedFile, advice, import_file, write_import
 from .objects import FromMachine, from_machine
-from .reader.found import ContainerInfo, Span
+from .reader.found import Span
 from .recorded import import_with_execution
 
 __all__ = [
@@ -60,7 +60,8 @@ def read(request: Request) -> Imported:
             folder = f"smach_{each.leaves.stem}"
             texts = each.leaves.texts(request.nodes / folder)
             files |= {f"nodes/{folder}/{name}": text for name, text in texts.items()}
-        items += [_item(each, container) for container in each.containers]
+        source = f"{each.file.name} (Python 2)" if each.converted else each.file.name
+        items += [Item(found.title, source, found.span.line, tuple(found.issues)) for found in each.containers]
         if each.error:
             errors.append(Issue(each.file.name, "unreadable", CODES["unreadable"], each.error))
         if each.containers:
@@ -72,8 +73,3 @@ def _files(path: Path) -> list[Path]:
     if path.is_dir():
         return sorted(p for p in path.rglob("*.py") if not any(part.startswith(".") for part in p.parts))
     return [path]
-
-
-def _item(read: ImportedFile, found: ContainerInfo) -> Item:
-    source = f"{read.file.name} (Python 2)" if read.converted else read.file.name
-    return Item(found.title, source, found.span.line, tuple(found.issues))

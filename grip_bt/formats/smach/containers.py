@@ -25,21 +25,15 @@ class RefusedError(Exception):
     """A container has no equivalent among the kinds of a task; the message says why."""
 
 
-@dataclass
-class ParallelRules:
-    """How a Concurrence becomes a parallel.
-
-    Attributes:
-        rules: outcome of the Concurrence, and child -> outcome for which it is; the first that holds decides.
-        default: its outcome where none holds.
-    """
-
-    rules: list[tuple[str, dict[str, str]]]
-    default: str
+Rules = list[tuple[str, dict[str, str]]]
 
 
-def parallel_rules(found: ContainerInfo) -> ParallelRules:
+def parallel_rules(found: ContainerInfo) -> tuple[Rules, str]:
     """Return how a Concurrence becomes a parallel.
+
+    Returns:
+        Outcomes of the Concurrence, with child -> outcome for which it is, where the first that holds decides; and its
+        outcome where none holds.
 
     Raises:
         RefusedError: it can't, exactly.
@@ -61,11 +55,6 @@ def parallel_rules(found: ContainerInfo) -> ParallelRules:
             raise RefusedError(f"its outcome map names {unknown}, which it doesn't hold")
         if label not in (found.outcomes or ()):
             raise RefusedError(f"{label!r} of its outcome map is none of its outcomes")
-    _check_writes(found)
-    return ParallelRules(sorted(entries.items(), key=lambda entry: -len(entry[1])), default)
-
-
-def _check_writes(found: ContainerInfo) -> None:
     writers: dict[str, str] = {}
     for label, added in found.added.items():
         for key in added.state.output_keys:
@@ -73,6 +62,7 @@ def _check_writes(found: ContainerInfo) -> None:
             if there in writers and writers[there] != label:
                 raise RefusedError(f"{writers[there]!r} and {label!r} both write the userdata `{there}`")
             writers[there] = label
+    return sorted(entries.items(), key=lambda entry: -len(entry[1])), default
 
 
 @dataclass(frozen=True)
@@ -222,12 +212,8 @@ def constants_of(found: ContainerInfo, added: Child) -> dict[str, object]:
         try:
             result[key] = plain_literal(value)
         except ValueError as error:
-            found.problem(
-                "partial",
-                f"the constant `{key}` of {added.label!r} is `{error}`, known only at run time: "
-                "give its variable a value, or have a state write it",
-                added.span,
-            )
+            text = f"the constant `{key}` of {added.label!r} is `{error}`, known only at run time: "
+            found.problem("partial", text + "give its variable a value, or have a state write it", added.span)
     return result
 
 
@@ -243,8 +229,6 @@ def steps_before(
     """Return the states that set constants, and label -> the state at which it begins.
 
     Args:
-        found: the container.
-        keys: its variables.
         names: label -> its state's name.
         taken: names that are used.
     """
@@ -282,22 +266,11 @@ def _plain(found: ContainerInfo) -> Iterator[tuple[str, object]]:
             continue
         if key in found.input_keys or key in found.output_keys or key in found.userdata:
             continue
-        if _is_written(found, key) or any(key not in given[label] for label in _readers(found, key)):
-            continue
-        yield key, values[0]
-
-
-def _is_written(found: ContainerInfo, key: str) -> bool:
-    return any(
-        added.remapping.get(k, k) == key
-        for added in found.added.values()
-        for k in (*added.state.output_keys, *(() if added.state.kind else added.remapping))
-    )
-
-
-def _readers(found: ContainerInfo, key: str) -> list[str]:
-    return [
-        label
-        for label, added in found.added.items()
-        if any(added.remapping.get(k, k) == key for k in added.state.input_keys)
-    ]
+        for label, added in found.added.items():
+            state, remapped = added.state, added.remapping
+            written = (*state.output_keys, *(() if state.kind else remapped))
+            read = any(remapped.get(k, k) == key for k in state.input_keys)
+            if any(remapped.get(k, k) == key for k in written) or (read and key not in given[label]):
+                break
+        else:
+            yield key, values[0]

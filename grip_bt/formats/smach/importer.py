@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -48,31 +48,39 @@ class ImportedFile:
         return {verdict: found.count(verdict) for verdict in ("exact", "partial", "failed")}
 
 
-def import_file(file: Path, root: Path | None = None) -> ImportedFile:
-    """Read a legacy file, without running it.
+def import_file(
+    file: Path,
+    root: Path | None = None,
+    run: Callable[[list[ContainerInfo], Path, Path], list[ContainerInfo]] | None = None,
+) -> ImportedFile:
+    """Read a legacy file.
 
     Args:
         file: the file.
         root: the folder in which the modules that it imports are looked for; its own by default.
+        run: runs it, and adds to the containers that were read what it saw; without it nothing is run.
     """
-    file = file.resolve()
-    project = Project((root or file.parent).resolve())
-    result = ImportedFile(file)
+    file, folder = file.resolve(), (root or file.parent).resolve()
+    project, result = Project(folder), ImportedFile(file)
     try:
         source = project.source(file)
     except DocumentError as error:
         result.error = str(error)
         return result
     result.converted = source.converted
-    if not mentions_smach(source.tree):
-        return result
+    if run is None and not any(isinstance(node, (ast.Import, ast.ImportFrom)) for node in ast.walk(source.tree)):
+        return result  # nothing in it can be smach's
     reader = Interpreter(project)
     reader.main_file(file)
-    found = distinct(reader.containers, file)
-    return make_tasks(result, found)
+    found = _distinct(reader.containers, file)
+    if run is not None:
+        if not found and "smach" not in source.text:
+            return result  # nothing to see, so nothing is run
+        found = run(found, file, folder)
+    return _make_tasks(result, found)
 
 
-def make_tasks(result: ImportedFile, found: list[ContainerInfo]) -> ImportedFile:
+def _make_tasks(result: ImportedFile, found: list[ContainerInfo]) -> ImportedFile:
     """Make a task of each outermost container."""
     result.leaves = Leaves(result.file)
     result.containers = found
@@ -92,14 +100,9 @@ def make_tasks(result: ImportedFile, found: list[ContainerInfo]) -> ImportedFile
     return result
 
 
-def mentions_smach(tree: ast.Module) -> bool:
-    """Whether a file has to do with smach: it, or something that it imports, may."""
-    return any(isinstance(node, (ast.Import, ast.ImportFrom)) for node in ast.walk(tree))
-
-
-def distinct(containers: list[ContainerInfo], file: Path) -> list[ContainerInfo]:
+def _distinct(containers: list[ContainerInfo], file: Path) -> list[ContainerInfo]:
     """Return the containers of a file, one for each place and each machine that holds it."""
-    mine = [c for c in containers if _outermost(c).span.file == file]
+    mine = [c for c in containers if c.outermost.span.file == file]
     seen: dict[tuple[int, int, int | None], ContainerInfo] = {}
     for container in mine:
         key = (container.span.line, container.span.column, id(container.parent) if container.parent else None)
@@ -108,12 +111,6 @@ def distinct(containers: list[ContainerInfo], file: Path) -> list[ContainerInfo]
     nested = {(c.span.line, c.span.column) for c in seen.values() if c.parent is not None}
     kept = [c for c in seen.values() if c.parent is not None or (c.span.line, c.span.column) not in nested]
     return sorted(kept, key=lambda c: (c.span.line, c.span.column))
-
-
-def _outermost(container: ContainerInfo) -> ContainerInfo:
-    while container.parent is not None:
-        container = container.parent
-    return container
 
 
 def _name(container: ContainerInfo, result: ImportedFile) -> str:

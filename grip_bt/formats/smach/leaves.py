@@ -6,7 +6,7 @@ import ast
 import keyword
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from grip_bt.task import FrozenDict, Meaning
 from grip_bt.task.catalog import Manifest
 from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
 
-from .reader.found import ContainerInfo, StateInfo, root_entry
+from .reader.found import ContainerInfo, StateInfo
 from .reader.names import MODULE
 
 _SUCCESS = frozenset(
@@ -31,11 +31,6 @@ _SUCCESS = frozenset(
 def meaning_of(label: str) -> Meaning:
     """Return what an outcome of this name means."""
     return "success" if label.strip().lower() in _SUCCESS else "failure"
-
-
-def meanings_of(labels: Iterable[str]) -> dict[str, Meaning]:
-    """Return the meanings of outcomes."""
-    return {label: meaning_of(label) for label in labels}
 
 
 MARK = generated_by("smach")
@@ -79,9 +74,7 @@ class Leaves:
         """Return the leaf of a state; states that are made alike share one.
 
         Args:
-            found: the state.
-            label: its label, after which a state of a class of smach's own is called.
-            outcomes: what it may end with.
+            label: after which a state of a class of smach's own is called.
             keys: its input and output keys.
             first: values of unwritten inputs.
         """
@@ -98,59 +91,61 @@ class Leaves:
                 parameters=FrozenDict({"unwritten": Parameter(type="list[str]", default=[])}),
                 inputs=FrozenDict({k: InputPort(type="Any", required=False) for k in inputs}),
                 outputs=FrozenDict({k: OutputPort(type="Any", on=every) for k in outputs}),
-                outcomes=FrozenDict(meanings_of(every)),
+                outcomes=FrozenDict({label: meaning_of(label) for label in every}),
             )
             self.specs[key] = LeafSpec(manifest, cls, source, found.why, first, str(found.span))
         return self.specs[key]
 
     def next_item(self) -> LeafSpec:
         """Return the leaf that hands out the items of an iteration."""
-        if NEXT_ITEM not in self.specs:
-            manifest = Manifest(
-                id=f"smach/{self.stem}/{NEXT_ITEM}",
-                doc="The next item of an iteration.",
-                implementation="grip_bt.nodes.smach_leaf:NextItem",
-                parameters=FrozenDict(
-                    {"items": Parameter(type="list"), "leaves_by": Parameter(type="str", default="")}
-                ),
-                inputs=FrozenDict({"position": InputPort(type="int")}),
-                outputs=FrozenDict(
-                    {
-                        "position": OutputPort(type="int", on=("item", "exhausted", "preempted")),
-                        "item": OutputPort(type="Any", on=("item",)),
-                    }
-                ),
-                outcomes=FrozenDict({"item": "success", "exhausted": "failure", "preempted": "failure"}),
-            )
-            self.specs[NEXT_ITEM] = LeafSpec(manifest, "")
-        return self.specs[NEXT_ITEM]
+        parameters = {"items": Parameter(type="list"), "leaves_by": Parameter(type="str", default="")}
+        means: dict[str, Meaning] = {"item": "success", "exhausted": "failure", "preempted": "failure"}
+        ports = {"position": OutputPort(type="int", on=tuple(means)), "item": OutputPort(type="Any", on=("item",))}
+        return self._ours(
+            (NEXT_ITEM,),
+            "NextItem",
+            "The next item of an iteration.",
+            parameters,
+            means,
+            {"position": InputPort(type="int")},
+            ports,
+        )
 
     def obeyed(self) -> LeafSpec:
         """Return the leaf that ends a Concurrence which was preempted."""
-        if OBEYED not in self.specs:
-            manifest = Manifest(
-                id=f"smach/{self.stem}/{OBEYED}",
-                doc="Whether a preempt request was obeyed by all the others.",
-                implementation="grip_bt.nodes.smach_leaf:Obeyed",
-                parameters=FrozenDict({"allowed": Parameter(type="bool", default=True)}),
-                outcomes=FrozenDict({"others": "success", "preempted": "failure"}),
-            )
-            self.specs[OBEYED] = LeafSpec(manifest, "")
-        return self.specs[OBEYED]
+        doc, allowed = "Whether a preempt request was obeyed by all the others.", Parameter(type="bool", default=True)
+        means: dict[str, Meaning] = {"others": "success", "preempted": "failure"}
+        return self._ours((OBEYED,), "Obeyed", doc, {"allowed": allowed}, means)
 
     def copy(self, names: list[str]) -> LeafSpec:
         """Return the leaf that copies these keys into a container."""
-        key = (COPY, *names)
+        doc = f"Copy {', '.join(names)} into or out of a container."
+        parameters = {"unwritten": Parameter(type="list[str]", default=[])}
+        inputs = {k: InputPort(type="Any", required=False) for k in names}
+        outputs = {k: OutputPort(type="Any", on=("done",)) for k in names}
+        return self._ours((COPY, *names), "CopyKeys", doc, parameters, {"done": "success"}, inputs, outputs)
+
+    def _ours(
+        self,
+        key: tuple[str, ...],
+        cls: str,
+        doc: str,
+        parameters: Mapping[str, Parameter],
+        outcomes: Mapping[str, Meaning],
+        inputs: Mapping[str, InputPort] = FrozenDict(),
+        outputs: Mapping[str, OutputPort] = FrozenDict(),
+    ) -> LeafSpec:
+        """Return a leaf whose class is GRIP's; keys that are copied make a leaf each."""
         if key not in self.specs:
             number = sum(isinstance(k, tuple) and k[0] == COPY for k in self.specs) + 1
             manifest = Manifest(
-                id=f"smach/{self.stem}/{COPY}_{number}",
-                doc=f"Copy {', '.join(names)} into or out of a container.",
-                implementation="grip_bt.nodes.smach_leaf:CopyKeys",
-                parameters=FrozenDict({"unwritten": Parameter(type="list[str]", default=[])}),
-                inputs=FrozenDict({k: InputPort(type="Any", required=False) for k in names}),
-                outputs=FrozenDict({k: OutputPort(type="Any", on=("done",)) for k in names}),
-                outcomes=FrozenDict({"done": "success"}),
+                id=f"smach/{self.stem}/{key[0]}" + (f"_{number}" if key[0] == COPY else ""),
+                doc=doc,
+                implementation=f"grip_bt.nodes.smach_leaf:{cls}",
+                parameters=FrozenDict(parameters),
+                inputs=FrozenDict(inputs),
+                outputs=FrozenDict(outputs),
+                outcomes=FrozenDict(outcomes),
             )
             self.specs[key] = LeafSpec(manifest, "")
         return self.specs[key]
@@ -174,12 +169,11 @@ class Leaves:
         while outer is not None:
             labels.append(next((name for name, added in outer.added.items() if added.state is inner), ""))
             inner, outer = outer, outer.parent
-        root = root_entry(inner) if isinstance(inner, ContainerInfo) else None
-        if root is None or root.entry is None or "" in labels:
+        if not isinstance(inner, ContainerInfo) or inner.entry is None or "" in labels:
             return ""
-        entry = self.unparsed(root.entry, root.entry_file or root.span.file)
-        given = "".join(f", {name}={value!r}" for name, value in root.entry_arguments.items())
-        start = f"self.built({entry}{given})" if root.entry_is_call else entry
+        entry = self.unparsed(inner.entry, inner.entry_file or inner.span.file)
+        given = "".join(f", {name}={value!r}" for name, value in inner.entry_arguments.items())
+        start = f"self.built({entry}{given})" if inner.entry_is_call else entry
         return start + "".join(f"[{label!r}]" for label in reversed(labels))
 
     def unparsed(self, expression: ast.expr, file: Path) -> str:

@@ -47,9 +47,6 @@ class Placeholder(metaclass=_Kind):
     def __getitem__(self, key: object) -> Any:
         return Placeholder()
 
-    def __setitem__(self, key: object, value: object) -> None:
-        pass
-
     def __iter__(self) -> Iterator[Any]:
         return iter(())
 
@@ -57,20 +54,13 @@ class Placeholder(metaclass=_Kind):
         """Return no keys, so that it can be unpacked."""
         return []
 
-    def __enter__(self) -> Any:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def _nothing(self, *given: object) -> None:
         pass
 
-    def __len__(self) -> int:
-        return 0
+    __setitem__ = __exit__ = _nothing
 
     def __bool__(self) -> bool:
         return True
-
-    def __contains__(self, item: object) -> bool:
-        return False
 
     def __float__(self) -> float:
         return 0.0
@@ -78,7 +68,7 @@ class Placeholder(metaclass=_Kind):
     def __int__(self) -> int:
         return 0
 
-    __index__ = __int__
+    __len__ = __index__ = __int__
 
     def __str__(self) -> str:
         return ""
@@ -88,13 +78,14 @@ class Placeholder(metaclass=_Kind):
     def _same(self, *others: object) -> object:
         return self
 
+    __enter__ = _same
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = _same
     __neg__ = __pow__ = __mod__ = __or__ = __and__ = __floordiv__ = _same
 
     def _no(self, other: object) -> bool:
         return False
 
-    __lt__ = __le__ = __gt__ = __ge__ = _no
+    __contains__ = __lt__ = __le__ = __gt__ = __ge__ = _no
 
 
 def placeholder_class(name: str) -> type:
@@ -158,7 +149,8 @@ class Finder(MetaPathFinder, Loader):
         """Make the placeholder."""
         module = _Module(spec.name)
         if spec.name == "rospy":
-            module.get_param = _get_param  # type: ignore[attr-defined]
+            absent = lambda name, default=None: Placeholder() if default is None else default  # noqa: E731
+            module.get_param = absent  # type: ignore[attr-defined]
             module.is_shutdown = lambda: True  # type: ignore[attr-defined]
         if spec.name == "smach_ros":
             for name in FIXED_OUTCOMES:
@@ -167,10 +159,6 @@ class Finder(MetaPathFinder, Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         """Do nothing: names are made when somebody asks for them."""
-
-
-def _get_param(name: str, default: object = None) -> object:
-    return Placeholder() if default is None else default
 
 
 def _ros_state(kind: str) -> type:

@@ -8,26 +8,24 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.base.errors import DocumentError
 from grip_bt.formats.child_process import TIMEOUT, last_json
 
-from .importer import ImportedFile, distinct, make_tasks
+from .importer import ImportedFile, import_file
 from .reader.found import Child, ContainerInfo, Span, StateInfo, Unresolved
-from .reader.interpreter import Interpreter
-from .reader.names import Project
 from .recorder import Record, RecordedChild, RecordedContainer, RecordedState, RecordedValue
 
+Given = Mapping[str, Mapping[str, Any]]
+"""Class or function -> parameter -> value."""
 
-def record(file: Path, root: Path, given: Mapping[str, Mapping[str, Any]], timeout: float = TIMEOUT) -> Record:
+
+def record(file: Path, root: Path, given: Given, timeout: float = TIMEOUT) -> Record:
     """Run a module in a process of its own and return what it built; what it had built in time, at least."""
     paths = [file.parent, root, root / "src", *sorted(root.glob("*/src"))]
     answer = last_json(f"{__package__}.recorder", [str(file), json.dumps(given)], paths, timeout)
     return Record.model_validate({**(answer.data or {}), "words": answer.stderr})
 
 
-def import_with_execution(
-    file: Path, root: Path | None = None, given: Mapping[str, Mapping[str, object]] | None = None
-) -> ImportedFile:
+def import_with_execution(file: Path, root: Path | None = None, given: Given | None = None) -> ImportedFile:
     """Read a legacy file, run it in a process of its own with a recording smach, and merge what both say.
 
     A container that was read exactly stays as it was read. One that wasn't takes its structure from the run; where
@@ -38,35 +36,17 @@ def import_with_execution(
         root: the folder in which the modules that it imports are looked for; its own by default.
         given: class or function -> parameter -> value, for what has no default.
     """
-    file = file.resolve()
-    folder = (root or file.parent).resolve()
-    project = Project(folder)
-    result = ImportedFile(file)
-    reader = Interpreter(project)
-    try:
-        source = project.source(file)
-    except DocumentError as error:
-        result.error = str(error)
-        return result
-    result.converted = source.converted
-    reader.main_file(file)
-    found = distinct(reader.containers, file)
-    if not found and "smach" not in source.text:
-        return result  # nothing to see, so nothing is run
-    run = record(file, folder, given or {})
-    return make_tasks(result, RecordingMerge(found, run, file, given).merged())
+
+    def run(found: list[ContainerInfo], file: Path, folder: Path) -> list[ContainerInfo]:
+        return RecordingMerge(found, record(file, folder, given or {}), file, given).merged()
+
+    return import_file(file, root, run)
 
 
 class RecordingMerge:
     """Containers that were read, and containers that were recorded."""
 
-    def __init__(
-        self,
-        read: list[ContainerInfo],
-        run: Record,
-        file: Path,
-        given: Mapping[str, Mapping[str, object]] | None = None,
-    ):
+    def __init__(self, read: list[ContainerInfo], run: Record, file: Path, given: Given | None = None):
         self.read, self.run, self.file, self.given = read, run, file, given or {}
         self.made: dict[int, ContainerInfo] = {}
 
@@ -81,7 +61,10 @@ class RecordingMerge:
             if (counterpart is None and facts.file != str(self.file) and facts.file) or id(counterpart) in used:
                 continue
             used.add(id(counterpart) if counterpart is not None else number)
-            if counterpart is None or self._prefer_recorded(counterpart):
+            verdicts = set() if counterpart is None else {c.verdict for c in _all(counterpart)}
+            # the run knows more where what was read failed, or where nothing of the run was a placeholder
+            more = "failed" in verdicts or ("partial" in verdicts and not self.run.placeholders)
+            if counterpart is None or more:
                 result.append((self._container(number, counterpart), counterpart))
             else:
                 self._compare(facts, counterpart)
@@ -110,11 +93,6 @@ class RecordingMerge:
                 f"not installed and replaced by placeholders: {names}; what was read from the source is kept",
             )
 
-    def _prefer_recorded(self, counterpart: ContainerInfo) -> bool:
-        """Whether the run knows more: what was read failed, or nothing of the run was a placeholder."""
-        verdicts = {c.verdict for c in _all(counterpart)}
-        return "failed" in verdicts or ("partial" in verdicts and not self.run.placeholders)
-
     def _container(self, number: int, counterpart: ContainerInfo | None) -> ContainerInfo:
         facts = self.run.containers[number]
         line = facts.line or 1
@@ -127,11 +105,8 @@ class RecordingMerge:
         made.userdata = _values(facts.userdata)
         if counterpart is not None:
             made.expression, made.file, made.why = counterpart.expression, counterpart.file, counterpart.why
-            made.entry, made.entry_is_call, made.entry_file = (
-                counterpart.entry,
-                counterpart.entry_is_call,
-                counterpart.entry_file,
-            )
+            made.entry, made.entry_is_call = counterpart.entry, counterpart.entry_is_call
+            made.entry_file = counterpart.entry_file
         if made.entry is None and facts.entry and "." not in facts.entry:
             made.entry = ast.Attribute(ast.Name("legacy", ast.Load()), facts.entry, ast.Load())
             made.entry_is_call, made.entry_file = True, self.file

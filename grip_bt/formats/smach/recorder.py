@@ -18,7 +18,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import CodeType, FrameType
-from typing import Any, NoReturn
+from typing import Any
 
 from pydantic import BaseModel, JsonValue
 
@@ -28,24 +28,13 @@ from grip_bt.nodes.smach_source import load_legacy, read_source
 from .placeholders import Finder, Placeholder
 from .reader.found import Unresolved
 
-_CONTAINERS = (
-    smach_compat.StateMachine,
-    smach_compat.Sequence,
-    smach_compat.Concurrence,
-    smach_compat.Iterator,
+_CONTAINERS = (smach_compat.StateMachine, smach_compat.Sequence, smach_compat.Concurrence, smach_compat.Iterator)
+_BUILDERS = {cls.__name__ for cls in _CONTAINERS}
+_REFUSED = (
+    *("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.remove", "os.rename", "os.rmdir"),
+    *("os.mkdir", "os.truncate", "os.chmod", "os.link", "os.symlink", "shutil.", "socket.connect", "socket.bind"),
+    *("socket.sendto", "os.kill"),
 )
-_BUILDERS = {"StateMachine", "Sequence", "Concurrence", "Iterator"}
-_REFUSED: tuple[str, ...] = (
-    "subprocess.Popen",
-    "os.system",
-    "os.exec",
-    "os.posix_spawn",
-    "os.fork",
-    "os.remove",
-    "os.rename",
-)
-_REFUSED += ("os.rmdir", "os.mkdir", "os.truncate", "os.chmod", "os.link", "os.symlink", "shutil.", "socket.connect")
-_REFUSED += ("socket.bind", "socket.sendto", "os.kill")
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 _OURS = str(Path(smach_compat.__file__).parent)
 
@@ -284,11 +273,21 @@ def _builds(code: CodeType, builders: set[str]) -> bool:
     return any(isinstance(c, CodeType) and _builds(c, builders) for c in code.co_consts)
 
 
+def _attempted(name: str, work: Callable[[], Any]) -> Any:
+    """Return what is made; what is raised is told and forgotten."""
+    try:
+        return work()
+    except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
+        sys.stderr.write(f"{name}: {type(error).__name__}: {error}\n")
+        return None
+
+
 def _call(function: Callable[..., object], name: str, recording: Recording, *first: object) -> object:
-    """Call with what was given, defaults, and placeholders; what it raises is told and forgotten."""
+    """Call with what was given, defaults, and placeholders."""
     given = recording.given.get(name, {})
     arguments: dict[str, object] = {}
-    try:
+
+    def call() -> object:
         for parameter in list(inspect.signature(function).parameters.values())[len(first) :]:
             if parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):
                 continue
@@ -300,17 +299,8 @@ def _call(function: Callable[..., object], name: str, recording: Recording, *fir
         if isinstance(result, _CONTAINERS) and not any(isinstance(a, Placeholder) for a in arguments.values()):
             recording.entries[id(result)] = name
         return result
-    except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
-        sys.stderr.write(f"{name}: {type(error).__name__}: {error}\n")
-        return None
 
-
-def _run_as_main(file: Path) -> None:
-    source = read_source(file)
-    try:
-        exec(compile(source.tree, str(file), "exec"), {"__name__": "__main__", "__file__": str(file)})
-    except BaseException as error:  # noqa: BLE001 - as above
-        sys.stderr.write(f"__main__: {type(error).__name__}: {error}\n")
+    return _attempted(name, call)
 
 
 def _explore(module: Any, recording: Recording) -> None:
@@ -349,21 +339,14 @@ def main(arguments: list[str]) -> None:
     recording.begin()
     read_source(file)  # loads the converter, where it is needed, before the guard
     _guard()
-    try:
-        module = load_legacy(file, ros=False)
-    except BaseException as error:  # noqa: BLE001 - as above
-        sys.stderr.write(f"import: {type(error).__name__}: {error}\n")
-        module = None
+    module = _attempted("import", lambda: load_legacy(file, ros=False))
     recording.tell()
     if module is not None:
-        _run_as_main(file)
+        names = {"__name__": "__main__", "__file__": str(file)}
+        _attempted("__main__", lambda: exec(compile(read_source(file).tree, str(file), "exec"), names))
         recording.tell()
         _explore(module, recording)
     recording.tell()
-    _leave()
-
-
-def _leave() -> NoReturn:
     sys.stderr.flush()
     os._exit(0)  # what the module left running doesn't keep us
 

@@ -14,8 +14,8 @@ from grip_bt.task.model import AnyNode, Meaning, ParallelRule
 from grip_bt.task.validation import validate
 
 from .containers import (
-    ParallelRules,
     RefusedError,
+    Rules,
     check,
     declare,
     iteration_of,
@@ -102,12 +102,14 @@ class TaskMaker:
         check(found)
         keys.begin(found)
         if found.kind == "Concurrence":
-            return self._parallel(found, keys, parallel_rules(found))
+            return self._parallel(found, keys, *parallel_rules(found))
         ends = {task_name(o): o for o in found.outcomes or ()}
         if found.kind == "Iterator":
             return self._iterator(found, keys, meanings(found)), ends
         declare(found, keys, self.variables)
-        names = self._labels(found)
+        names: dict[str, str] = {}
+        for label in found.added:  # one that is also an outcome gets another name, since SMACH prefers the state
+            names[label] = free(task_name(label), {*ends, *names.values()})
         steps, entries = steps_before(found, keys, names, {*names.values(), *ends})
         children: dict[str, AnyNode] = {}
         for label, added in found.added.items():
@@ -158,25 +160,25 @@ class TaskMaker:
             x=source_of(found),
         )
 
-    def _parallel(self, found: ContainerInfo, keys: Keys, given: ParallelRules) -> tuple[Parallel, Ends]:
+    def _parallel(self, found: ContainerInfo, keys: Keys, given: Rules, default: str) -> tuple[Parallel, Ends]:
         children: dict[str, AnyNode] = {}
         ends_of: dict[str, Ends] = {}
         for label, added in found.added.items():
             children[task_name(label)], ends_of[label] = self.child(found, added, keys)
-        own, labels = labelled(found, given.default)
-        ends = {"success": given.default, "failure": given.default} | {label: o for o, label in labels.items()}
+        own, labels = labelled(found, default)
+        ends = {"success": default, "failure": default} | {label: o for o, label in labels.items()}
         asked = free("asked", children)
         allowed = "preempted" in labels
         spec = self.leaves.obeyed()
         children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
         rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
-        for outcome, wanted in given.rules:
+        for outcome, wanted in given:
             when = {task_name(c): [h for h, there in ends_of[c].items() if there == o] for c, o in wanted.items()}
             if all(when.values()):  # what a state never ends with never holds
                 rules.append(
                     ParallelRule(when={c: w[0] if len(w) == 1 else w for c, w in when.items()}, then=labels[outcome])
                 )
-        rules.append(ParallelRule(then=labels[given.default]))
+        rules.append(ParallelRule(then=labels[default]))
         node = Parallel(
             kind="parallel", cancel="join", children=children, rules=rules, outcomes=own, x=source_of(found)
         )
@@ -184,11 +186,9 @@ class TaskMaker:
 
     def child(self, found: ContainerInfo, added: Child, keys: Keys, raw: bool = False) -> tuple[AnyNode, Ends]:
         """Return one child as a node."""
-        state = added.state
+        state, remapping = added.state, {} if raw else added.remapping
         if not isinstance(state, ContainerInfo):
             found.issues += [issue for issue in state.issues if issue not in found.issues]
-        remapping = {} if raw else added.remapping
-        if not isinstance(state, ContainerInfo):
             return self._leaf(found, added, keys, remapping)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
         own = {k for k, name in shared.items() if (state, k) in self.own and name not in self.variables.first}
@@ -221,14 +221,8 @@ class TaskMaker:
             self.sharing.chain.pop()
         return self._leaf(found, added, keys, remapping)
 
-    def _leaf(
-        self,
-        found: ContainerInfo,
-        added: Child,
-        keys: Keys,
-        remapping: Mapping[str, str],
-    ) -> tuple[Leaf, Ends]:
-        state, outcomes = added.state, self.outcomes(added)
+    def _leaf(self, found: ContainerInfo, added: Child, keys: Keys, remapping: Mapping[str, str]) -> tuple[Leaf, Ends]:
+        state, outcomes = added.state, _outcomes(added)
         inputs, outputs = state.input_keys, state.output_keys
         if not state.kind:
             inputs = outputs = list(remapping)
@@ -259,21 +253,6 @@ class TaskMaker:
 
     # --- edges ---
 
-    def outcomes(self, added: Child) -> list[str]:
-        """Return a state's outcomes; where nothing is known of them, those that lead somewhere."""
-        state = added.state
-        if state.outcomes:
-            return state.outcomes
-        known = [o for o in (*added.transitions, *added.connectors)]
-        if not known:
-            raise RefusedError(f"nothing is known of the outcomes of {added.label!r} ({state.cls})")
-        if not state.issues:
-            state.problem(
-                "partial",
-                f"the outcomes of {state.cls} are taken from its transitions, since its class isn't here",
-            )
-        return list(dict.fromkeys(known))
-
     def _target(self, found: ContainerInfo, added: Child, outcome: str, names: Mapping[str, str]) -> str:
         target = added.transitions.get(outcome)
         if target is not None and target in names:
@@ -282,14 +261,6 @@ class TaskMaker:
         if target not in (found.outcomes or ()):
             raise RefusedError(f"{outcome!r} of {added.label!r} leads to {target!r}, which isn't there")
         return task_name(target)
-
-    def _labels(self, found: ContainerInfo) -> dict[str, str]:
-        """Return the states' names; one that is also an outcome gets another, since SMACH prefers the state."""
-        outcomes = {task_name(o) for o in found.outcomes or ()}
-        names: dict[str, str] = {}
-        for label in found.added:
-            names[label] = free(task_name(label), {*outcomes, *names.values()})
-        return names
 
     # --- the whole ---
 
@@ -314,6 +285,19 @@ class TaskMaker:
             data={name: declared for name, declared in data.items() if name not in local},
             root=node,
         )
+
+
+def _outcomes(added: Child) -> list[str]:
+    """Return a state's outcomes; where nothing is known of them, those that lead somewhere."""
+    state, known = added.state, list(dict.fromkeys((*added.transitions, *added.connectors)))
+    if state.outcomes:
+        return state.outcomes
+    if not known:
+        raise RefusedError(f"nothing is known of the outcomes of {added.label!r} ({state.cls})")
+    if not state.issues:
+        text = f"the outcomes of {state.cls} are taken from its transitions, since its class isn't here"
+        state.problem("partial", text)
+    return known
 
 
 def _read_too_early(task: Task, catalog: Catalog) -> set[str]:

@@ -17,7 +17,7 @@ from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
 
 from .leaves import Leaves
-from .reader.found import ContainerInfo, Reference, Unresolved, root_entry
+from .reader.found import ContainerInfo, Unresolved
 
 _LARGEST = 2**63
 
@@ -80,12 +80,10 @@ class Keys:
                 self._first(found, key, name, value, str(error))
 
     def _first(self, found: ContainerInfo, key: str, name: str, value: object, shown: str) -> None:
-        expression = (
-            value.expression if isinstance(value, (Unresolved, Reference)) else getattr(value, "expression", None)
-        )
+        expression = getattr(value, "expression", None)
         if expression is not None:
             self._variables.first[name] = (expression, found.span.file)
-        elif root_entry(found) is None:
+        elif found.outermost.entry is None:
             found.problem(
                 "partial",
                 f"userdata `{key}` begins as `{shown}`, known only at run time: give the variable `{name}` a value,"
@@ -135,19 +133,15 @@ class VariableSharing:
         self.writes.append((tuple(self.chain[:-1]), variables))
 
     def check(self, initial: set[str]) -> None:
-        """Note a problem for each key whose copies make a difference.
-
-        Args:
-            initial: variables that have a value from the beginning.
-        """
-        for found, key, text, _ in self.conflicts(initial):
+        """Note a problem for each key whose copies make a difference; `initial` variables have a value at first."""
+        for found, key, text, _ in self._conflicts(initial):
             found.problem("partial", f"userdata `{key}` {text}")
 
     def copied_out(self, initial: set[str]) -> set[tuple[ContainerInfo, str]]:
         """Return the keys of containers that need a variable of their own, copied out at the end."""
-        return {(found, key) for found, key, _, out in self.conflicts(initial) if out}
+        return {(found, key) for found, key, _, out in self._conflicts(initial) if out}
 
-    def conflicts(self, initial: set[str]) -> Iterator[tuple[ContainerInfo, str, str, bool]]:
+    def _conflicts(self, initial: set[str]) -> Iterator[tuple[ContainerInfo, str, str, bool]]:
         """Yield container, key, what is wrong, and whether a variable of its own needs_copy it."""
         for found, names in self.shared:
             reads, writes = _inside(found)
@@ -204,27 +198,14 @@ def mark_unwritten(node: AnyNode, missing: set[str]) -> AnyNode:
 
 
 def as_machine(node: AnyNode, ends: Mapping[str, str], outcomes: Mapping[str, Meaning]) -> StateMachine:
-    """Return a machine of one state, which has room for what copies.
-
-    Args:
-        node: what is no machine.
-        ends: outcome of the node -> outcome of the machine.
-        outcomes: those of the machine.
-    """
+    """Return a machine of one state, which has room for what copies; `ends`: outcome of the node -> the machine's."""
     name = free("together", outcomes)
     state = node.model_copy(update={"on": FrozenDict(dict(ends))})
     return StateMachine(kind="state_machine", initial=name, outcomes=dict(outcomes), children={name: state})
 
 
 def copy_in_first(node: StateMachine, copied: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
-    """Put a state first that copies keys in.
-
-    Args:
-        node: the container.
-        copied: its key -> the parent's variable.
-        inner: its own variables.
-        leaves: takes the leaf.
-    """
+    """Put a state first that copies keys in; `copied`: key of the container -> the parent's variable."""
     name = free("enter", {*node.children, *node.outcomes})
     step = Leaf(
         node=leaves.copy(list(copied)).manifest.id,
@@ -236,7 +217,7 @@ def copy_in_first(node: StateMachine, copied: Mapping[str, str], inner: Keys, le
 
 
 def copy_out_last(node: StateMachine, out: Mapping[str, str], inner: Keys, leaves: Leaves) -> StateMachine:
-    """Put a state before each outcome that copies keys out; arguments as for `entered`."""
+    """Put a state before each outcome that copies keys out; `out`: key of the container -> the parent's variable."""
     taken = {*node.children, *node.outcomes}
     names = {outcome: free(f"leave {outcome}", taken) for outcome in node.outcomes}
     children = {

@@ -61,37 +61,35 @@ def machine(
     builder.begin(name, call("smach.StateMachine", outcomes=outcomes or labels(part.meaning, needed), **keys), part)
     if then is not None:
         then()
-    counter = _counter(builder, part, name) if counts(part) else ""
-    choice = _choice(builder, part, needed, name) if chooses(part) else ""
-    builder.body.append(f"    with {name}:")
-    for child in children:
-        row = {label: led.get(to, to) for label, to in table.rows[names[child.name]].items()}
-        leads = {label: ends.get(to, to) for label, to in row.items()}
-        more = {"constants": constants[child.name]} if child.name in constants else {}
-        add(builder, names[child.name], states[child.name], child, table.refined[child.name], leads, **more)
-    if counter:
+    ask, leads = "", dict[str, str]()
+    if counts(part):
+        assert isinstance(part.node, model.Retry | model.Repeat), "only these count"
+        builder.parts.add("count")
+        ask = builder.identifiers.take(f"attempts_of_{name}")
+        builder.write(call("Count", part.node.times), ask)
         end = "failure" if isinstance(part.node, model.Retry) else "success"
         leads = {"again": names[part.children[0].name], "enough": ends.get(end, end)}
-        builder.write(call("smach.StateMachine.add", AGAIN, Raw(counter), transitions=leads), "", 8)
-    if choice:
+    elif chooses(part):
+        ask = _choice(builder, part, needed, name)
         leads = {f"do {child.name}": names[child.name] for child in part.children}
         leads |= {end: ends.get(end, end) for end in labels(("success", "failure"), _failures(needed))}
         if isinstance(part.node, model.Switch):  # a child without a case is never next
-            leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in _cased(part.node)}
-        builder.write(call("smach.StateMachine.add", AGAIN, Raw(choice), transitions=leads), "", 8)
+            cased = {*(child for child, _ in part.node.literals()), part.node.default}
+            leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in cased}
+    if ask:
+        builder.write(call(f"{name}.register_start_cb", Raw(f"{ask}.begin")))
+    builder.body.append(f"    with {name}:")
+    for child in children:
+        row = {label: led.get(to, to) for label, to in table.rows[names[child.name]].items()}
+        ways = {label: ends.get(to, to) for label, to in row.items()}
+        more = {"constants": constants[child.name]} if child.name in constants else {}
+        add(builder, names[child.name], states[child.name], child, table.refined[child.name], ways, **more)
+    if ask:
+        builder.write(call("smach.StateMachine.add", AGAIN, Raw(ask), transitions=leads), "", 8)
     initial = led.get(table.initial, table.initial)
     if initial != names[children[0].name]:
         builder.write(call(f"{name}.set_initial_state", [initial]), "", 4)
     return name
-
-
-def _counter(builder: SourceBuilder, part: Part, name: str) -> str:
-    assert isinstance(part.node, model.Retry | model.Repeat), "only these count"
-    builder.parts.add("count")
-    counter = builder.identifiers.take(f"attempts_of_{name}")
-    builder.write(call("Count", part.node.times), counter)
-    builder.write(call(f"{name}.register_start_cb", Raw(f"{counter}.begin")))
-    return counter
 
 
 def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> str:
@@ -113,16 +111,11 @@ def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> s
         made = call("Choose.loop", Raw("run"), part.children[0].name, **given, **more)
     choice = builder.identifiers.take(f"choice_of_{name}")
     builder.write(made, choice)
-    builder.write(call(f"{name}.register_start_cb", Raw(f"{choice}.begin")))
     return choice
 
 
 def _failures(needed: Refined) -> set[tuple[str, str]]:
     return {(outcome, code) for outcome, code in needed if outcome == "failure"}
-
-
-def _cased(node: model.Switch) -> set[str]:
-    return {*(child for child, _ in node.literals()), node.default}
 
 
 def add(
@@ -231,15 +224,12 @@ def _contained(
 
 def _own(builder: SourceBuilder, part: Part, ours: str, theirs: str) -> str:
     """Return SMACH's own class where all that is below are legacy states, which it was once made for; else ours."""
-    if all(_is_legacy(below) for below in part.walk() if not below.children):
-        return theirs
-    builder.classes[ours] = None
-    return ours
-
-
-def _is_legacy(part: Part) -> bool:
-    constant = part.node.x.get(MARK) == CONSTANT
-    return constant or is_next_item(part) or is_obeyed(part) or legacy_state(part) is not None
+    for leaf in (below for below in part.walk() if not below.children):
+        once = leaf.node.x.get(MARK) == CONSTANT or is_next_item(leaf) or is_obeyed(leaf)
+        if not once and legacy_state(leaf) is None:
+            builder.classes[ours] = None
+            return ours
+    return theirs
 
 
 def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:

@@ -92,16 +92,13 @@ def smach_form(part: Part, needed: Refined) -> SmachForm:
         return "tree"
     if isinstance(node, model.Parallel):
         ruled = bool(node.rules) and outcome_map(part) is None
-        return "tree" if needed or ruled or _asks_for_codes(part) or shares(part) else "concurrence"
+        by_code = any(code is not None for (_, _, code), _ in part.exits)
+        return "tree" if needed or ruled or by_code or shares(part) else "concurrence"
     if isinstance(node, model.ForEach):
         return "iterator" if _iterates(part, needed) else "tree"
     if counts(part) and needed:
         return "tree"
     return "items" if _hands_out_items(part) else "machine"
-
-
-def _asks_for_codes(part: Part) -> bool:
-    return any(code is not None for (_, _, code), _ in part.exits)
 
 
 def _iterates(part: Part, needed: Refined) -> bool:

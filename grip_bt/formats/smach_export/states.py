@@ -94,13 +94,7 @@ def keys_of(part: Part) -> dict[str, list[str]]:
 def set_key(builder: SourceBuilder, userdata: str, name: str, value: object) -> None:
     """Write a value of userdata."""
     plain = name.isidentifier() and not name.startswith("_")
-    builder.write(_expression(value), f"{userdata}.{name}" if plain else f"{userdata}[{name!r}]")
-
-
-def _expression(value: object) -> Bracketed | Raw:
-    found = literal(value)
-    assert isinstance(found, Bracketed | Raw), "these are all expressions"
-    return found
+    builder.write(literal(value), f"{userdata}.{name}" if plain else f"{userdata}[{name!r}]")
 
 
 def tree(builder: SourceBuilder, part: Part, needed: Refined) -> Bracketed:

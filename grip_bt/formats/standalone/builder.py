@@ -49,11 +49,7 @@ NAMES = {"CHILD", "Settings", "Kind", "Container", *(step.__name__ for step in _
 
 
 class KindSource:
-    """The source of the kinds that one file needs.
-
-    Attributes:
-        questions: what they ask.
-    """
+    """The source of the kinds that one file needs, and the questions that they ask."""
 
     def __init__(self) -> None:
         self.questions: set[str] = set()
@@ -192,7 +188,7 @@ class ModuleBuilder:
         kinds: those whose own source is used.
         imports: module -> class -> its name in the file.
         builtin: whether manifests of nodes that come with grip are used.
-        manifests: id -> name of its manifest in the file, for nodes that don't come with grip.
+        manifests: id -> name of its manifest in the file, for other nodes.
         variables: id of a cell -> its name in the file.
         statements: the body of `create_root`, laid out.
     """
@@ -211,12 +207,8 @@ class ModuleBuilder:
     def visible(self, part: Part, *, around: bool = False) -> dict[str, str]:
         """Return the variables that a node sees: name in the task -> name in the file."""
         scope = part.around if around else part.scope
-        found = {}
-        for name in scope.visible():
-            cell = scope.find(name)
-            if cell is not None:
-                found[name] = self.variables[id(cell)]
-        return found
+        cells = ((name, scope.find(name)) for name in scope.visible())
+        return {name: self.variables[id(cell)] for name, cell in cells if cell is not None}
 
 
 def asks_for_codes(resolved: Resolved) -> bool:

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Mapping
-from functools import cache
 from pathlib import Path
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.compilers.scopes import UNSET
-from grip_bt.formats.python_source import call, comment, literal, remarked, statement
+from grip_bt.formats.python_source import call, comment, literal, remarked, statement, template
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog
 
@@ -52,14 +49,6 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
     """
     resolved = resolve(task, catalog)
     builder = ModuleBuilder(grip=needs_grip(resolved), codes=asks_for_codes(resolved))
-    _variables(resolved, builder)
-    root = _nodes(resolved, builder, catalog.code)
-    return (
-        _environment().get_template("module.py.j2").render(_template_values(resolved, catalog, builder, root, folder))
-    )
-
-
-def _variables(resolved: Resolved, builder: ModuleBuilder) -> None:
     for scope in resolved.scopes:
         for cell in scope.cells.values():
             parent = scope.path.rsplit("/", 1)[-1]
@@ -68,13 +57,19 @@ def _variables(resolved: Resolved, builder: ModuleBuilder) -> None:
             builder.parts.add("variable")
             made = call("Variable", cell.name, *(() if cell.value is UNSET else (cell.value,)))
             builder.statements.append(remarked(statement(name, made), cell.type))
+    values = _template_values(resolved, catalog, builder, _nodes(resolved, builder, catalog.code), folder)
+    return template(__package__, "module.py.j2").render(values)
 
 
 def _nodes(resolved: Resolved, builder: ModuleBuilder, code: AllowedImports) -> str:
     """Write the nodes, children first; return the root's name."""
     builtin = Catalog.builtin()
     names: dict[str, str] = {}
-    for part in _children_first(resolved.root):
+    order, stack = list[Part](), [resolved.root]
+    while stack:
+        order.append(stack.pop())
+        stack.extend(order[-1].children)
+    for part in reversed(order):
         parent = part.path.rsplit("/", 2)[-2] if "/" in part.path.strip("/") else "root"
         name = "root" if part.path == "/" else part.name
         inner = builder.identifiers.take(name, f"{parent}_{name}")
@@ -92,16 +87,6 @@ def _nodes(resolved: Resolved, builder: ModuleBuilder, code: AllowedImports) -> 
     return names["/"]
 
 
-def _children_first(root: Part) -> list[Part]:
-    """Return a part after everything below it, in document order."""
-    order, stack = [], [root]
-    while stack:
-        part = stack.pop()
-        order.append(part)
-        stack.extend(part.children)
-    return order[::-1]
-
-
 def _template_values(
     resolved: Resolved, catalog: Catalog, builder: ModuleBuilder, root: str, folder: Path | None
 ) -> dict[str, object]:
@@ -112,8 +97,13 @@ def _template_values(
         manifests.insert(0, "HERE = Path(__file__).parent")
     if builder.builtin:
         manifests.insert(0, "NODES = Catalog.builtin()")
+    head = [f"Task {resolved.task.name}, written by `grip convert --to pytrees-py`.", resolved.task.doc]
+    if builder.grip:
+        head += [
+            "It imports grip, since leaves of it are grip's own: they get the robot's parts from the run's context."
+        ]
     values: dict[str, object] = {
-        "head": _head(resolved.task, builder),
+        "head": "\n#\n".join(comment(text) for text in head if text),
         "grip": builder.grip,
         "codes": builder.codes,
         "parts": [part for part in ORDER if part in builder.parts],
@@ -124,29 +114,16 @@ def _template_values(
         "root": root,
         "ends": statement("ENDS", literal(table(resolved.ends).get("/", {})), 0),
     }
-    body = _environment().get_template("module.py.j2").render({**values, "standard_imports": (), "imports": ()})
+    body = template(__package__, "module.py.j2").render({**values, "standard_imports": (), "imports": ()})
     used = {node.id for node in ast.walk(ast.parse(body)) if isinstance(node, ast.Name)}
-    return {**values, "standard_imports": _lines(_STANDARD, used), "imports": _imports(builder, used)}
-
-
-def _head(task: model.Task, builder: ModuleBuilder) -> str:
-    lines = [comment(f"Task {task.name}, written by `grip convert --to pytrees-py`.")]
-    if task.doc:
-        lines += ["#", comment(task.doc)]
-    if builder.grip:
-        why = "It imports grip, since leaves of it are grip's own: they get the robot's parts from the run's context."
-        lines += ["#", comment(why)]
-    return "\n".join(lines)
-
-
-def _imports(builder: ModuleBuilder, used: set[str]) -> list[str]:
-    """Return the import lines of py_trees, of grip where a leaf needs it, and of the leaves."""
+    standard = _lines(_STANDARD, used)
     modules = {module: list(names) for module, names in _OTHERS.items()}
     for module, classes in builder.imports.items():
         own = [name if name == local else f"{name} as {local}" for name, local in classes.items()]
         modules[module] = [*modules.get(module, ()), *own]
         used = used | set(own)
-    return ["import py_trees", *_lines(dict(sorted(modules.items())), used)]
+    imports = ["import py_trees", *_lines(dict(sorted(modules.items())), used)]
+    return {**values, "standard_imports": standard, "imports": imports}
 
 
 def _lines(modules: Mapping[str, Iterable[str]], used: set[str]) -> list[str]:
@@ -159,15 +136,3 @@ def _lines(modules: Mapping[str, Iterable[str]], used: set[str]) -> list[str]:
         elif not names and module in used:
             lines.append(f"import {module}")
     return lines
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("grip_bt.formats.standalone"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,  # what is made is Python; values enter it through `python_source.literal` alone
-    )

@@ -124,13 +124,7 @@ def is_file(manifest: Manifest) -> bool:
 
 
 def manifest_text(manifest: Manifest, name: str, folder: Path | None) -> str:
-    """Return the assignment of a manifest that isn't grip's own.
-
-    Args:
-        manifest: what is written.
-        name: what it is called in the file.
-        folder: where the file will lie; paths of code are written relative to it.
-    """
+    """Return the assignment of a manifest that isn't grip's own; `folder`: where the file will lie."""
     held = manifest.model_dump(mode="json", exclude_defaults=True)
     where, _, class_name = manifest.implementation.rpartition(":")
     given: dict[str, object] = dict(held)
@@ -148,7 +142,10 @@ def is_plain(manifest: Manifest) -> bool:
         return False
     if where.partition(".")[0] == "py_trees":
         return True
-    file = _file_of(where)
+    try:
+        file = Path(where) if where.endswith(".py") else source_of(where)
+    except ModuleNotFoundError:
+        return False
     names = [] if file is None else [each for each in line_of(file, name) if isinstance(each, str)]
     return bool(names) and names[0].startswith("py_trees.")
 
@@ -171,22 +168,10 @@ def takes_name(behaviour: str, code: AllowedImports) -> bool:
     return True
 
 
-def _file_of(where: str) -> Path | None:
-    if where.endswith(".py"):
-        return Path(where)
-    try:
-        return source_of(where)
-    except ModuleNotFoundError:
-        return None
-
-
 def function_of(text: str, part: Part, builder: ModuleBuilder, *, around: bool = False) -> Raw:
     """Return a function that computes a condition: a lambda, or the name of one that is too long for a line.
 
     Args:
-        text: the expression; every variable of it is declared.
-        part: the node that has it.
-        builder: takes the function, where it has a name.
         around: whether it sees the variables around the node, and not the node's own.
     """
     inner = _python(text, builder.visible(part, around=around))

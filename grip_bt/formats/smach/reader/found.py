@@ -169,9 +169,7 @@ class ContainerInfo(StateInfo):
         severities = {issue.severity for issue in self.issues}
         return "failed" if "error" in severities else "partial" if severities else "exact"
 
-
-def root_entry(found: ContainerInfo) -> ContainerInfo | None:
-    """Return the outermost container when generated code can get hold of it."""
-    while found.parent is not None:
-        found = found.parent
-    return found if found.entry is not None else None
+    @property
+    def outermost(self) -> ContainerInfo:
+        """The container around all others; generated code can get hold of it where it has an `entry`."""
+        return self if self.parent is None else self.parent.outermost
