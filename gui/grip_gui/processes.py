@@ -17,8 +17,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.interpreter import python_command
 from grip_gui.project import ProjectFolder
-from grip_gui.setup.kinds import kind_of
-from grip_gui.wire.setup import CommandRequest, CommandResult
+from grip_gui.wire.setup import CommandResult
 
 MARK = "GRIP_RUN_MARK"
 """Environment variable that all processes of one run share."""
@@ -90,24 +89,6 @@ class CommandRunner:
     def __init__(self, folder: ProjectFolder):
         self._folder = folder
         self._busy = asyncio.Lock()
-
-    async def probe(self, request: CommandRequest) -> CommandResult:
-        """Try it.
-
-        Raises:
-            GripError: another try is under way, or this can't be tried.
-        """
-        kind = kind_of(request.path).name
-        home = self._folder.settings_file(request.path).parent
-        needed = "component" if request.what in ("generate", "test") else "project"
-        if kind != needed:
-            raise GripError(f"{request.path}: {request.what!r} is tried with a file of the kind {needed!r}")
-        words = {
-            "robot": ("robot", "check", "."),
-            "generate": ("component", "add", str(home)),
-            "test": ("component", "test", str(home)),
-        }
-        return await self.run(words[request.what])
 
     async def run(self, words: Sequence[str]) -> CommandResult:
         """Run `grip WORDS...` in the project folder; afterwards no process of it is left."""

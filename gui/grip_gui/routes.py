@@ -123,9 +123,9 @@ def make_run_router(folder: ProjectFolder, desk: RunControl) -> APIRouter:
     @api.post("/lease")
     async def lease(request: ControlRequest) -> SharedState:
         if request.take:
-            desk.lease.take(request.page, request.over)
+            desk.presence.take(request.page, request.over)
         else:
-            desk.lease.give(request.page)
+            desk.presence.give(request.page)
         return desk.shared_state
 
     return api

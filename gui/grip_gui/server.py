@@ -32,7 +32,7 @@ from grip_gui.processes import CommandRunner
 from grip_gui.project import OutsideProjectError, ProjectFolder
 from grip_gui.routes import make_router, make_run_router
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import CommandLineLauncher, Launcher, RunOptions
+from grip_gui.runs.launcher import Launch, RunOptions, start_run
 from grip_gui.runs.pages import ControlTakenError
 from grip_gui.runs.run_control import BusyError, RunControl
 from grip_gui.security import Gate
@@ -57,7 +57,7 @@ _REFUSALS: dict[type[GripError], tuple[int, str]] = {
 
 def create_app(
     project_folder: Path | str,
-    launcher: Launcher | None = None,
+    launch: Launch = start_run,
     *,
     token: str | None = None,
     source: JournalRuns | None = None,
@@ -69,7 +69,7 @@ def create_app(
 
     Args:
         project_folder: the folder that it serves; nothing outside it is reached.
-        launcher: makes the processes of runs; `grip run` by default.
+        launch: starts the processes of runs; `grip run` by default.
         token: who has it may talk to the server; a fresh one by default, found as `app.state.token`.
         source: where runs are read; the project's journal by default.
         task: the task that the page opens first, relative to the folder.
@@ -87,7 +87,7 @@ def create_app(
     folder = ProjectFolder(project_folder)
     task_file = folder.task_file(task) if task is not None else None
     runs = source or JournalRuns(folder.journal, folder.folder)
-    desk = RunControl(launcher or CommandLineLauncher(), folder.journal, runs)
+    desk = RunControl(launch, folder.journal, runs)
 
     if show_run is not None:
         desk.show(show_run)

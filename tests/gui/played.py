@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.runtime import Journal, RunLog
-from grip_gui.runs.launcher import RunOptions
+from grip_gui.runs.launcher import RunOptions, RunProcess
 
 with warnings.catch_warnings():
     # Starlette's client asks for the successor of httpx, which does the same here.
@@ -67,7 +67,7 @@ def write(log: RunLog, events: list[Any]) -> None:
 
 
 @dataclass
-class PlayedRun:
+class PlayedRun(RunProcess):
     """A run process that writes recorded events to the journal and obeys commands, unless it is deaf or dies."""
 
     journal: Path
@@ -158,7 +158,7 @@ class PlayedLauncher:
     started: list[tuple[Path, RunOptions]] = field(default_factory=list)
     last: PlayedRun | None = None
 
-    async def start(self, task_file: Path, journal: Path, options: RunOptions) -> PlayedRun:
+    async def __call__(self, task_file: Path, journal: Path, options: RunOptions) -> PlayedRun:
         self.started.append((task_file, options))
         self.last = PlayedRun(journal, self.deaf, self.dies, self.contradicted, self.rest)
         return self.last

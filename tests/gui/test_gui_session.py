@@ -110,8 +110,10 @@ def test_pause_resume_and_stop_reach_the_run_and_come_back(page: TestClient) -> 
         until(socket, is_events)
         answer = page.post("/api/session/control", json={"command": "stop"}).json()
         assert (answer["state"], answer["status"]) == ("ended", "stopped")
-        last = until(socket, lambda f: is_events(f) and f["complete"])
-        assert last["events"][-1]["event"] == "run_ended"
+        events: list[dict[str, Any]] = []
+        while not (frame := until(socket, is_events))["complete"]:
+            events += frame["events"]
+        assert [*events, *frame["events"]][-1]["event"] == "run_ended"
 
 
 def test_a_run_that_does_not_answer_stop_is_killed_and_the_page_says_so(

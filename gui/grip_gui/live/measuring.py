@@ -15,7 +15,7 @@ from grip_bt.base.message_store.yaml import text_of
 from grip_bt.base.ports import Arm, Hand
 from grip_bt.base.values import JointState
 from grip_gui.processes import answer_question
-from grip_gui.setup.named import DIGITS
+from grip_gui.setup.settings_store import DIGITS
 
 _NO_ARM = "{} is a hand: its joints can be kept; the pose of its palm is the arm's"
 

@@ -6,11 +6,11 @@ import asyncio
 import json
 import os
 from collections import deque
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from secrets import token_hex
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 from grip_bt.base.interpreter import python_command
 from grip_gui.processes import MARK, end_marked
@@ -21,7 +21,6 @@ LINES_KEPT = 40
 LONGEST_LINE = 1 << 20
 POLL = 0.02
 """How often it is looked whether a process has ended [s]."""
-COMMAND = python_command("-m", "grip_bt.cli")
 
 
 @dataclass(frozen=True)
@@ -49,97 +48,33 @@ class RunOptions:
         return ("--robot", self.robot, "--seed", str(self.seed), "--as", self.target, *pace, *mocks)
 
 
-class RunProcess(Protocol):
-    """A run's process, as the session sees it."""
-
-    def lines(self) -> AsyncIterator[dict[str, Any]]:
-        """Yield what the process says, one object a line, until its output ends; `{"event": "log"}` for plain text."""
-
-    async def send(self, command: Mapping[str, Any]) -> None:
-        """Send a command of the control protocol; nothing happens when the process is gone."""
-
-    async def wait(self) -> int:
-        """Wait for the end and return the exit status; negative is the signal that ended it."""
-
-    async def kill(self) -> None:
-        """End the process and everything that it started, now. Idempotent."""
-
-    def tail(self) -> str:
-        """Return the last lines that weren't part of the protocol."""
-
-
-class Launcher(Protocol):
-    """Makes run processes."""
-
-    async def start(self, task_file: Path, journal: Path, options: RunOptions) -> RunProcess:
-        """Start a run.
-
-        Raises:
-            OSError: the process can't be started.
-        """
-
-
-class CommandLineLauncher:
-    """Runs `grip run --control` with this interpreter, in a process group of its own."""
-
-    def __init__(self, command: Sequence[str] = COMMAND):
-        self.command = command
-
-    async def start(self, task_file: Path, journal: Path, options: RunOptions) -> RunProcess:
-        """Start `grip run`; what it starts in turn carries a mark by which it is found again."""
-        journal.parent.mkdir(parents=True, exist_ok=True)
-        mark = token_hex(8)
-        process = await asyncio.create_subprocess_exec(
-            *self.command,
-            *("run", str(task_file), "--control", "--journal", str(journal)),
-            *options.arguments(),
-            stdin=asyncio.subprocess.PIPE,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE,
-            limit=LONGEST_LINE,
-            env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
-            start_new_session=True,
-        )
-        return CommandLineProcess(process, mark)
-
-
-class CommandLineProcess:
+class RunProcess:
     """A `grip run --control` under way."""
 
     def __init__(self, process: asyncio.subprocess.Process, mark: str):
         self._process, self._mark = process, mark
         self._tail: deque[str] = deque(maxlen=LINES_KEPT)
 
-    @property
-    def pid(self) -> int:
-        """The process id, which is also that of its group."""
-        return self._process.pid
-
     async def lines(self) -> AsyncIterator[dict[str, Any]]:
-        """Yield protocol objects from stdout and `log` objects from stderr, as they come."""
+        """Yield protocol objects from stdout and `{"event": "log"}` for plain text, as they come, until both end."""
         queue: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
-        readers = [
-            asyncio.create_task(self._read(stream, queue)) for stream in (self._process.stdout, self._process.stderr)
-        ]
+
+        async def read(stream: asyncio.StreamReader | None) -> None:
+            assert stream is not None
+            try:
+                while line := await _line(stream):
+                    await queue.put(self._parsed(line.decode(errors="replace").rstrip()))
+            finally:
+                await queue.put(None)
+
+        readers = [asyncio.create_task(read(stream)) for stream in (self._process.stdout, self._process.stderr)]
         try:
-            open_streams = len(readers)
-            while open_streams:
-                message = await queue.get()
-                if message is None:
-                    open_streams -= 1
-                else:
+            for _ in readers:
+                while (message := await queue.get()) is not None:
                     yield message
         finally:
             for reader in readers:
                 reader.cancel()
-
-    async def _read(self, stream: asyncio.StreamReader | None, queue: asyncio.Queue[dict[str, Any] | None]) -> None:
-        assert stream is not None
-        try:
-            while line := await _line(stream):
-                await queue.put(self._parsed(line.decode(errors="replace").rstrip()))
-        finally:
-            await queue.put(None)
 
     def _parsed(self, text: str) -> dict[str, Any]:
         if text.startswith("{"):
@@ -153,7 +88,7 @@ class CommandLineProcess:
         return {"event": "log", "text": text}
 
     async def send(self, command: Mapping[str, Any]) -> None:
-        """Write one line to the process's stdin."""
+        """Send a command of the control protocol; nothing happens when the process is gone."""
         stdin = self._process.stdin
         if stdin is None or stdin.is_closing():
             return
@@ -164,7 +99,7 @@ class CommandLineProcess:
             return
 
     async def wait(self) -> int:
-        """Wait for the end, then end whatever it left behind."""
+        """Wait for the end, end what it left behind, return the exit status; negative is the signal that ended it."""
         # Not `Process.wait`: in Python 3.11 that waits for what holds the pipes too, which may be what was left behind.
         while self._process.returncode is None:
             await asyncio.sleep(POLL)
@@ -172,13 +107,13 @@ class CommandLineProcess:
         return self._process.returncode
 
     async def kill(self) -> None:
-        """End the group and everything marked."""
+        """End the process and everything that it started, now. Idempotent."""
         await end_marked(self._mark, group=self._process.pid if self._process.returncode is None else None)
         while self._process.returncode is None:
             await asyncio.sleep(POLL)
 
     def tail(self) -> str:
-        """Return the last lines of plain output."""
+        """Return the last lines that weren't part of the protocol."""
         return "\n".join(self._tail)
 
 
@@ -188,3 +123,28 @@ async def _line(stream: asyncio.StreamReader) -> bytes:
         return await stream.readline()
     except ValueError:
         return b"(a line that was too long was left out)\n"
+
+
+async def start_run(task_file: Path, journal: Path, options: RunOptions) -> RunProcess:
+    """Start `grip run --control` in a process group of its own; what it starts in turn carries a mark to be found by.
+
+    Raises:
+        OSError: the process can't be started.
+    """
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    mark = token_hex(8)
+    process = await asyncio.create_subprocess_exec(
+        *python_command("-m", "grip_bt.cli", "run", str(task_file), "--control", "--journal", str(journal)),
+        *options.arguments(),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+        limit=LONGEST_LINE,
+        env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
+        start_new_session=True,
+    )
+    return RunProcess(process, mark)
+
+
+Launch: TypeAlias = Callable[[Path, Path, RunOptions], Awaitable[RunProcess]]
+"""Starts a run of a task's file, which writes to a journal."""

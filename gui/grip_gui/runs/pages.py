@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import count
 
@@ -13,6 +12,10 @@ from grip_gui.wire.runs import Introduce, Selected, Selection, Viewer
 
 GRACE = 5.0
 """How long control waits for a page that has gone away, which a reload does for a moment [s]."""
+COLOURS = 8
+"""How many colours there are; with more pages some look alike, and their names tell them apart."""
+REMEMBERED = 100
+"""How many pages that have gone are known again when they come back."""
 
 
 class ControlTakenError(GripError):
@@ -20,93 +23,6 @@ class ControlTakenError(GripError):
 
     def __init__(self) -> None:
         super().__init__("another page is in control; take over, or keep watching. STOP always works")
-
-
-class ControlLock:
-    """Control of the runs, held by one of the pages or by nobody.
-
-    Whoever controls something while nobody holds it gets it. It becomes free when its page has been away for `GRACE`;
-    a page that comes back later than that, as by a slow reload, holds it again unless another one has had it.
-
-    Args:
-        changed: called after each change.
-    """
-
-    def __init__(self, changed: Callable[[], None]):
-        self.holder: str | None = None
-        self._changed = changed
-        self._here: Counter[str] = Counter()
-        self._waiting: asyncio.TimerHandle | None = None
-        self._missed: str | None = None
-        """The page that held it last, and was away for too long."""
-
-    def require(self, page: str) -> None:
-        """Check that a page may control, and give it control where nobody has it.
-
-        Args:
-            page: its id; empty for somebody without a page, who may as long as nobody holds control.
-
-        Raises:
-            ControlTakenError: another page holds it.
-        """
-        if self.holder not in (None, page):
-            raise ControlTakenError
-        if page and self.holder is None:
-            self._hold(page)
-
-    def take(self, page: str, over: bool = False) -> None:
-        """Give control to a page.
-
-        Args:
-            page: its id.
-            over: also from a page that holds it.
-
-        Raises:
-            ControlTakenError: another page holds it.
-        """
-        if not over:
-            self.require(page)
-        elif self.holder != page:
-            self._hold(page)
-
-    def give(self, page: str) -> None:
-        """Free what a page holds; nothing happens where it holds nothing."""
-        if self.holder == page:
-            self._hold(None)
-
-    def come(self, page: str) -> None:
-        """Note that a page looks on."""
-        self._here[page] += 1
-        if page and self.holder is None and page == self._missed:
-            self._hold(page)
-
-    def go(self, page: str) -> None:
-        """Note that a page has gone; what it holds waits a moment for its return."""
-        self._here[page] -= 1
-        if page and page == self.holder and not self._here[page]:
-            self._await_return(page)
-
-    def _hold(self, page: str | None) -> None:
-        if self._waiting is not None:
-            self._waiting.cancel()
-        self.holder, self._waiting, self._missed = page, None, None
-        if page and not self._here[page]:
-            self._await_return(page)
-        self._changed()
-
-    def _await_return(self, page: str) -> None:
-        def gone() -> None:
-            if self.holder == page and not self._here[page]:
-                self._hold(None)
-                self._missed = page
-
-        self._waiting = asyncio.get_running_loop().call_later(GRACE, gone)
-
-
-COLOURS = 8
-"""How many colours there are; with more pages some look alike, and their names tell them apart."""
-REMEMBERED = 100
-"""How many pages that have gone are known again when they come back."""
 
 
 @dataclass
@@ -119,17 +35,25 @@ class _Page:
 
 
 class Presence:
-    """The pages that are connected. A page that comes back, as at a reload, is called as before.
+    """The pages that are connected, and control of the runs, held by one of them or by nobody.
+
+    A page that comes back, as at a reload, is called as before. Whoever controls something while nobody holds control
+    gets it. It becomes free when its page has been away for `GRACE`; a page that comes back later than that, as by a
+    slow reload, holds it again unless another one has had it.
 
     Args:
         changed: called after each change.
     """
 
     def __init__(self, changed: Callable[[], None]):
+        self.holder: str | None = None
         self._changed = changed
         self._pages: dict[str, _Page] = {}
         self._gone: dict[str, _Page] = {}
         self._nameless = 0
+        self._waiting: asyncio.TimerHandle | None = None
+        self._missed: str | None = None
+        """The page that held control last, and was away for too long."""
 
     @property
     def connections(self) -> int:
@@ -148,6 +72,56 @@ class Presence:
         pages = self._pages.items()
         return {page: each.selected for page, each in pages if each.selected is not None and page != but}
 
+    # --- control ---
+
+    def require(self, page: str) -> None:
+        """Check that a page may control, and give it control where nobody has it.
+
+        Args:
+            page: its id; empty for somebody without a page, who may as long as nobody holds control.
+
+        Raises:
+            ControlTakenError: another page holds it.
+        """
+        if self.holder not in (None, page):
+            raise ControlTakenError
+        if page and self.holder is None:
+            self._hold(page)
+
+    def take(self, page: str, over: bool = False) -> None:
+        """Give control to a page, with `over` also from a page that holds it.
+
+        Raises:
+            ControlTakenError: another page holds it.
+        """
+        if not over:
+            self.require(page)
+        elif self.holder != page:
+            self._hold(page)
+
+    def give(self, page: str) -> None:
+        """Free what a page holds; nothing happens where it holds nothing."""
+        if self.holder == page:
+            self._hold(None)
+
+    def _hold(self, page: str | None) -> None:
+        if self._waiting is not None:
+            self._waiting.cancel()
+        self.holder, self._waiting, self._missed = page, None, None
+        if page and page not in self._pages:
+            self._await_return(page)
+        self._changed()
+
+    def _await_return(self, page: str) -> None:
+        def gone() -> None:
+            if self.holder == page and page not in self._pages:
+                self._hold(None)
+                self._missed = page
+
+        self._waiting = asyncio.get_running_loop().call_later(GRACE, gone)
+
+    # --- who looks on ---
+
     def come(self, page: str) -> None:
         """Note that a page looks on; empty for somebody without a page."""
         if not page:
@@ -156,10 +130,12 @@ class Presence:
             if page not in self._pages:
                 self._pages[page] = self._known(page)
             self._pages[page].connections += 1
+            if self.holder is None and page == self._missed:
+                self._hold(page)
         self._changed()
 
     def go(self, page: str) -> None:
-        """Note that a page has gone."""
+        """Note that a page has gone; the control that it holds waits a moment for its return."""
         if not page:
             self._nameless -= 1
         else:
@@ -169,6 +145,8 @@ class Presence:
                 self._gone[page].selected = None
                 if len(self._gone) > REMEMBERED:
                     del self._gone[next(iter(self._gone))]
+                if page == self.holder:
+                    self._await_return(page)
         self._changed()
 
     def introduce(self, page: str, said: Introduce) -> None:
@@ -200,16 +178,12 @@ class Presence:
         return before
 
     def _free(self, wanted: str, first: int = 0) -> str:
+        """Return a name that nobody has: with a number, or, where `first` is 0, as it is wanted before `NAME 2`."""
         taken = {page.name for page in self._pages.values()}
-        names: Iterable[str] = (f"{wanted} {number}" if number else wanted for number in _numbers(first))
-        return next(name for name in names if name not in taken)
+        if not first and wanted not in taken:
+            return wanted
+        return next(name for number in count(first or 2) if (name := f"{wanted} {number}") not in taken)
 
     def _free_colour(self) -> int:
         uses = [page.colour for page in self._pages.values()]
         return min(range(COLOURS), key=lambda colour: (uses.count(colour), colour))
-
-
-def _numbers(first: int) -> Iterable[int]:
-    """Yield `first` and what follows; after 0, which is no number, 2: the first one is called as it is."""
-    yield first
-    yield from count(max(first + 1, 2))

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import logging
 from collections.abc import Sequence
 from pathlib import Path
 
+from pydantic import TypeAdapter, ValidationError
+
 from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.files import replace_text
+from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
-from grip_gui.runs.breakpoints import Breakpoints
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import Launcher, RunOptions
-from grip_gui.runs.pages import ControlLock, Presence
+from grip_gui.runs.launcher import Launch, RunOptions
+from grip_gui.runs.pages import Presence
 from grip_gui.runs.session import STOP, Session
 from grip_gui.wire.runs import Breakpoint, Control, SessionView, SharedState
 
@@ -27,16 +31,15 @@ class RunControl:
     """The run under way, if any.
 
     Args:
-        launcher: makes the processes.
+        launch: starts a process.
         journal: the file that runs are written to; breakpoints are kept beside it.
         source: where the end of a run is entered whose process died.
     """
 
-    def __init__(self, launcher: Launcher, journal: Path, source: JournalRuns):
-        self._launcher, self.journal, self._source = launcher, journal, source
+    def __init__(self, launch: Launch, journal: Path, source: JournalRuns):
+        self._launch, self._journal, self._source = launch, journal, source
         self.session: Session | None = None
         self._shown: SessionView | None = None
-        self.lease = ControlLock(self.notify)
         self.presence = Presence(self.notify)
         self._breakpoints = Breakpoints(journal.parent / "breakpoints.json")
         self._starting = False
@@ -72,7 +75,7 @@ class RunControl:
     def shared_state(self) -> SharedState:
         """What all pages share."""
         return SharedState(
-            holder=self.lease.holder,
+            holder=self.presence.holder,
             connections=self.presence.connections,
             viewers=self.presence.viewers,
             breakpoints=self._breakpoints.all,
@@ -95,12 +98,12 @@ class RunControl:
             BusyError: another one is under way.
             OSError: its process can't be started.
         """
-        self.lease.require(page)
+        self.presence.require(page)
         if self._starting or (self.session and not self.session.over):
             raise BusyError("a run is under way; stop it before starting another one")
         self._starting = True
         try:
-            process = await self._launcher.start(task_file, self.journal, options)
+            process = await self._launch(task_file, self._journal, options)
         finally:
             self._starting = False
         view = SessionView(
@@ -130,7 +133,7 @@ class RunControl:
         if self.session is None:
             raise BusyError("no run was started")
         if request.command != "stop":
-            self.lease.require(request.page)
+            self.presence.require(request.page)
         await self.session.command(request.fields())
         return self.session.view
 
@@ -148,7 +151,7 @@ class RunControl:
             ControlTakenError: another page holds control.
             OSError: they can't be kept.
         """
-        self.lease.require(page)
+        self.presence.require(page)
         self._breakpoints.set(task, points)
         if self.session is not None and not self.session.over and self.session.view.task == task:
             await self.session.hold_at(self._breakpoints.of(task))
@@ -162,16 +165,6 @@ class RunControl:
             await self.session.wait()
 
     # --- viewers ---
-
-    def come(self, page: str) -> None:
-        """Note that a page looks on."""
-        self.lease.come(page)
-        self.presence.come(page)
-
-    def go(self, page: str) -> None:
-        """Note that a page has gone."""
-        self.lease.go(page)
-        self.presence.go(page)
 
     def watch(self) -> asyncio.Event:
         """Return an event that is set whenever something has changed; give it back to `unwatch`."""
@@ -188,3 +181,55 @@ class RunControl:
         """Wake all viewers."""
         for event in self._viewers:
             event.set()
+
+
+_FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Breakpoint]])
+
+
+class Breakpoints:
+    """Where runs hold, for each task of the project: kept beside the journal, not in the task.
+
+    Args:
+        file: where they are kept; one that can't be read counts as empty.
+    """
+
+    def __init__(self, file: Path):
+        self._file = file
+        self.all: dict[str, list[Breakpoint]] = {}
+        try:
+            self.all = _FILE.validate_json(file.read_bytes())
+        except FileNotFoundError:
+            pass
+        except (OSError, ValidationError) as error:
+            log.warning("breakpoints of %s left out: %s", file, str(error).splitlines()[0])
+
+    def of(self, task: str) -> list[Breakpoint]:
+        """Return those of one task."""
+        return self.all.get(task, [])
+
+    def follow(self, task: str, steps: Sequence[Step]) -> None:
+        """Let the breakpoints of nodes that an edit has renamed or moved go with them.
+
+        Those of nodes that are gone stay: an undo brings the nodes back.
+
+        Raises:
+            OSError: they can't be kept.
+        """
+        points = self.of(task)
+        moved = [p.model_copy(update={"node": path_after(p.node, steps) or p.node}) for p in points]
+        if moved != points:
+            self.set(task, moved)
+
+    def set(self, task: str, points: Sequence[Breakpoint]) -> None:
+        """Replace those of one task; each place once.
+
+        Raises:
+            OSError: they can't be kept.
+        """
+        once = {(p.node, p.when, p.outcome): p for p in points}
+        self.all = {**self.all, task: list(once.values())}
+        if not once:
+            self.all.pop(task, None)
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        text = json.dumps(_FILE.dump_python(self.all, mode="json"), indent=1)
+        replace_text(self._file, text + "\n")

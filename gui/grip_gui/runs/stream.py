@@ -69,7 +69,7 @@ class ClientConnection:
 
     async def serve(self) -> None:
         """Talk until the page leaves or breaks the rules too often."""
-        self._desk.come(self._page)
+        self._desk.presence.come(self._page)
         sender = asyncio.create_task(self._send_or_close())
         try:
             await self._receive()
@@ -77,7 +77,7 @@ class ClientConnection:
             pass
         finally:
             self._desk.unwatch(self._changed)
-            self._desk.go(self._page)
+            self._desk.presence.go(self._page)
             sender.cancel()
             with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
                 await sender

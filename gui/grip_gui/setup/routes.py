@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from pathlib import PurePosixPath
 
 from fastapi import APIRouter
 
 from grip_bt.base.errors import GripError
+from grip_gui.editing.files import TextFile
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.setup.importing import import_file
 from grip_gui.setup.interfaces import look_at, make
-from grip_gui.setup.named import keep_value
+from grip_gui.setup.kinds import kind_of
 from grip_gui.setup.options import names_of
-from grip_gui.setup.settings_store import SettingsStore
+from grip_gui.setup.settings_store import SettingsStore, keep_value
 from grip_gui.wire.setup import (
     CommandRequest,
     CommandResult,
@@ -25,12 +26,13 @@ from grip_gui.wire.setup import (
     InterfaceView,
     NamesView,
     RecordRequest,
-    SetupChange,
-    SetupList,
     SetupSave,
-    SetupText,
     SetupView,
 )
+
+_LEGACY = "legacy"
+"""Where a file that is imported is kept, so that an import can be done again."""
+_SUFFIXES = {"smach": ".py", "btcpp": ".xml", "pytrees": ".xml"}
 
 
 def make_setup_router(
@@ -47,25 +49,14 @@ def make_setup_router(
     api = APIRouter(prefix="/api/setup")
     desk = SettingsStore(folder)
 
-    @api.get("/files")
-    def files() -> SetupList:
-        return desk.files()
-
-    @api.get("/file")
-    def file(path: str) -> SetupView:
-        return desk.open(path)
+    api.get("/files")(desk.files)
+    api.get("/file")(desk.open)
+    api.post("/check")(desk.check)
+    api.post("/change")(desk.change)
 
     @api.get("/names")
     def names() -> NamesView:
         return NamesView(places=names_of(folder.folder))
-
-    @api.post("/check")
-    def check(request: SetupText) -> SetupView:
-        return desk.check(request.path, request.text)
-
-    @api.post("/change")
-    def change(request: SetupChange) -> SetupView:
-        return desk.change(request)
 
     @api.post("/save")
     async def save(request: SetupSave) -> SetupView:
@@ -75,7 +66,12 @@ def make_setup_router(
 
     @api.post("/probe")
     async def probe(request: CommandRequest) -> CommandResult:
-        view = await runner.probe(request)
+        home = folder.settings_file(request.path).parent
+        needed = "project" if request.what == "robot" else "component"
+        if kind_of(request.path).name != needed:
+            raise GripError(f"{request.path}: {request.what!r} is tried with a file of the kind {needed!r}")
+        words = {"robot": ("robot", "check", "."), "generate": ("component", "add", str(home))}
+        view = await runner.run(words.get(request.what, ("component", "test", str(home))))
         changed()
         return view
 
@@ -92,9 +88,13 @@ def make_setup_router(
 
     @api.post("/import")
     async def bring(request: ImportRequest) -> ImportView:
-        view = await import_file(folder, runner, request)
+        words = _kept_words(folder, request)
+        before = _stamps(folder)
+        view = await runner.run(words)
         changed()
-        return view
+        return ImportView(
+            probe=view, tasks=sorted(path for path, at in _stamps(folder).items() if at != before.get(path))
+        )
 
     @api.post("/record")
     async def keep(request: RecordRequest) -> SetupView:
@@ -102,3 +102,29 @@ def make_setup_router(
         return await asyncio.to_thread(desk.open, path)
 
     return api
+
+
+def _kept_words(folder: ProjectFolder, request: ImportRequest) -> tuple[str, ...]:
+    """Keep a file that is imported, which is read and never executed; return the words of the import.
+
+    Raises:
+        GripError: the name is none of such a file, or another file of this name is kept already.
+        DocumentError: it can't be written.
+    """
+    suffix, given = _SUFFIXES[request.source], PurePosixPath(request.name)
+    if given.suffix != suffix or given.name != request.name:
+        raise GripError(
+            f"{request.name!r}: a file of {request.source} ends with {suffix} and has no folder in its name"
+        )
+    kept = TextFile(folder.folder / _LEGACY / request.name, f"{_LEGACY}/{request.name}")
+    if not kept.path.resolve().is_relative_to(folder.folder):
+        raise GripError(f"{kept.name}: leads out of the project folder")
+    if kept.path.exists() and kept.read() != request.text:
+        raise GripError(f"{kept.name} is there with another text; give the file another name")
+    kept.write(request.text)
+    out = "tasks" if request.source == "smach" else f"tasks/{given.stem}.yaml"
+    return ("import", kept.name, "--from", request.source, "-o", out)
+
+
+def _stamps(folder: ProjectFolder) -> dict[str, int]:
+    return {entry.path: (folder.folder / entry.path).stat().st_mtime_ns for entry in folder.tasks()}
