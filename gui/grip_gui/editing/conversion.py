@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from grip_bt.base.errors import EditError, GripError, InvalidTaskError, NodeError
 from grip_bt.base.values import Failure
@@ -38,7 +37,8 @@ def conversion_view(
 
 def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approximate: bool) -> ConversionView:
     try:
-        result = _converted(task, catalog, path, form, approximate)
+        trees = form == "tree"
+        result = to_trees(task, catalog, path) if trees else to_state_machines(task, catalog, approximate, path)
         comparison = compare(task, result, catalog)
     except InvalidTaskError as error:
         raise EditError(path, f"the task has errors; fix them first: {error.issues[0]}") from error
@@ -57,7 +57,7 @@ def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approx
         script=[str(end) for end in difference.script] if difference else [],
         does_before=list(difference.before) if difference else [],
         does_after=list(difference.after) if difference else [],
-        plays=plays(task, result, difference, catalog, file) if difference else [],
+        plays=_plays(task, result, difference, catalog, file) if difference else [],
     )
 
 
@@ -78,12 +78,6 @@ def _task(opened: OpenDocument) -> Task:
     return opened.history.document.task
 
 
-def _converted(task: Task, catalog: Catalog, path: str, form: Form, approximate: bool) -> Restructured:
-    if form == "tree":
-        return to_trees(task, catalog, path)
-    return to_state_machines(task, catalog, approximate, path)
-
-
 def _outline(task: Task, path: str) -> list[str]:
     """Return a part of a task in lines: kinds and names, indented."""
     lines = []
@@ -96,18 +90,10 @@ def _outline(task: Task, path: str) -> list[str]:
     return lines
 
 
-def plays(
+def _plays(
     task: Task, result: Restructured, difference: Difference, catalog: Catalog, file: str
 ) -> list[CounterexampleView]:
-    """Return what the form as it is does with a script, and what the other form does.
-
-    Args:
-        task: the task as it is.
-        result: its other form.
-        difference: the script with which they differ.
-        catalog: the nodes that exist.
-        file: the task's file, relative to the project.
-    """
+    """Return what the form as it is does with a script, and what the other form does."""
     other = moved(difference.script, result.paths)
     return [_play(task, difference.script, catalog, file), _play(result.task, other, catalog, file)]
 
@@ -116,19 +102,13 @@ def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> C
     events = _Events()
     end = play(task, catalog, script, events.by)
     outcome = end[0] if end and end[0] != "error" else None
-    status = (
-        "stopped" if not end else end[0] if outcome is None else task.outcomes.get(outcome, _meaning(task, outcome))
-    )
-    events.add("/", "run_ended", outcome, None, {"status": status})
+    root = task.root.meaning if isinstance(task.root, Leaf) else outcomes_of(task.root)
+    meaning = {**root, **task.outcomes}
+    status = "stopped" if not end else end[0] if outcome is None else meaning.get(outcome, "failure")
+    events.add("/", "run_ended", outcome, status=status)
     return CounterexampleView(
         task=project_task(task, file, finder(catalog)), status=status, outcome=outcome, events=events.all
     )
-
-
-def _meaning(task: Task, outcome: str) -> str:
-    root = task.root
-    known = root.meaning if isinstance(root, Leaf) else outcomes_of(root)
-    return known.get(outcome, "failure")
 
 
 class _Events:
@@ -143,32 +123,26 @@ class _Events:
         self._now = now
         return self
 
-    def add(self, path: str, event: str, outcome: str | None, code: str | None, data: dict[str, Any]) -> None:
+    def add(self, path: str, event: str, outcome: str | None = None, code: str | None = None, **data: object) -> None:
         """Note one event."""
         seq = len(self.all)
         self.all.append(RunEvent(seq=seq, t=self._now(), path=path, event=event, outcome=outcome, code=code, data=data))
 
     def entered(self, path: str) -> None:
-        """An activation begins."""
-        self.add(path, "enter", None, None, {})
+        self.add(path, "enter")
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """An activation ended."""
-        data = {"message": failure.message} if failure and failure.message else {}
-        self.add(path, "exit", outcome, failure.code if failure else None, data)
+        said = {"message": failure.message} if failure and failure.message else {}
+        self.add(path, "exit", outcome, failure.code if failure else None, **said)
 
     def interrupted(self, path: str) -> None:
-        """An activation was halted."""
-        self.add(path, "interrupted", None, None, {})
+        self.add(path, "interrupted")
 
     def message(self, path: str, text: str) -> None:
-        """A node says how it goes."""
-        self.add(path, "message", None, None, {"text": text})
+        self.add(path, "message", text=text)
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """A variable was written."""
-        data = {"variable": variable, "type": type_name, "preview": preview(value)}
-        self.add(path, "write", None, None, data)
+        self.add(path, "write", variable=variable, type=type_name, preview=preview(value))
 
 
 def forms_view(opened: OpenDocument, catalog: Catalog) -> Callable[[], FormsView]:
@@ -193,12 +167,6 @@ def forms_view(opened: OpenDocument, catalog: Catalog) -> Callable[[], FormsView
     return found
 
 
-def _edge(machine: str, label: str) -> tuple[str, str]:
-    """Return the path and the outcome of `state.outcome -> target`."""
-    state, _, outcome = label.partition(" -> ")[0].partition(".")
-    return join(machine, state), outcome
-
-
 def _forms(task: Task, catalog: Catalog, wanted: Callable[[], bool]) -> list[FormView]:
     notes = {}
     for convert in (to_trees, to_state_machines):
@@ -209,6 +177,7 @@ def _forms(task: Task, catalog: Catalog, wanted: Callable[[], bool]) -> list[For
     for path, node in walk(task.root):
         if isinstance(node, StateMachine | Sequence | Fallback):
             note = notes.get(path)
-            edges = [_edge(path, label) for label in note.edges] if note else []
+            ends = [label.partition(" -> ")[0].partition(".") for label in note.edges] if note else []
+            edges = [(join(path, state), outcome) for state, _, outcome in ends]
             forms.append(FormView(path=path, both=note is None, reason=note.reason if note else "", edges=edges))
     return forms

@@ -85,31 +85,16 @@ class DocumentStore:
         """
         with self._lock:
             file = self.folder.new_task_file(path)
-            name = file.stem
-            new = text if text is not None else _blank(name)
-            read_text(new, path)
-            TextFile(file, path).write(new)
+            if text is None:
+                try:
+                    task = {"grip": 1, "name": file.stem, "root": {"kind": "sequence", "children": {}}}
+                    text = dumps(Task.model_validate(task))
+                except ValueError as error:
+                    raise DocumentError(f"{file.stem!r} isn't a name for a task", file.stem) from error
+            read_text(text, path)
+            TextFile(file, path).write(text)
             Recovery(self.folder.journal.parent / "unsaved", path).forget()
             self._sheets.pop(path, None)
-
-    def settled_text(self, path: str) -> str:
-        """Return the text of a task file as it is here: the open one, or the file's.
-
-        Raises:
-            OutsideProjectError: the path leads elsewhere.
-            DocumentError: there is no such file.
-        """
-        with self.reading(path) as opened:
-            return opened.text
-
-
-def _blank(name: str) -> str:
-    """Return the text of a task that waits for its first node."""
-    try:
-        task = Task.model_validate({"grip": 1, "name": name, "root": {"kind": "sequence", "children": {}}})
-    except ValueError as error:
-        raise DocumentError(f"{name!r} isn't a name for a task", name) from error
-    return dumps(task)
 
 
 def takes_catalogue(command: AnyCommand) -> bool:

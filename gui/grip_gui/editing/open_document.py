@@ -69,11 +69,7 @@ class OpenDocument:
             self.draft = text
         self._saved = text
         self._saved_layout = write_layout(self.layout)
-        self._recover()
-
-    def _recover(self) -> None:
-        """Take up what a server that died has left; where the file has changed since, a save asks first."""
-        left = self._recovery.find()
+        left = recovery.find()  # by a server that died; where the file has changed since, a save asks first
         if left is not None:
             self._put_text(left.text, RECOVERED)
             self.file.known = left.known
@@ -94,14 +90,11 @@ class OpenDocument:
             log.warning("%s", error)
             self.history = History(document)
         self._task = document.task
-        self._first_layout = self._read_layout()
-        self._layouts = {self.history.at.number: self._first_layout}
-
-    def _read_layout(self) -> Layout:
         try:
-            return read_layout(self._layout_file.read()) if self._layout_file.path.exists() else Layout()
+            self._first_layout = read_layout(self._layout_file.read()) if self._layout_file.path.exists() else Layout()
         except DocumentError:
-            return Layout()
+            self._first_layout = Layout()
+        self._layouts = {self.history.at.number: self._first_layout}
 
     # --- how it is --------------------------------------------------------------------------------------------------
 
@@ -164,7 +157,7 @@ class OpenDocument:
         history = self._settled()
         layout = self.layout
         for path, spot in positions.items():
-            layout = layout.unpin(view, path) if spot is None else layout.pin(view, path, *spot)
+            layout = layout.pin(view, path, spot)
         history.do(Group(title=title, commands=()))
         self._enter((), layout)
 
@@ -312,17 +305,12 @@ class OpenDocument:
         if layout != self._saved_layout and self.history is not None:
             self._layout_file.write(layout) if layout else self._layout_file.remove()
         self._saved, self._saved_layout = self.text, layout
-        self._keep_history()
+        if self.history is not None and self.draft is None:
+            try:
+                save_history(self.history, self._history_file)
+            except DocumentError as error:  # that keeps nobody from saving
+                log.warning("the history of %s isn't kept: %s", self.file.name, error)
         self.revision += 1
-
-    def _keep_history(self) -> None:
-        """Keep the way back for later; that it can't be kept keeps nobody from saving."""
-        if self.history is None or self.draft is not None:
-            return
-        try:
-            save_history(self.history, self._history_file)
-        except DocumentError as error:
-            log.warning("the history of %s isn't kept: %s", self.file.name, error)
 
     def follow_disk(self) -> None:
         """Reload from the file where it has changed and nothing here would be lost by it.
@@ -347,47 +335,29 @@ class OpenDocument:
         self.revision += 1
 
 
-_ONE = ("path", "parent")
-_MANY = ("paths",)
-
-
 def rebased(command: AnyCommand, since: Iterable[tuple[Step, ...]]) -> AnyCommand:
     """Return a command with the paths of its nodes as they are after some edits.
 
     Raises:
-        StaleEditError: a node that it is about is gone.
+        StaleEditError: a node that it is about is gone, or it fits one state of a task alone.
     """
     taken = tuple(step for steps in since for step in steps)
-    if not taken:
-        return command
-    if _is_exact(command):
+    return command_of(_moved(command.model_dump(mode="json"), taken)) if taken else command
+
+
+def _moved(command: dict[str, Any], steps: tuple[Step, ...]) -> dict[str, Any]:
+    if command["do"] == Patch.model_fields["do"].default:
         raise StaleEditError("the task was just changed elsewhere; check it, then try again")
-    return command_of(_moved(command.model_dump(mode="json"), taken))
-
-
-def _is_exact(command: AnyCommand) -> bool:
-    """Tell whether a command fits one state of a task alone."""
-    if isinstance(command, Group):
-        return any(_is_exact(part) for part in command.commands)
-    return isinstance(command, Patch)
-
-
-def _moved(data: object, steps: tuple[Step, ...]) -> Any:
-    if isinstance(data, list):
-        return [_moved(part, steps) for part in data]
-    if not isinstance(data, dict) or "do" not in data:
-        return data
-    moved = {key: _where(value, steps) if key in _ONE else value for key, value in data.items()}
-    moved |= {key: [_where(path, steps) for path in data[key]] for key in _MANY if key in data}
-    if "commands" in data:
-        moved["commands"] = _moved(data["commands"], steps)
+    moved = {key: _where(value, steps) if key in ("path", "parent") else value for key, value in command.items()}
+    if "paths" in command:
+        moved["paths"] = [_where(path, steps) for path in command["paths"]]
+    if "commands" in command:
+        moved["commands"] = [_moved(part, steps) for part in command["commands"]]
     return moved
 
 
 def _where(path: str, steps: tuple[Step, ...]) -> str:
-    if path == "":
-        return path
-    now = path_after(path, steps)
+    now = path_after(path, steps) if path else path
     if now is None:
         raise StaleEditError(f"{path} was removed elsewhere while you were editing it; nothing was changed")
     return now
