@@ -9,6 +9,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from secrets import token_hex
 from typing import Any
@@ -49,28 +50,20 @@ async def end_marked(mark: str, group: int | None = None) -> None:
         group: a process group to kill first, None for none.
     """
     if group is not None:
-        _signal_group(group, signal.SIGKILL)
-    _signal_all(marked(mark), signal.SIGTERM)
+        with suppress(ProcessLookupError):
+            os.killpg(group, signal.SIGKILL)
+    _signal(marked(mark), signal.SIGTERM)
     loop = asyncio.get_running_loop()
     deadline = loop.time() + GRACE
     while (left := marked(mark)) and loop.time() < deadline:
         await asyncio.sleep(0.02)
-    _signal_all(left, signal.SIGKILL)
+    _signal(left, signal.SIGKILL)
 
 
-def _signal_all(pids: list[int], number: signal.Signals) -> None:
+def _signal(pids: list[int], number: signal.Signals) -> None:
     for pid in pids:
-        try:
+        with suppress(ProcessLookupError):
             os.kill(pid, number)
-        except ProcessLookupError:
-            continue
-
-
-def _signal_group(group: int, number: signal.Signals) -> None:
-    try:
-        os.killpg(group, number)
-    except ProcessLookupError:
-        return
 
 
 PATIENCE = 120.0
@@ -80,11 +73,7 @@ KEPT = 20_000
 
 
 class CommandRunner:
-    """Runs one try at a time.
-
-    Args:
-        folder: the project.
-    """
+    """Runs one try at a time."""
 
     def __init__(self, folder: ProjectFolder):
         self._folder = folder
@@ -93,7 +82,7 @@ class CommandRunner:
     async def run(self, words: Sequence[str]) -> CommandResult:
         """Run `grip WORDS...` in the project folder; afterwards no process of it is left."""
         started = time.monotonic()
-        ok, output = await self.ended("grip_bt.cli", words)
+        ok, output = await self._ended("grip_bt.cli", words)
         shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
         return CommandResult(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
 
@@ -103,45 +92,36 @@ class CommandRunner:
         Raises:
             GripError: another try is under way, or it ended without an answer.
         """
-        _, output = await self.ended(module, (), json.dumps(question))
+        _, output = await self._ended(module, (), json.dumps(question))
         for line in reversed(output.splitlines()):
             if line.startswith("{"):
                 return dict(json.loads(line))
         raise GripError(f"no answer: {output[-KEPT:].strip() or 'no output'}")
 
-    async def ended(self, module: str, words: Sequence[str], given: str = "") -> tuple[bool, str]:
-        """Run a module to its end; return whether it went well, and what it said.
-
-        Raises:
-            GripError: another try is under way.
-        """
+    async def _ended(self, module: str, words: Sequence[str], given: str = "") -> tuple[bool, str]:
+        """Run a module to its end; return whether it went well, and what it said."""
         if self._busy.locked():
             raise GripError("another command is running; wait for it to end")
         async with self._busy:
-            return await _ended(python_command("-m", module, *words), self._folder.folder, given)
-
-
-async def _ended(command: Sequence[str], folder: Path, given: str) -> tuple[bool, str]:
-    mark = token_hex(8)
-    process = await asyncio.create_subprocess_exec(
-        *command,
-        cwd=folder,
-        stdin=asyncio.subprocess.PIPE,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.STDOUT,
-        env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
-        start_new_session=True,
-    )
-    try:
-        async with asyncio.timeout(PATIENCE):
-            said, _ = await process.communicate(given.encode())
-        output, ok = said.decode(errors="replace"), process.returncode == 0
-    except TimeoutError:
-        output, ok = f"Killed: it did not end within {PATIENCE:g} s.", False
-    finally:
-        await end_marked(mark, group=process.pid if process.returncode is None else None)
-        await process.wait()
-    return ok, output
+            mark = token_hex(8)
+            process = await asyncio.create_subprocess_exec(
+                *python_command("-m", module, *words),
+                cwd=self._folder.folder,
+                stdin=asyncio.subprocess.PIPE,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.STDOUT,
+                env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
+                start_new_session=True,
+            )
+            try:
+                async with asyncio.timeout(PATIENCE):
+                    said, _ = await process.communicate(given.encode())
+                return process.returncode == 0, said.decode(errors="replace")
+            except TimeoutError:
+                return False, f"Killed: it did not end within {PATIENCE:g} s."
+            finally:
+                await end_marked(mark, group=process.pid if process.returncode is None else None)
+                await process.wait()
 
 
 def answer_question(answer: Callable[..., Mapping[str, Any]]) -> int:

@@ -32,11 +32,6 @@ class ProjectFolder:
             raise DocumentError("this folder doesn't exist; make one with `grip new`", str(folder))
 
     @property
-    def name(self) -> str:
-        """The folder's name."""
-        return self.folder.name
-
-    @property
     def journal(self) -> Path:
         """The journal of the project's runs."""
         return self.folder / ".grip" / "runs.sqlite"

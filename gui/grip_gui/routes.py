@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, get_args
 
 from fastapi import APIRouter, Path, WebSocket
@@ -25,7 +24,6 @@ from grip_gui.wire.runs import (
     Control,
     ControlRequest,
     PageId,
-    RunRecord,
     RunView,
     SessionView,
     SharedState,
@@ -33,6 +31,9 @@ from grip_gui.wire.runs import (
     ValueView,
 )
 from grip_gui.wire.task import ProjectView, TaskView
+
+_Number = Annotated[int, Path(ge=1, le=2**53)]
+_ROBOTS = [str(kind) for kind in get_args(RobotKind)]
 
 
 def make_router(
@@ -43,22 +44,16 @@ def make_router(
 
     @api.get("/project")
     def project() -> ProjectView:
+        root, tasks = folder.folder, folder.tasks()
         return ProjectView(
-            name=folder.name,
-            folder=str(folder.folder),
-            tasks=folder.tasks(),
-            kinds=kind_views(),
-            robots=robots(),
-            selected=selected,
+            name=root.name, folder=str(root), tasks=tasks, kinds=kind_views(), robots=_ROBOTS, selected=selected
         )
 
     @api.get("/task")
     def task(path: str) -> TaskView:
         return task_view(folder, path)
 
-    @api.get("/runs")
-    def runs() -> list[RunRecord]:
-        return source.runs()
+    api.get("/runs")(source.runs)
 
     @api.get("/runs/{run}")
     def run(run: str) -> RunView:
@@ -68,11 +63,11 @@ def make_router(
         return RunView(run=record, task=view_of_text(folder, source.task_text(run), record.task_path))
 
     @api.get("/runs/{run}/values/{seq}")
-    def value(run: str, seq: Annotated[int, Path(ge=1, le=2**53)]) -> ValueView:
+    def value(run: str, seq: _Number) -> ValueView:
         return source.value(run, seq)
 
     @api.get("/runs/{run}/values/{seq}/cloud")
-    def cloud(run: str, seq: Annotated[int, Path(ge=1, le=2**53)]) -> CloudView:
+    def cloud(run: str, seq: _Number) -> CloudView:
         return cloud_view(source.raw(run, seq))
 
     @api.websocket("/socket")
@@ -80,17 +75,12 @@ def make_router(
         await websocket.accept()
         await ClientConnection(websocket, desk, source, edits.revisions, page).serve()
 
+    _add_runs(api, folder, desk)
     return api
 
 
-def robots() -> list[str]:
-    """Return what a run may be started on."""
-    return [str(kind) for kind in get_args(RobotKind)]
-
-
-def make_run_router(folder: ProjectFolder, desk: RunControl) -> APIRouter:
-    """Return the routes below `/api` that start and control runs."""
-    api = APIRouter(prefix="/api")
+def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
+    """Add what starts and controls runs."""
 
     @api.get("/session")
     async def session() -> SessionView | None:
@@ -128,15 +118,8 @@ def make_run_router(folder: ProjectFolder, desk: RunControl) -> APIRouter:
             desk.presence.give(request.page)
         return desk.shared_state
 
-    return api
-
 
 def _options(folder: ProjectFolder, request: StartRun) -> RunOptions:
-    if request.robot not in robots():
-        raise UnknownNameError("robot", request.robot, robots(), "grip run --robot")
-    options = RunOptions(
-        robot=request.robot, target=request.target, seed=request.seed, pace=request.pace, mocks=request.mocks
-    )
-    if not request.begin_at:
-        return options
-    return replace(options, mocks={**mocks_before(task_view(folder, request.task), request.begin_at), **request.mocks})
+    passed = mocks_before(task_view(folder, request.task), request.begin_at) if request.begin_at else {}
+    mocks = {**passed, **request.mocks}
+    return RunOptions(robot=request.robot, target=request.target, seed=request.seed, pace=request.pace, mocks=mocks)

@@ -8,7 +8,7 @@ from secrets import compare_digest
 from typing import Any
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
-from starlette.datastructures import Headers
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -57,9 +57,16 @@ class Gate:
         if refusal is not None:
             status, why = refusal
             log.warning("refused %s %s from %s: %s", scope["type"], scope["path"], scope.get("client"), why)
-            await self._refuse(scope, receive, send, status, why)
+            if scope["type"] == "websocket":
+                await receive()
+                await send({"type": "websocket.close", "code": 1008, "reason": why})
+            else:
+                await JSONResponse({"detail": why}, status_code=status)(scope, receive, send)
         elif scope["type"] == "http" and (given := self._given(scope)) is not None:
-            await self._welcome(scope, given)(scope, receive, send)
+            # Relative to the root whatever the path was: a redirect never leaves this server.
+            welcome = RedirectResponse("/" + (f"?{given}" if given else ""), status_code=303)
+            welcome.set_cookie(cookie_name(scope), self._token, httponly=True, samesite="lax", path="/")
+            await welcome(scope, receive, send)
         else:
             await self._pass(scope, receive, send)
 
@@ -96,19 +103,6 @@ class Gate:
         name = cookie_name(scope)
         return name in jar and _equal(jar[name].value, self._token)
 
-    def _welcome(self, scope: Scope, query: str) -> RedirectResponse:
-        # Relative to the root whatever the path was: a redirect never leaves this server.
-        response = RedirectResponse("/" + (f"?{query}" if query else ""), status_code=303)
-        response.set_cookie(cookie_name(scope), self._token, httponly=True, samesite="lax", path="/")
-        return response
-
-    async def _refuse(self, scope: Scope, receive: Receive, send: Send, status: int, why: str) -> None:
-        if scope["type"] == "websocket":
-            await receive()
-            await send({"type": "websocket.close", "code": 1008, "reason": why})
-        else:
-            await JSONResponse({"detail": why}, status_code=status)(scope, receive, send)
-
     async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a connection in, with a limit on what it sends and headers on what it gets."""
         seen, most = 0, _limit(scope)
@@ -124,7 +118,7 @@ class Gate:
 
         async def dressed(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = [*message["headers"], *_raw(HEADERS)]
+                MutableHeaders(scope=message).update(HEADERS)
             await send(message)
 
         await self._app(scope, limited, dressed)
@@ -146,7 +140,3 @@ def cookie_name(scope: Any) -> str:
 
 def _equal(given: str, token: str) -> bool:
     return compare_digest(given.encode("utf-8", "replace"), token.encode())
-
-
-def _raw(headers: dict[str, str]) -> list[tuple[bytes, bytes]]:
-    return [(key.lower().encode(), value.encode()) for key, value in headers.items()]

@@ -30,7 +30,7 @@ from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import make_live_router
 from grip_gui.processes import CommandRunner
 from grip_gui.project import OutsideProjectError, ProjectFolder
-from grip_gui.routes import make_router, make_run_router
+from grip_gui.routes import make_router
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.launcher import Launch, RunOptions, start_run
 from grip_gui.runs.pages import ControlTakenError
@@ -105,23 +105,14 @@ def create_app(
     app.add_exception_handler(GripError, _teach)
     app.add_exception_handler(RequestValidationError, _refuse_malformed)
     app.add_exception_handler(HTTPException, _refuse)
-    edits, window, runner = (
-        DocumentStore(folder, desk.follow_edit),
-        RosClientProcess(folder.folder),
-        CommandRunner(folder),
-    )
+    edits, window = DocumentStore(folder, desk.follow_edit), RosClientProcess(folder.folder)
+    runner = CommandRunner(folder)
     app.include_router(make_edit_router(edits, desk.notify))
-    app.include_router(make_run_router(folder, desk))
     app.include_router(make_setup_router(folder, runner, runs, desk.notify))
-    app.include_router(make_live_router(folder, runner, window, lambda: _run_under_way(desk)))
+    app.include_router(make_live_router(folder, runner, window, lambda: desk.run_under_way))
     app.include_router(make_router(folder, desk, runs, task, edits))
     app.mount("/", StaticFiles(directory=STATIC, html=True))
     return app
-
-
-def _run_under_way(desk: RunControl) -> str:
-    session = desk.session
-    return (session.view.run or "") if session is not None and not session.over else ""
 
 
 async def _teach(request: Request, error: Exception) -> JSONResponse:
@@ -180,10 +171,16 @@ def serve(
     name = ProjectFolder(folder).relative(Path(task)) if task is not None else None
     source = JournalRuns(journal, folder) if journal is not None else None
     app = create_app(folder, task=name, autostart=autostart, source=source, show_run=show_run)
-    with _listen(port) as listener:
+    try:
+        server = socket.create_server((HOST, port))
+    except OSError as error:
+        raise GripError(
+            f"port {port} of {HOST} isn't free ({error.strerror}); leave --port out for a free one"
+        ) from error
+    with server as listener:
         url = f"http://{HOST}:{listener.getsockname()[1]}/?" + urlencode({"token": app.state.token})
         print(f"GRIP editor of {folder}\n  {url}\nCtrl-C ends it.", flush=True)  # noqa: T201 - this is for the person
-        if open_browser and has_display():
+        if open_browser and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
             threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
         config = uvicorn.Config(
             app,
@@ -199,17 +196,3 @@ def serve(
         except KeyboardInterrupt:
             pass  # uvicorn has shut down in order and raises the signal again for its caller
     return 0
-
-
-def has_display() -> bool:
-    """Tell whether a browser window could appear."""
-    return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-
-
-def _listen(port: int) -> socket.socket:
-    try:
-        return socket.create_server((HOST, port))
-    except OSError as error:
-        raise GripError(
-            f"port {port} of {HOST} isn't free ({error.strerror}); leave --port out for a free one"
-        ) from error

@@ -33,15 +33,13 @@ class JournalRuns:
 
     def runs(self) -> list[RunRecord]:
         """Return the latest runs, newest first."""
-        reader = self._reader()
-        return [] if reader is None else [self._listed(reader, record) for record in reader.runs()[:LISTED]]
-
-    def _listed(self, reader: JournalReader, record: JournalRecord) -> RunRecord:
-        """Return a run with what is known of its damage; that of one that has ended is looked for once."""
-        key = (record.id, record.ended)
-        if record.status != "running" and key not in self._damage:
-            self._damage[key] = reader.damage_of(record.id)
-        return self._wire(record).model_copy(update={"damage": self._damage.get(key, "")})
+        reader, found = self._reader(), []
+        for record in reader.runs()[:LISTED] if reader else ():
+            key = (record.id, record.ended)
+            if reader and record.status != "running" and key not in self._damage:  # looked for once
+                self._damage[key] = reader.damage_of(record.id)
+            found.append(self._wire(record).model_copy(update={"damage": self._damage.get(key, "")}))
+        return found
 
     def run(self, run: str) -> RunRecord | None:
         """Return one run, None when it isn't there."""
@@ -57,7 +55,8 @@ class JournalRuns:
         """Return at most `limit` events from `from_seq` on, in order."""
         reader = self._reader()
         found = [] if reader is None else reader.events(run, from_seq - 1, limit)
-        return [_wire_event(event) for event in found]
+        fields = RunEvent.model_fields  # without the outcomes' meaning: pages know the task
+        return [RunEvent(**{name: getattr(event, name) for name in fields}) for event in found]
 
     def value(self, run: str, seq: int) -> ValueView:
         """Return what the write with this number wrote, for looking at."""
@@ -112,9 +111,3 @@ class JournalRuns:
         if path.is_relative_to(self._folder):
             fields["task_path"] = path.relative_to(self._folder).as_posix()
         return RunRecord(**fields)
-
-
-def _wire_event(event: Event) -> RunEvent:
-    fields = asdict(event)
-    del fields["wall"], fields["meaning"]  # pages know the task's outcomes
-    return RunEvent(**fields)

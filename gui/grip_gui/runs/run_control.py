@@ -50,6 +50,11 @@ class RunControl:
         """How the run under way, or the last one, is."""
         return self.session.view if self.session else self._shown
 
+    @property
+    def run_under_way(self) -> str:
+        """Its id in the journal; empty for none."""
+        return (self.session.view.run or "") if self.session is not None and not self.session.over else ""
+
     def show(self, run: str) -> None:
         """Have pages show a run of the journal as if it had just ended here, until one is started.
 
@@ -162,7 +167,6 @@ class RunControl:
         """Stop the run under way; afterwards no process of it is left."""
         if self.session is not None:
             await self.session.command(STOP)
-            await self.session.wait()
 
     # --- viewers ---
 

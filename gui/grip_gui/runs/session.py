@@ -25,8 +25,6 @@ WIND_DOWN = 10.0
 DRAIN = 1.0
 """How long the last lines of a process that has ended are waited for [s]."""
 _STATES: dict[str, RunState] = {"running": "running", "paused": "paused", "stopping": "stopping"}
-
-
 STOP: Mapping[str, Any] = {"command": "stop"}
 
 
@@ -40,13 +38,7 @@ class Session:
         source: where the end of the run is entered if its process dies.
     """
 
-    def __init__(
-        self,
-        process: RunProcess,
-        view: SessionView,
-        changed: Callable[[], None],
-        source: JournalRuns,
-    ):
+    def __init__(self, process: RunProcess, view: SessionView, changed: Callable[[], None], source: JournalRuns):
         self.view = view
         self._process, self._changed, self._source = process, changed, source
         self._acknowledged = asyncio.Event()
@@ -86,10 +78,6 @@ class Session:
             request = {"command": "break", "node": node, "when": when, "outcome": outcome, "if": condition}
             await self._process.send({name: value for name, value in request.items() if value})
 
-    async def wait(self) -> None:
-        """Wait until the process has ended."""
-        await asyncio.shield(self._life)
-
     async def _stop(self) -> None:
         patience = ACKNOWLEDGE_STARTING if self.view.state == "starting" else ACKNOWLEDGE
         self._set(state="stopping", held=None)
@@ -106,17 +94,17 @@ class Session:
         await self._process.kill()
 
     async def _live(self) -> None:
-        reader = asyncio.create_task(self._read())
+        async def read() -> None:
+            async for message in self._process.lines():
+                await self._heard(message)
+
+        reader = asyncio.create_task(read())
         status = await self._process.wait()
         await asyncio.wait([reader], timeout=DRAIN)
         reader.cancel()
         with suppress(asyncio.CancelledError):
             await reader
         await self._ended(status)
-
-    async def _read(self) -> None:
-        async for message in self._process.lines():
-            await self._heard(message)
 
     async def _heard(self, message: dict[str, Any]) -> None:
         match message:
@@ -165,7 +153,10 @@ class Session:
                 await asyncio.to_thread(self._source.end_run, self.view.run)
             self._set(state="ended", status="killed", message=self._killed_because)
         else:  # its journal knows that, and it can be resumed
-            self._set(state="ended", status="died", message=_obituary(exit_status, self._process.tail()))
+            tail = self._process.tail()
+            how = f"was ended by signal {-exit_status}" if exit_status < 0 else f"ended with exit status {exit_status}"
+            said = f" Last output:\n{tail}" if tail else " No output."
+            self._set(state="ended", status="died", message=f"The run's process {how} before the task had ended.{said}")
         self._changed()
 
     def _set(self, **changes: object) -> None:
@@ -192,12 +183,6 @@ def _end(facts: Mapping[str, Any]) -> dict[str, Any]:
     lists = {key: [str(each)[:500] for each in facts.get(key) or ()] for key in ("zombies", "unconfirmed")}
     message = texts["message"] if facts["status"] == "error" else ""
     return {**texts, **lists, "message": message, "outcome": facts.get("outcome")}
-
-
-def _obituary(exit_status: int, tail: str) -> str:
-    how = f"was ended by signal {-exit_status}" if exit_status < 0 else f"ended with exit status {exit_status}"
-    said = f" Last output:\n{tail}" if tail else " No output."
-    return f"The run's process {how} before the task had ended.{said}"
 
 
 async def _within(seconds: float, something: Awaitable[object]) -> bool:

@@ -105,14 +105,14 @@ class ClientConnection:
             request = CLIENT_FRAME.validate_json(text)
         except (ValidationError, RecursionError) as error:
             return f"not understood: {' '.join(str(error).splitlines()[:3])}"
-        if isinstance(request, Introduce):
-            self._desk.presence.introduce(self._page, request)
-            return ""
-        if isinstance(request, Selection):
-            self._desk.presence.select(self._page, request)
-            return ""
-        self._run, self._next, self._complete = request.run, request.from_seq, False
-        self._changed.set()
+        match request:
+            case Introduce():
+                self._desk.presence.introduce(self._page, request)
+            case Selection():
+                self._desk.presence.select(self._page, request)
+            case Subscribe():
+                self._run, self._next, self._complete = request.run, request.from_seq, False
+                self._changed.set()
         return ""
 
     async def _send_or_close(self) -> None:
@@ -135,25 +135,25 @@ class ClientConnection:
             if self._desk.shared_state != self._told_desk:
                 self._told_desk = self._desk.shared_state
                 await self._write(SharedStateFrame(desk=self._told_desk))
-            await self._send_selections()
-            await self._send_revisions()
-            if await self._send_events_if_readable():
+            now, before = self._desk.presence.selections(but=self._page), self._told_selections
+            changed = {page: now.get(page) for page in now.keys() | before.keys() if now.get(page) != before.get(page)}
+            if changed:
+                self._told_selections = now
+                await self._write(SelectionsFrame(selections=changed))
+            revisions = self._revisions()
+            if news := dict(revisions.items() - self._told_revisions.items()):
+                self._told_revisions = revisions
+                await self._write(RevisionsFrame(revisions=news))
+            try:
+                more = await self._send_events()
+            except (GripError, sqlite3.Error) as error:
+                # A run may just be making the file, or hold it for long: the page is told all else meanwhile.
+                log.warning("the journal can't be read, which is tried again: %s", error)
+                await asyncio.sleep(POLL)
+                more = True
+            if more:
                 self._changed.set()
             await asyncio.sleep(FRAME)
-
-    async def _send_selections(self) -> None:
-        now, before = self._desk.presence.selections(but=self._page), self._told_selections
-        news = {page: now.get(page) for page in now.keys() | before.keys() if now.get(page) != before.get(page)}
-        if news:
-            self._told_selections = now
-            await self._write(SelectionsFrame(selections=news))
-
-    async def _send_revisions(self) -> None:
-        revisions = self._revisions()
-        news = {path: number for path, number in revisions.items() if self._told_revisions.get(path) != number}
-        if news:
-            self._told_revisions = revisions
-            await self._write(RevisionsFrame(revisions=news))
 
     async def _wait(self) -> None:
         """Wait for news. A run of another process sends none, so its journal is asked now and then."""
@@ -162,16 +162,6 @@ class ClientConnection:
         with suppress(TimeoutError):
             async with asyncio.timeout(POLL if watching else None):
                 await self._changed.wait()
-
-    async def _send_events_if_readable(self) -> bool:
-        """Send the next batch, or wait where the journal can't be read just now; return whether there may be more."""
-        try:
-            return await self._send_events()
-        except (GripError, sqlite3.Error) as error:
-            # A run may just be making the file, or hold it for long: the page is told all else meanwhile.
-            log.warning("the journal can't be read, which is tried again: %s", error)
-            await asyncio.sleep(POLL)
-            return True
 
     async def _send_events(self) -> bool:
         """Send the next batch; return whether there may be more at once."""
