@@ -24,9 +24,7 @@ from grip_bt.runtime import JournalReader
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
 from grip_gui.live.inspector import message_view
 from grip_gui.processes import answer_question
-from grip_gui.view.values import value_view
 from grip_gui.wire.live import FieldResult, TryView
-from grip_gui.wire.runs import ValueView
 
 
 def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
@@ -51,7 +49,11 @@ def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
         reply = operation.result()
         spent = (time.perf_counter() - began) * 1e3
         ready = f"{component.server} was ready after {components.ready_seconds:.2f} s{built}"
-    fields = [FieldResult(name=name, value=_view(component, name, value)) for name, value in reply.items()]
+    fields = []
+    for name, value in reply.items():
+        declared = component.ports.get(name)
+        type_name = declared.type if declared is not None and fields_of(value) is None else type(value).__name__
+        fields.append(FieldResult(name=name, value=message_view(type_name, value)))
     return TryView(outcome=label_of(component, reply), fields=fields, milliseconds=spent, started=ready)
 
 
@@ -91,13 +93,6 @@ def typed(text: str, type_name: str, port: str) -> Any:
     except (TypeError, ValueError) as error:
         raise DocumentError(f"no {type_name}: {error}", port, 1, 1) from None
     return data
-
-
-def _view(component: ComponentFile, name: str, value: Any) -> ValueView:
-    if fields_of(value) is not None:
-        return message_view(type(value).__name__, value)
-    declared = component.ports.get(name)
-    return value_view(declared.type if declared is not None else type(value).__name__, value)
 
 
 if __name__ == "__main__":

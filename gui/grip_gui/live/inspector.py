@@ -68,10 +68,7 @@ class RosInspector:
     def messages(self) -> dict[str, Any]:
         """Return what a server of messages has."""
         ours = self._server is not None
-        operation = self._messages.listing()
-        if not operation.wait(ANSWERS):
-            raise ExpectedError("the message server does not answer")
-        answer = operation.result()
+        answer = self._done(self._messages.listing())
         rows = entry_rows(answer)
         types = {row["store"]: row["type"] for row in rows} | STORES
         stores = [
@@ -83,7 +80,8 @@ class RosInspector:
     def message(self, store: str, name: str) -> dict[str, Any]:
         """Return one of them, looked at, and as text where it can be changed as one."""
         entry = self._done(self._messages.get(store, name))
-        view = self._view(store, entry.value)
+        kind = type(entry.value)
+        view = message_view(kind.__name__ if fields_of(entry.value) is None else type_name(kind), entry.value)
         return {"value": view.model_dump(), "text": text_of_entry(store, entry.value)}
 
     def put(self, store: str, name: str, type: str, text: str) -> dict[str, Any]:
@@ -138,11 +136,6 @@ class RosInspector:
         if not operation.wait(ANSWERS):
             raise ExpectedError("the message server does not answer")
         return operation.result()
-
-    def _view(self, store: str, value: Any) -> ValueView:
-        if fields_of(value) is not None:
-            return message_view(type_name(type(value)), value)
-        return value_view(type(value).__name__, value)
 
 
 _DEPTHS = ("32FC1", "16UC1")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.project.folder import Project, find_project
+from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
@@ -36,7 +36,14 @@ def measured(robot: str, part: str, what: str, joints: Mapping[str, float] | Non
     if project.file.robot is None:
         raise MissingPartError("a robot", "name one in grip.yaml (`robot:`)")
     if joints is not None:
-        return _of_joints(project, part, what, JointState.from_mapping(joints))
+        from grip_bt.commanders.kinematics.model import RobotModel
+
+        state = JointState.from_mapping(joints)
+        if what == "joints":
+            return state
+        if part not in project.file.arms:
+            raise GripError(_NO_ARM.format(part))
+        return RobotModel(project.description()).grasp_pose(state, group=project.file.arms[part].group)
     with open_resources(Opening(project), ["arm/teach"], robot) as resources:
         parts: dict[str, Arm | Hand] = {**resources.hands, **resources.arms}
         if part not in parts:
@@ -46,17 +53,6 @@ def measured(robot: str, part: str, what: str, joints: Mapping[str, float] | Non
                 raise GripError(_NO_ARM.format(part))
             return resources.arms[part].grasp_pose()
         return parts[part].state()
-
-
-def _of_joints(project: Project, part: str, what: str, joints: JointState) -> Any:
-    """Return the joints, or where they bring an arm's grasp frame."""
-    from grip_bt.commanders.kinematics.model import RobotModel
-
-    if what == "joints":
-        return joints
-    if part not in project.file.arms:
-        raise GripError(_NO_ARM.format(part))
-    return RobotModel(project.description()).grasp_pose(joints, group=project.file.arms[part].group)
 
 
 if __name__ == "__main__":

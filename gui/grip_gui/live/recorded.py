@@ -20,13 +20,7 @@ MOST = 1 << 20
 
 
 def motion_of(journal: Path, run: str, after: int) -> MotionView:
-    """Return the next piece of a record; an empty one where there is none.
-
-    Args:
-        journal: that the run is in.
-        run: its id.
-        after: where the last piece ended.
-    """
+    """Return the next piece of the record of a journal's run, after where the last one ended; empty where none is."""
     file = motion_file(journal, run)
     if not file.is_file():
         return MotionView(samples=[], next=0)
@@ -35,8 +29,8 @@ def motion_of(journal: Path, run: str, after: int) -> MotionView:
         piece = record.read(MOST)
     whole = piece[: piece.rfind(b"\n") + 1]  # the last line may be being written
     parts: dict[str, list[str]] = {}
-    samples = []
     bodies: dict[str, Any] = {}
+    samples = []
     for line in whole.splitlines():
         data: dict[str, Any] = json.loads(line)
         if "parts" in data:
@@ -71,12 +65,7 @@ _STORES = {
 
 
 def form_of(folder: Path, home: Path) -> ComponentForm:
-    """Return the inputs of a component and what was recorded for them.
-
-    Args:
-        folder: of the project.
-        home: of the component.
-    """
+    """Return the inputs of the component in a project's folder `home`, and what was recorded for them."""
     try:
         project = find_project(folder)
         name = next((name for name, place in project.component_folders().items() if place == home), home.name)

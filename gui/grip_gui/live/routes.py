@@ -95,10 +95,8 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
 
     @api.post("/messages")
     async def deed(request: MessageRequest) -> Done:
-        words = {"delete": {"store": request.store, "name": request.name}, "reset": {"store": request.store}}.get(
-            request.do, {}
-        )
-        found = await asked(request.do, **words)
+        words = {"delete": {"store", "name"}, "reset": {"store"}}
+        found = await asked(request.do, **request.model_dump(include=words.get(request.do, set())))
         if not found.get("error") and request.do in ("serve", "end"):
             window.keep(request.do == "serve")
         kept = f"{found['count']} kept for later runs of the server" if "count" in found else ""
@@ -125,13 +123,11 @@ def _add_tries(
         joints = last_state(folder.journal, run(), request.part) if request.robot == "run" and run() else None
         if request.robot == "run" and not joints:
             return Done(error=f"no current run has measured {request.part}")
-        question = {"robot": request.robot, "part": request.part, "what": request.what, "joints": joints}
-        found = await runner.answer("grip_gui.live.measuring", **question)
+        question = request.model_dump(include={"robot", "part", "what"})
+        found = await runner.answer("grip_gui.live.measuring", **question, joints=joints)
         if "text" not in found:
             return Done(error=found["error"])
-        return await keep(request, found["text"])
-
-    async def keep(request: MeasureRequest, text: str) -> Done:
+        text = found["text"]
         path, store = (POSES, "poses") if request.what == "pose" else (JOINT_STATES, "joint_states")
         await asyncio.to_thread(keep_text, folder, path, request.name, text)
         said = f"{request.name} was written into {path}"

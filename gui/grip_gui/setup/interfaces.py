@@ -45,9 +45,7 @@ _PACKAGE = """\
 def look_at(folder: ProjectFolder, request: InterfaceRequest) -> InterfaceView:
     """Return what an interface has, and what keeps it from being a component; nothing is written.
 
-    Args:
-        folder: the project, whose own interface packages are known besides the installed ones.
-        request: the interface, pasted or named.
+    The project's own interface packages are known besides the installed ones.
 
     Raises:
         DocumentError: it can't be read, or isn't installed.
@@ -76,8 +74,7 @@ def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceVie
 
 def _view(folder: ProjectFolder, request: InterfaceRequest, interface: InterfaceSpec) -> InterfaceView:
     suggestion = suggested_outcomes(interface)
-    sides = ("goal", "result") if interface.kind == "action" else ("request", "response")
-    sides = ("message", "") if interface.kind == "msg" else sides
+    sides = {"action": ("goal", "result"), "msg": ("message", "")}.get(interface.kind, ("request", "response"))
     fields = [
         FieldView(side=side, name=field.name, type=field.spelling)
         for side, part in zip(sides, (interface.request, interface.response), strict=True)

@@ -84,7 +84,7 @@ def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> li
         allowed = sorted({joint for group in known.get("groups", {}).values() for joint in group})
     elif kind == "poses":
         pattern, what = ["*", "reference_frame"], "frame"
-        allowed = [*known.get("frames", ()), *_keys(data_in(folder / "grip.yaml") or {}, "sensors")]
+        allowed = [*known.get("frames", ()), *keys_in(data_in(folder / "grip.yaml") or {}, "sensors")]
     else:
         return []
     found = _at(data, pattern, ()) if known.get("groups") else ()
@@ -121,10 +121,10 @@ def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
         places["robot"] = "robots"  # where it is a file, its path is as good
     found = {place: list(known[name]) for place, name in places.items() if name in known}
     found |= {
-        "ros/controllers/?": [*_keys(data, "arms"), *_keys(data, "hands")],
+        "ros/controllers/?": [*keys_in(data, "arms"), *keys_in(data, "hands")],
         "ros/cameras/?": cameras_in(data),
         "ros/cameras/*/mount/on": list(known.get("frames", ["world"])),
-        "arms/*/hand": _keys(data, "hands"),
+        "arms/*/hand": keys_in(data, "hands"),
         "world": list(WORLDS),
         "sensors/*/camera": ["overhead"],
         "sensors/*/topics/*/type": sorted(MESSAGES),
@@ -145,13 +145,11 @@ def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
 
 def cameras_in(data: Mapping[str, object]) -> list[str]:
     """Return the sensors of a project file's data that say `camera`."""
-    sensors = data.get("sensors")
-    if not isinstance(sensors, Mapping):
-        return []
-    return [str(name) for name, sensor in sensors.items() if isinstance(sensor, Mapping) and "camera" in sensor]
+    return [str(path[1]) for path, _ in _at(data, ["sensors", "*", "camera"], ())]
 
 
-def _keys(data: Mapping[str, object], key: str) -> list[str]:
+def keys_in(data: Mapping[str, object], key: str) -> list[str]:
+    """Return the names in a mapping of a project file's data."""
     value = data.get(key)
     return [str(name) for name in value] if isinstance(value, Mapping) else []
 
@@ -183,8 +181,7 @@ def _at(
 def names_of(folder: Path) -> dict[str, list[str]]:
     """Return what may stand in parameters, among other things: `node/parameter`, with `*` for any word, -> names.
 
-    Args:
-        folder: of the project; one whose `grip.yaml` can't be read offers what needs no robot.
+    A project whose `grip.yaml` can't be read offers what needs no robot.
     """
     messages = [name for path in (POSES, JOINT_STATES, TRAJECTORIES) for name in names_in(folder / path)]
     found = {
@@ -201,19 +198,13 @@ def names_of(folder: Path) -> dict[str, list[str]]:
     if file.robot is None:
         return found
     robot = file.robot if isinstance(file.robot, str) else file.robot.model_dump(mode="json", exclude_defaults=True)
-    return found | _of_robot(robot, file, folder)
-
-
-def _of_robot(robot: object, file: ProjectFile, folder: Path) -> dict[str, list[str]]:
     known: Mapping[str, Any] = robot_facts(robot, folder)
     states: Mapping[str, Iterable[str]] = known.get("states", {})
-    frames = list(known.get("frames", ()))
-    return {
-        "arm/*/state": _united(_states_of(name, file, states) for name in file.arms),
-        "hand/*/posture": _united(states.get(hand.group, ()) for hand in file.hands.values()),
-        "*/*/frame": frames,
-        "ros/lookup_transform/target": frames,
-        "ros/lookup_transform/source": frames,
+    frames = ("*/*/frame", "ros/lookup_transform/target", "ros/lookup_transform/source")
+    found |= dict.fromkeys(frames, list(known.get("frames", ())))
+    return found | {
+        "arm/*/state": sorted({state for name in file.arms for state in _states_of(name, file, states)}),
+        "hand/*/posture": sorted({state for hand in file.hands.values() for state in states.get(hand.group, ())}),
     }
 
 
@@ -224,7 +215,3 @@ def _states_of(name: str, file: ProjectFile, states: Mapping[str, Iterable[str]]
         return states.get(arm.group, ())
     parts = [set(states.get(file.arms[each].group, ())) for each in arm.arms if each in file.arms]
     return set.intersection(*parts) | set(states.get(arm.group, ())) if parts else ()
-
-
-def _united(names: Iterable[Iterable[str]]) -> list[str]:
-    return sorted({name for some in names for name in some})

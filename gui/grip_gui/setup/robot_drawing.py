@@ -24,6 +24,7 @@ from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.kinematics.shapes import load_mesh
 from grip_gui.processes import answer_question
 
+_MIMIC = {"multiplier": 1.0, "offset": 0.0}
 _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
@@ -59,17 +60,16 @@ class _Meshes:
     def number(self, file: str, scale: tuple[float, ...]) -> int | None:
         """Return the number of a mesh, None of one that can't be read."""
         if (file, scale) not in self._numbers:
-            self._numbers[file, scale] = self._read(file, scale)
+            try:
+                points, triangles = coarse(load_mesh(file.removeprefix("file://"), scale, hollow=True))  # type: ignore[arg-type]
+            except GripError:  # `Check the robot` tells of it; the rest is drawn
+                self._numbers[file, scale] = None
+            else:
+                self._numbers[file, scale] = len(self.found)
+                self.found.append(
+                    {"points": _coded(points.astype("<f4")), "triangles": _coded(triangles.astype("<u4"))}
+                )
         return self._numbers[file, scale]
-
-    def _read(self, file: str, scale: tuple[float, ...]) -> int | None:
-        try:
-            mesh = load_mesh(file.removeprefix("file://"), scale, hollow=True)  # type: ignore[arg-type]
-        except GripError:
-            return None  # `Check the robot` tells of it; the rest is drawn
-        points, triangles = coarse(mesh)
-        self.found.append({"points": _coded(points.astype("<f4")), "triangles": _coded(triangles.astype("<u4"))})
-        return len(self.found) - 1
 
 
 def _shapes(link: Element, meshes: _Meshes, colors: Mapping[str | None, str | None]) -> Iterator[dict[str, Any]]:
@@ -79,7 +79,11 @@ def _shapes(link: Element, meshes: _Meshes, colors: Mapping[str | None, str | No
             continue
         shape = _shape(geometry[0], meshes)
         if shape is not None:
-            yield {**shape, "at": _origin(visual), "color": _color(visual, colors)}
+            material = visual.find("material")
+            named = None if material is None else colors.get(material.get("name"))
+            color = visual.find("material/color")
+            rgba = named if color is None else color.get("rgba")
+            yield {**shape, "at": _origin(visual), "color": _floats(rgba, ())}
 
 
 def _shape(body: Element, meshes: _Meshes) -> dict[str, Any] | None:
@@ -96,31 +100,17 @@ def _shape(body: Element, meshes: _Meshes) -> dict[str, Any] | None:
     return None
 
 
-def _color(visual: Element, colors: Mapping[str | None, str | None]) -> list[float]:
-    material = visual.find("material")
-    if material is None:
-        return []
-    color = material.find("color")
-    return _floats(color.get("rgba") if color is not None else colors.get(material.get("name")), ())
-
-
 def _joint(joint: Element) -> dict[str, Any]:
-    axis, mimic = joint.find("axis"), joint.find("mimic")
-    parent, child = joint.find("parent"), joint.find("child")
+    has: dict[str, Mapping[str, str]] = {part.tag: part.attrib for part in joint}
+    mimic = has.get("mimic")
     return {
         "name": joint.get("name"),
         "type": joint.get("type"),
-        "parent": parent.get("link") if parent is not None else "",
-        "child": child.get("link") if child is not None else "",
+        "parent": has.get("parent", {}).get("link", ""),
+        "child": has.get("child", {}).get("link", ""),
         "at": _origin(joint),
-        "axis": _floats(axis.get("xyz") if axis is not None else None, (1.0, 0.0, 0.0)),
-        "mimic": None
-        if mimic is None
-        else {
-            "joint": mimic.get("joint"),
-            "multiplier": float(mimic.get("multiplier", 1)),
-            "offset": float(mimic.get("offset", 0)),
-        },
+        "axis": _floats(has.get("axis", {}).get("xyz"), (1.0, 0.0, 0.0)),
+        "mimic": mimic and {"joint": mimic.get("joint"), **{k: float(mimic.get(k, d)) for k, d in _MIMIC.items()}},
     }
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from grip_gui.wire.setup import Template
 
 from .kinds import JOINT_STATES, Kind
-from .options import cameras_in, names_in
+from .options import cameras_in, keys_in, names_in
 from .robot_facts import project_robot_facts
 
 _WAY = ("home", "above")
@@ -17,20 +17,18 @@ _WAY = ("home", "above")
 
 
 def templates_of(kind: Kind, data: object, folder: Path) -> list[Template]:
-    """Return what can be put into a file of a kind.
-
-    Args:
-        kind: of the file.
-        data: what it says now; anything where it is no YAML.
-        folder: of the project.
-    """
+    """Return what can be put into a project's file of a kind, which says `data` now (anything where it is no YAML)."""
     match kind.name:
         case "joint_states":
             return _joint_states(project_robot_facts(folder)) or list(kind.templates)
         case "trajectories":
-            return [_trajectory(names_in(folder / JOINT_STATES))]
-        case "project":
-            return [*kind.templates, *_controllers(data), *_cameras(data)]
+            way = [
+                {"name": name, "interpolate_time": 2.0, "pause_time": 0.0}
+                for name in (names_in(folder / JOINT_STATES)[:2] or _WAY)
+            ]
+            return [Template(title="a way through joint states", key=["approach"], value=way)]
+        case "project" if isinstance(data, Mapping):
+            return [*kind.templates, *_of_real_robot(data)]
     return list(kind.templates)
 
 
@@ -44,28 +42,18 @@ def _joint_states(known: Mapping[str, Any]) -> list[Template]:
     return found
 
 
-def _trajectory(states: Sequence[str]) -> Template:
-    way = [{"name": name, "interpolate_time": 2.0, "pause_time": 0.0} for name in (states[:2] or _WAY)]
-    return Template(title="a way through joint states", key=["approach"], value=way)
+def _of_real_robot(data: Mapping[str, object]) -> Iterator[Template]:
+    """Yield a controller of each arm and hand that the file names, and topics of each camera, as RGB-D drivers do.
 
-
-def _controllers(data: object) -> list[Template]:
-    """Return a controller of each arm and hand that the file names."""
-    file = data if isinstance(data, Mapping) else {}
-    parts = [name for key in ("arms", "hands") if isinstance(file.get(key), Mapping) for name in file[key]]
-    value = {name: {"trajectory": f"/{name}_controller/follow_joint_trajectory"} for name in map(str, parts)}
-    # Into what is said of the real robot already, which stays.
-    return [Template(title="controllers of the real robot", key=["ros", "controllers"], value=value)] if value else []
-
-
-def _cameras(data: object) -> list[Template]:
-    """Return the topics of each camera that the file names, as drivers of RGB-D cameras publish them."""
-    value = {
-        name: {
-            "image": f"/{name}/color/image_raw",
-            "depth": f"/{name}/aligned_depth_to_color/image_raw",
-            "info": f"/{name}/color/camera_info",
-        }
-        for name in cameras_in(data if isinstance(data, Mapping) else {})
+    They are put into what is said of the real robot already, which stays.
+    """
+    parts = [*keys_in(data, "arms"), *keys_in(data, "hands")]
+    if controllers := {name: {"trajectory": f"/{name}_controller/follow_joint_trajectory"} for name in parts}:
+        yield Template(title="controllers of the real robot", key=["ros", "controllers"], value=controllers)
+    topics = {
+        "image": "color/image_raw",
+        "depth": "aligned_depth_to_color/image_raw",
+        "info": "color/camera_info",
     }
-    return [Template(title="cameras of the real robot", key=["ros", "cameras"], value=value)] if value else []
+    if cameras := {name: {key: f"/{name}/{topic}" for key, topic in topics.items()} for name in cameras_in(data)}:
+        yield Template(title="cameras of the real robot", key=["ros", "cameras"], value=cameras)

@@ -12,7 +12,7 @@ from grip_bt.task.canonical import file_data as plain_data
 from grip_bt.task.catalog.manifest import Manifest
 from grip_bt.task.kind_analysis import derived_edges, surely_first
 from grip_bt.task.model import AnyNode, Kind, Leaf, Subtask, Task, Variable, join, outcomes_of, walk
-from grip_gui.wire.task import Meaning, NodeView, Problem, TaskView, Transition, VariableView
+from grip_gui.wire.task import Meaning, NodeView, TaskView, Transition, VariableView
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
 _SHOWN = {"node", "kind", "children", "child", "with", "in", "out"}
@@ -21,14 +21,13 @@ PREVIEW = 2000
 """Longest initial value that is shown whole, in characters."""
 
 
-def project_task(task: Task, path: str, find: FindManifest, problems: list[Problem] | None = None) -> TaskView:
+def project_task(task: Task, path: str, find: FindManifest) -> TaskView:
     """Return the view of a task.
 
     Args:
         task: what was read.
         path: the file, relative to the project folder.
         find: returns the manifest of a catalogue id or of a task's file, None for one that isn't known.
-        problems: what the validation found.
     """
     return TaskView.model_construct(  # nothing here comes from elsewhere, and the check copies every list
         path=path,
@@ -37,7 +36,7 @@ def project_task(task: Task, path: str, find: FindManifest, problems: list[Probl
         outcomes=dict(task.outcomes),
         nodes=_nodes(task, cache(find)),
         variables=_variables(task),
-        problems=problems or [],
+        problems=[],
     )
 
 
@@ -76,12 +75,10 @@ def _node(node: AnyNode, find: FindManifest, position: dict[str, Any]) -> NodeVi
             label=node.node,
             doc=node.doc or (manifest.doc if manifest else ""),
             outcomes=_outcomes_of(manifest, node.meaning),
-            inputs=dict(node.in_),
-            outputs=dict(node.out),
-            parameters=dict(node.with_),
+            **_ports(node),
             fields=_fields(node),
         )
-    ports = (node.in_, node.out, node.with_) if isinstance(node, Subtask) else ({}, {}, {})
+    ports = _ports(node) if isinstance(node, Subtask) else {}
     return NodeView(
         **position,
         kind=node.kind,
@@ -89,11 +86,13 @@ def _node(node: AnyNode, find: FindManifest, position: dict[str, Any]) -> NodeVi
         doc=node.doc,
         children=[join(position["path"], child) for child in node.below],
         outcomes=_outcomes_of(find(node.task), node.meaning) if isinstance(node, Subtask) else outcomes_of(node),
-        inputs=dict(ports[0]),
-        outputs=dict(ports[1]),
-        parameters=dict(ports[2]),
+        **ports,
         fields=_fields(node),
     )
+
+
+def _ports(node: Leaf | Subtask) -> dict[str, Any]:
+    return {"inputs": dict(node.in_), "outputs": dict(node.out), "parameters": dict(node.with_)}
 
 
 def _outcomes_of(face: Manifest | None, meaning: Mapping[str, Meaning]) -> dict[str, Meaning]:

@@ -34,9 +34,13 @@ def value_view(type_name: str, value: object) -> ValueView:
         type_name: how the journal calls its type.
         value: anything.
     """
-    rows = [[name, _line(part)] for name, part in _listed(_parts(value))]
+    rows = [[name, _line(part)] for name, part in islice(_parts(value), ROWS + 1)]
+    rows[ROWS:] = [["...", "there is more"]] if len(rows) > ROWS else []
     picture, caption = _drawing(value)
-    places = [NamedPlace(name=name, frame=pose.frame, at=_place(pose)) for name, pose in islice(_poses(value), PLACES)]
+    places = [
+        NamedPlace(name=name, frame=pose.frame, at=[*pose.position.tolist(), *pose.quaternion.tolist()])
+        for name, pose in islice(_poses(value), PLACES)
+    ]
     return ValueView(type=type_name, text=_line(value), rows=rows, picture=picture, caption=caption, places=places)
 
 
@@ -68,7 +72,9 @@ def _drawing(value: object) -> tuple[str, str]:
             extent = " x ".join(f"{side:.3g}" for side in size)
             return address(drawn_cloud(points, colors)), f"{len(points)} points from above, {extent} m, {value.frame}"
         case Image(pixels=pixels):
-            return address(drawn_image(pixels)), f"{pixels.shape[1]} x {pixels.shape[0]} pixels"
+            return address(
+                np.ascontiguousarray(fitted(pixels), dtype=np.uint8)
+            ), f"{pixels.shape[1]} x {pixels.shape[0]} pixels"
         case DepthImage(depth=depth):
             seen = depth[depth > 0]
             reach = f"{seen.min():.3g} to {seen.max():.3g} m" if seen.size else "nothing seen"
@@ -76,7 +82,7 @@ def _drawing(value: object) -> tuple[str, str]:
     return "", ""
 
 
-def _parts(value: object) -> Iterable[tuple[str, Any]]:
+def _parts(value: object) -> Iterator[tuple[str, Any]]:
     if isinstance(value, Pose):
         yield "position", value.position
         yield "quaternion", value.quaternion
@@ -91,35 +97,20 @@ def _parts(value: object) -> Iterable[tuple[str, Any]]:
         yield from ((str(i), part) for i, part in enumerate(value))
 
 
-def _listed(parts: Iterable[tuple[str, Any]]) -> Iterable[tuple[str, Any]]:
-    for i, part in enumerate(parts):
-        if i == ROWS:
-            yield "...", "there is more"
-            return
-        yield part
-
-
 def _poses(value: Any, name: str = "") -> Iterator[tuple[str, Pose]]:
     """Yield the poses in a value, by what they are."""
     match value:
         case Pose():
             yield name, value
         case Grasp(pose=pose, pre_grasp=before, post_grasp=after):
-            yield from (
-                (f"{name} grasp".strip(), pose),
-                (f"{name} before".strip(), before),
-                (f"{name} after".strip(), after),
-            )
+            for when, at in (("grasp", pose), ("before", before), ("after", after)):
+                yield f"{name} {when}".strip(), at
         case Mapping():
             for key, part in value.items():
                 yield from _poses(part, str(key))
         case list() | tuple():
             for number, part in enumerate(value):
                 yield from _poses(part, str(number))
-
-
-def _place(pose: Pose) -> list[float]:
-    return [*pose.position.tolist(), *pose.quaternion.tolist()]
 
 
 def _line(value: object) -> str:
@@ -173,11 +164,6 @@ def fitted(pixels: NDArray[np.generic]) -> NDArray[np.generic]:
     """Return an image so that its longer side has at most `LARGEST` pixels, by leaving rows and columns out."""
     step = max(1, -(-max(pixels.shape[:2]) // LARGEST))
     return pixels[::step, ::step]
-
-
-def drawn_image(pixels: Pixels) -> Pixels:
-    """Return a colour image, small enough."""
-    return np.ascontiguousarray(fitted(pixels), dtype=np.uint8)
 
 
 def drawn_depth(depth: NDArray[np.float32]) -> Pixels:
