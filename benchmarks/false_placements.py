@@ -32,7 +32,7 @@ from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening
 from grip_bt.base.values import Failure, Grasp, JointState, Pose
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Runner
 from grip_bt.task import read_text
 from grip_bt.task.model import Task
@@ -79,7 +79,7 @@ outcomes: {success: success}
 """
 
 
-class Dropper(Silent):
+class Dropper(Observer):
     """Has the object that is being taken dropped, once, in one phase of the attempt; and keeps what was said and true.
 
     Args:

@@ -87,7 +87,11 @@ class Answers:
 
     def items(self, key: str) -> tuple[Any, ...]:
         """Read the list."""
-        return self._named(lambda: _list(key, self.readers[key]()))
+        items = self.value(key)
+        if not isinstance(items, list | tuple):
+            error = TypeError(f"`{key}` is {items!r}, a {type(items).__name__}, not a list")
+            raise NodeError(self.path, error) from error
+        return tuple(items)
 
     def empty(self, left: tuple[Any, ...]) -> bool:
         """Tell whether no items are left."""
@@ -129,9 +133,3 @@ class Answers:
             raise
         except Exception as error:
             raise NodeError(self.path, error) from error
-
-
-def _list(key: str, items: Any) -> tuple[Any, ...]:
-    if not isinstance(items, list | tuple):
-        raise TypeError(f"`{key}` is {items!r}, a {type(items).__name__}, not a list")
-    return tuple(items)

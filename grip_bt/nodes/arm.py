@@ -74,7 +74,7 @@ class _SteeringLeaf(ArmLeaf):
 
     def steer(self) -> Operation[JointState]:
         """Tell the arm where to now."""
-        raise NotImplementedError(f"{type(self).__name__}.steer")
+        raise NotImplementedError
 
     def start(self) -> Operation[JointState]:
         return self.steer()
@@ -122,18 +122,15 @@ class Follow(_SteeringLeaf):
             if not self.params["keep_on"]:
                 return self.end(reached=self.arm.grasp_pose())
             if self.operation is None:
-                return self._wait_at_target()
+                if self.context.preempt_requested and not self._asked_before:
+                    return self.fail("preempted", "the task was asked to end while the arm followed a target")
+                self.context.wake_at(self.context.clock.now() + _IDLE)
+                return self.running("at the target")
         return super().update()
 
     def steer(self) -> Operation[JointState]:
         """Go towards where the target is now, no quicker than allowed."""
         return self.arm.steer_to(self.read("pose"), self.params["speed"])
-
-    def _wait_at_target(self) -> Status:
-        if self.context.preempt_requested and not self._asked_before:
-            return self.fail("preempted", "the task was asked to end while the arm followed a target")
-        self.context.wake_at(self.context.clock.now() + _IDLE)
-        return self.running("at the target")
 
     def _at_target(self) -> bool:
         target: Pose = self.read("pose")

@@ -29,16 +29,10 @@ class _ExpressionLeaf(Leaf):
             if name not in self.readers:
                 allowed = ", ".join(self.manifest.inputs)
                 raise DataError(self.path, name, f"the expression names it, and no variable is bound ({allowed})")
-        self._value = value_of(expression, self._inputs())
-
-    def compute(self) -> Any:
-        """Return what the expression comes to now."""
-        return self._value()
-
-    def _inputs(self) -> dict[str, Evaluator]:
         first: dict[str, Evaluator] = {"a": lambda: self.read("a"), "b": lambda: self.read("b")}
         first |= {"c": lambda: self.read("c"), "d": lambda: self.read("d"), "e": lambda: self.read("e")}
-        return first | {"f": lambda: self.read("f"), "g": lambda: self.read("g"), "h": lambda: self.read("h")}
+        first |= {"f": lambda: self.read("f"), "g": lambda: self.read("g"), "h": lambda: self.read("h")}
+        self._value = value_of(expression, first)
 
 
 class Wait(Leaf):
@@ -96,7 +90,7 @@ class Compute(_ExpressionLeaf):
     """Give a variable the value of an expression over the inputs."""
 
     def update(self) -> Status:
-        return self.end(value=self.compute())
+        return self.end(value=self._value())
 
 
 class WaitUntil(_ExpressionLeaf):
@@ -111,7 +105,7 @@ class WaitUntil(_ExpressionLeaf):
             self.context.wake_at(self._until)
 
     def update(self) -> Status:
-        holds = self.compute()
+        holds = self._value()
         if not isinstance(holds, bool):
             raise TypeError(f"`{self.params['expression']}` evaluates to {holds!r}, not to true or false")
         if holds:
@@ -128,8 +122,7 @@ class Count(Leaf):
         count: int = (self.read("count") or 0) + self.params["step"]
         limit: int | None = self.params["limit"]
         outcome = "reached" if limit is not None and count >= limit else "success"
-        outputs = {"count": count}
-        return self.end(outcome, **outputs)
+        return self.end(outcome, count=count)
 
 
 class Select(Leaf):

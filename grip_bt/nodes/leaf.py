@@ -52,15 +52,9 @@ class Leaf(Node):
     resumable: ClassVar[bool] = False
     waits: ClassVar[bool | None] = None
     _since: float | None = None
+    _left: Operation[Any] | None = None
 
-    def __init__(
-        self,
-        name: str,
-        path: str,
-        manifest: Manifest,
-        params: Mapping[str, Any],
-        meaning: Mapping[str, str],
-    ):
+    def __init__(self, name: str, path: str, manifest: Manifest, params: Mapping[str, Any], meaning: Mapping[str, str]):
         super().__init__(name)
         self.path, self.manifest, self.params = path, manifest, dict(params)
         self.meaning = {**manifest.outcomes, **meaning} if meaning else manifest.outcomes
@@ -104,18 +98,14 @@ class Leaf(Node):
         meaning = self.meaning.get(outcome)
         if meaning is None:
             raise ValueError(f"{self.path}: {outcome!r} isn't an outcome of {self.manifest.id}: {list(self.meaning)}")
-        if outputs:
-            self._write(outputs)
-        self.outcome = outcome
-        return STATUS[meaning]
-
-    def _write(self, outputs: Mapping[str, object]) -> None:
         for port in outputs:
             if port not in self.manifest.outputs:
                 raise DataError(self.path, port, f"isn't an output of {self.manifest.id}")
         for port, value in outputs.items():
             if port in self.writers:
                 self.writers[port](value)
+        self.outcome = outcome
+        return STATUS[meaning]
 
     def fail(
         self,
@@ -189,17 +179,17 @@ class Leaf(Node):
     @property
     def zombie(self) -> bool:
         """Whether work of an interrupted activation is still under way although it was asked to stop."""
-        return False
+        return self._left is not None and self._left.lingers
 
     @property
     def unended(self) -> bool:
         """Whether an interrupted operation hasn't ended."""
-        return False
+        return self._left is not None and not self._left.done()
 
     @property
     def given_up(self) -> str:
         """Why nobody can say whether an interrupted operation has ended; empty where that isn't so."""
-        return ""
+        return "" if self._left is None else self._left.given_up
 
     # --- py_trees' side ---
 
@@ -255,7 +245,6 @@ class OperationLeaf(Leaf):
     """
 
     operation: Operation[Any] | None = None
-    _left: Operation[Any] | None = None
     _preempted_before: bool = False
 
     def start(self) -> Operation[Any]:
@@ -298,21 +287,6 @@ class OperationLeaf(Leaf):
         if operation is not None and not operation.done():
             operation.cancel()
             self._note_left(operation)
-
-    @property
-    def zombie(self) -> bool:
-        """Whether a cancelled operation, or the code that worked for it, hasn't ended."""
-        return self._left is not None and self._left.lingers
-
-    @property
-    def unended(self) -> bool:
-        """Whether a cancelled operation hasn't ended."""
-        return self._left is not None and not self._left.done()
-
-    @property
-    def given_up(self) -> str:
-        """Why nobody can say whether a cancelled operation has ended; empty where that isn't so."""
-        return "" if self._left is None else self._left.given_up
 
     def _note_left(self, operation: Operation[Any]) -> None:
         self._left = operation

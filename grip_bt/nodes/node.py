@@ -13,7 +13,7 @@ from grip_bt.base.values import Failure
 from grip_bt.task.model import AnyNode
 
 
-class Observer(Protocol):
+class Observer:
     """Told of each activation of each node, in the thread that ticks it; must return quickly and never raise."""
 
     def entered(self, path: str) -> None:
@@ -32,29 +32,10 @@ class Observer(Protocol):
         """The node at `path` wrote a variable."""
 
 
-class Silent:
-    """An observer that tells nobody."""
-
-    def entered(self, path: str) -> None:
-        """Do nothing."""
-
-    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        """Do nothing."""
-
-    def interrupted(self, path: str) -> None:
-        """Do nothing."""
-
-    def message(self, path: str, text: str) -> None:
-        """Do nothing."""
-
-    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        """Do nothing."""
+SILENT = Observer()
 
 
-SILENT = Silent()
-
-
-class Observers:
+class Observers(Observer):
     """Several observers as one; each is told in turn."""
 
     def __init__(self, *observers: Observer):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -108,15 +108,10 @@ class ImageDifference(OperationLeaf):
     def finish(self, result: Change) -> Status:
         p = self.params
         one = image_evidence(result, p["min_vacated"], p["max_appeared"], p["min_pixels"])
-        measured: dict[str, Any] = {
-            "vacated": result.vacated,
-            "appeared": result.appeared,
-            "object_pixels": result.object_pixels,
-        }
         if one.held is None:
             raise SensorError(one.why, object_pixels=result.object_pixels)
         outputs = {"fraction": result.vacated}
-        return self.end(**outputs) if one.held else self.fail("not_held", one.why, outputs=outputs, **measured)
+        return self.end(**outputs) if one.held else self.fail("not_held", one.why, outputs=outputs, **asdict(result))
 
 
 def changed(

@@ -19,7 +19,10 @@ class WaitForMessage(OperationLeaf):
 
     def prepare(self) -> None:
         self.context.ros().check(self.params["topic"], self.params["type"])
-        _check_value(self.params["value"])
+        try:
+            parse_type(self.params["value"])
+        except ValueError as error:
+            raise GripError(f"value: {error}") from None
 
     def start(self) -> Operation[Any]:
         p = self.params
@@ -85,19 +88,9 @@ class GetParameter(OperationLeaf):
         return self.context.ros().get_parameter(self.params["node"], self.params["name"], self.params["timeout"])
 
 
-class SetParameter(OperationLeaf):
+class SetParameter(GetParameter):
     """Set a parameter of a node."""
-
-    def prepare(self) -> None:
-        self.context.ros().check(self.params["node"])
 
     def start(self) -> Operation[None]:
         p = self.params
         return self.context.ros().set_parameter(p["node"], p["name"], self.read("value"), p["timeout"])
-
-
-def _check_value(type_: str) -> None:
-    try:
-        parse_type(type_)
-    except ValueError as error:
-        raise GripError(f"value: {error}") from None

@@ -33,14 +33,15 @@ class _SceneLeaf(Leaf):
     def change(self, scene: Scene) -> Status:
         raise NotImplementedError
 
-    def free_to_change(self, scene: Scene, name: str) -> None:
-        """Refuse what belongs to the room.
 
-        Raises:
-            NoObjectError: it does.
-        """
-        if scene.fixed(name):
-            raise NoObjectError(f"{name!r} belongs to the room and can't be changed", objects=_movable(scene))
+def _free_to_change(scene: Scene, name: str) -> None:
+    """Refuse what belongs to the room.
+
+    Raises:
+        NoObjectError: it does.
+    """
+    if scene.fixed(name):
+        raise NoObjectError(f"{name!r} belongs to the room and can't be changed", objects=_movable(scene))
 
 
 def _known_object(scene: Scene, name: str) -> None:
@@ -72,7 +73,7 @@ class AddShape(_SceneLeaf):
 
     def change(self, scene: Scene) -> Status:
         name = self.params["name"]
-        self.free_to_change(scene, name)
+        _free_to_change(scene, name)
         pose: Pose | None = self.read("pose")
         scene.put(name, self._solid, Pose(self.params["position"]) if pose is None else pose)
         return self.end()
@@ -83,8 +84,7 @@ class AddMesh(OperationLeaf):
 
     def start(self) -> Operation[Solid]:
         scene, p = self.context.scene(), self.params
-        if scene.fixed(p["name"]):
-            raise NoObjectError(f"{p['name']!r} belongs to the room and can't be changed", objects=_movable(scene))
+        _free_to_change(scene, p["name"])
         return self.context.run_in_worker(lambda: _expected(lambda: scene.mesh(p["file"], p["scale"], p["hollow"])))
 
     def finish(self, result: Solid) -> Status:
@@ -140,7 +140,7 @@ class Remove(_SceneLeaf):
         names = [name for name in _movable(scene) if fnmatchcase(name, pattern)]
         if not names and not any(c in pattern for c in "*?["):
             _known_object(scene, pattern)
-            self.free_to_change(scene, pattern)
+            _free_to_change(scene, pattern)
         for name in names:
             scene.remove(name)
         return self.end(count=len(names))
@@ -152,7 +152,7 @@ class Attach(HandLeaf, _SceneLeaf):
     def change(self, scene: Scene) -> Status:
         name = self.params["name"]
         _known_object(scene, name)
-        self.free_to_change(scene, name)
+        _free_to_change(scene, name)
         scene.attach(name, self.hand.name)
         return self.end()
 

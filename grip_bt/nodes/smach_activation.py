@@ -13,21 +13,7 @@ from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.smach_asking import Asking, Enclosing
 from grip_bt.smach_compat import Remapper, UserData
 
-
-class _SharedByRun:
-    """What the SMACH leaves of one run share.
-
-    Attributes:
-        asking: the flags of preempt requests.
-        built: what builds a legacy container -> the container that it has built.
-    """
-
-    def __init__(self) -> None:
-        self.asking = Asking()
-        self.built: dict[Callable[..., Any], Any] = {}
-
-
-_runs: WeakKeyDictionary[Any, _SharedByRun] = WeakKeyDictionary()
+_runs: WeakKeyDictionary[Any, Asking] = WeakKeyDictionary()
 RUNS_LOCK = threading.RLock()
 """Held while what a run shares is looked up or made."""
 
@@ -44,14 +30,9 @@ class AmongStates(Leaf):
 
     @property
     def asking(self) -> Asking:
-        """The flags of the run."""
-        with RUNS_LOCK:
-            return self.shared().asking
-
-    def shared(self) -> _SharedByRun:
-        """Return what the leaves of this leaf's run share; under `RUNS_LOCK`."""
-        # A run has one clock; contexts are wrapped for states of a machine.
-        return _runs.setdefault(self.context.clock, _SharedByRun())
+        """What the leaves of this leaf's run share: its flags."""
+        with RUNS_LOCK:  # a run has one clock; contexts are wrapped for states of a machine
+            return _runs.setdefault(self.context.clock, Asking())
 
     def requests(self) -> int:
         """Return how many preempt requests the run has had."""
@@ -147,9 +128,5 @@ class Activation:
         self._thread.start()
 
     def done(self) -> bool:
-        """Whether the task may go on."""
-        return self.returned()
-
-    def returned(self) -> bool:
         """Whether `execute` has returned."""
         return self.over.done()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 MARK = "x-smach"
 """Says of a container in a task which class of SMACH it was."""
@@ -209,12 +209,17 @@ _KINDS: dict[str, type[Container]] = {"Concurrence": Together, "Iterator": Itera
 
 
 class Asking:
-    """All flags of one run. What isn't in a container of SMACH is in one that the run itself is."""
+    """All flags of one run. What isn't in a container of SMACH is in one that the run itself is.
+
+    Attributes:
+        built: what builds a legacy container -> the container that it has built, for all leaves of the run.
+    """
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
         self.whole = Whole(None)
         self.whole.enter()
+        self.built: dict[Callable[..., Any], Any] = {}
         self._containers: dict[str, Container] = {}
         self._seen = 0
 

@@ -57,14 +57,12 @@ class SmachLeaf(KeysLeaf):
     def built(self, factory: Callable[..., Any], *arguments: object, **named: object) -> Any:
         """Return the container that `factory` builds, one for all leaves of the run, so that they share its objects."""
         with RUNS_LOCK:
-            run = self.shared()
+            run = self.asking
             if factory not in run.built:
                 run.built[factory] = factory(*arguments, **named)
             return run.built[factory]
 
     def prepare(self) -> None:
-        with RUNS_LOCK:
-            self.shared()
         self.state = self.make()
         wanted = {task_name(label) for label in self.state.get_registered_outcomes()}
         self._agree("outcomes", wanted, self.meaning)
@@ -132,7 +130,7 @@ class SmachLeaf(KeysLeaf):
     def is_running(self) -> bool:
         """Tell whether `execute` runs."""
         activation = self._activation
-        return self._relives or (activation is not None and not activation.returned())
+        return self._relives or (activation is not None and not activation.done())
 
     # --- activations of a process that died ---
 

@@ -11,7 +11,7 @@ from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree
 from grip_bt.compilers.binding import parts_of, probe
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime.pacing import Pacing
 
 When = Literal["before", "after"]
@@ -124,7 +124,7 @@ class Held:
     message: str = ""
 
 
-class Debugger(Silent):
+class Debugger(Observer):
     """The observer that holds; it is one only while there is something to hold for.
 
     Args:

@@ -25,7 +25,7 @@ from typing import Any, TypeVar
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import WAITS, Operation
 from grip_bt.base.ports import Stepped
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime.clock import Waker
 
 T = TypeVar("T")
@@ -438,7 +438,7 @@ def _tell(pending: _Pending, canceled: bool = False) -> None:
         _log.exception("a callback of an operation failed")
 
 
-class WakeOnWrite(Silent):
+class WakeOnWrite(Observer):
     """An observer that has the run look again after each write, since nobody polls for what it may change."""
 
     def __init__(self, context: Any):

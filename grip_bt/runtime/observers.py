@@ -11,14 +11,14 @@ from typing import Any, Protocol
 from grip_bt.base.errors import NodeError
 from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, Journal, RunLog
 from grip_bt.runtime.journal_rows import JournalError
 from grip_bt.runtime.recording import PREEMPT
 from grip_bt.runtime.value_codec import snapshot
 
 
-class Recorder:
+class Recorder(Observer):
     """The observer that writes a journal; blocks the threads that tick only where the writer is far behind."""
 
     def __init__(self, log: RunLog, clock: Clock):
@@ -124,7 +124,7 @@ class SideState(Protocol):
         """
 
 
-class SideStateObserver(Silent):
+class SideStateObserver(Observer):
     """An observer that notes the states of parts; told before the journal's.
 
     Args:
@@ -151,7 +151,7 @@ class SideStateObserver(Silent):
                 self._note(path, name, state)
 
 
-class Durable(Silent):
+class Durable(Observer):
     """An observer that waits, as some leaves begin, until that is on the disk; told after the recorder.
 
     Args:
@@ -181,7 +181,7 @@ LARGEST = 1 << 20
 """Size of the shared memory [bytes]; nodes beyond that aren't told apart."""
 
 
-class Heartbeat(Silent):
+class Heartbeat(Observer):
     """The run's end: an observer of its nodes.
 
     Args:

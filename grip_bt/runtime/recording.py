@@ -304,7 +304,7 @@ class RecordedClock:
         return self.now() >= at if refused is None else not refused
 
 
-class NewEvents:
+class NewEvents(Observer):
     """An observer that passes on only what the recording doesn't have."""
 
     def __init__(self, recording: Recording, inner: Observer):

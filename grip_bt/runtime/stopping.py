@@ -20,7 +20,7 @@ from grip_bt.base.errors import GripError, HungError, NodeError
 from grip_bt.compilers import Halted
 from grip_bt.compilers.behaviour_state import drive
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime.pacing import Pacing
 
 _log = logging.getLogger(__name__)
@@ -42,7 +42,7 @@ class Zombie:
         return f"{self.path} ({self.where})"
 
 
-class EndedObserver(Silent):
+class EndedObserver(Observer):
     """The observer of a run that is over: whatever comes back from where it hung gets no further."""
 
     def entered(self, path: str) -> None:

@@ -11,7 +11,7 @@ import pytest
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.app.runs.replay import find_run
 from grip_bt.cli.__main__ import main
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime import JournalReader
 
 TASK = """\
@@ -50,7 +50,7 @@ class Patient(Leaf):
 """
 
 
-class AskWhenBothRun(Silent):
+class AskWhenBothRun(Observer):
     """Asks the run to come to an end when two leaves say that they run."""
 
     def __init__(self, ask: Callable[[], None]) -> None:

@@ -10,7 +10,7 @@ from trial_project import grip, processes_in, result_of
 from grip_bt.app.runs.demo import ATTEMPT, CHECK, AttemptRecorder, demo_task, examples_folder
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]
 
@@ -76,7 +76,7 @@ def test_an_object_out_of_reach_is_a_failure_with_its_reason(project: Path):
     assert processes_in(project) == []
 
 
-class Thief(Silent):
+class Thief(Observer):
     """Takes away the object that is about to be grasped, once, while the hand closes."""
 
     def __init__(self, recorder, referee):

@@ -5,7 +5,7 @@ import pytest
 from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.nodes.smach_leaf import NextItem, SmachLeaf, task_name
 from grip_bt.smach_compat import State
 from grip_bt.task.catalog.manifest import Manifest
@@ -200,7 +200,7 @@ def test_a_request_that_nobody_serviced_travels_to_the_next_state():
     assert run(make(third, context), context) == "done"
 
 
-class Messages(Silent):
+class Messages(Observer):
     def __init__(self):
         self.texts = []
 

@@ -11,7 +11,7 @@ from typing import Any
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.nodes import OperationLeaf
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts
 from grip_bt.runtime.lockstep import Lockstep
 from grip_bt.task.catalog import Catalog, Manifest
@@ -111,7 +111,7 @@ class Asking(OperationLeaf):
         return moved.result()
 
 
-class Trace(Silent):
+class Trace(Observer):
     """What happened, in order and with the run's time."""
 
     def __init__(self, clock: Any):

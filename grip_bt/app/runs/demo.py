@@ -14,7 +14,7 @@ import numpy as np
 import grip_bt
 from grip_bt.base.errors import MissingPartError, NotWritableError
 from grip_bt.base.values import Failure, Grasp
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_sim.referee import ObjectTruth
 
 DEMO = "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by images, place."
@@ -86,7 +86,7 @@ class Attempt:
     duration: float = 0.0
 
 
-class AttemptRecorder(Silent):
+class AttemptRecorder(Observer):
     """An observer that gathers attempts.
 
     Args:

@@ -16,7 +16,7 @@ from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError,
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.values import Failure
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd
 from grip_sim.referee import Status
@@ -28,7 +28,7 @@ STATES: tuple[str, ...] = get_args(Status)
 PLACE = "grip_bt.nodes.place:Place"
 
 
-class Verdict(Silent):
+class Verdict(Observer):
     """Observes a run, and asks the referee in its end.
 
     Args:

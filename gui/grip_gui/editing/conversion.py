@@ -9,6 +9,7 @@ from grip_bt.base.values import Failure
 from grip_bt.compilers.restructure import Difference, Restructured, compare, moved, play, to_state_machines, to_trees
 from grip_bt.compilers.restructure.as_edit import expanded
 from grip_bt.compilers.restructure.equivalence import End
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime.value_codec import preview
 from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
@@ -111,7 +112,7 @@ def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> C
     )
 
 
-class _Events:
+class _Events(Observer):
     """The observer that notes what happens as the journal would."""
 
     def __init__(self) -> None:

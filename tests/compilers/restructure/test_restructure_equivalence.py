@@ -10,7 +10,7 @@ from restructure_tasks import CATALOG, leaf, machine, task
 
 from grip_bt.compilers.restructure import Restructured, compare, moved, play, to_state_machines, to_trees
 from grip_bt.compilers.restructure.equivalence import End, _Run
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.task import Task, walk
 
 STATES = {
@@ -61,7 +61,7 @@ def test_one_wrong_edge_is_shown_by_a_script_that_can_be_played(state: str, on: 
     assert "with leaves that end like this:\n  look: " in str(found)
 
 
-class Heard(Silent):
+class Heard(Observer):
     """Notes who began and when."""
 
     def __init__(self) -> None:

@@ -4,7 +4,7 @@ from grip_bt import smach_compat
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.formats.smach import import_file, write_import
-from grip_bt.nodes.node import Silent
+from grip_bt.nodes.node import Observer
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.nodes.smach_source import load_legacy
 from grip_bt.runtime import RunContext, Runner
@@ -13,7 +13,7 @@ from grip_bt.task import Leaf, read, walk
 COMPILERS = {"bt": to_tree, "sm": to_machine}
 
 
-class Trace(Silent):
+class Trace(Observer):
     def __init__(self, leaves):
         self.leaves, self.ends = leaves, []
 
