@@ -77,14 +77,9 @@ def drive(node: Behaviour, pacer: Pacer, tick: Callable[[], object] | None = Non
                 return node.status
             pacer.rest(seen)
     except BaseException as error:
-        _halt_after(error, node)
+        for path, trouble in halt(node):
+            error.add_note(f"while stopping {path}: {type(trouble).__name__}: {trouble}")
         raise
-
-
-def _halt_after(error: BaseException, node: Behaviour) -> None:
-    """Halt everything below `node`; note with the error what else went wrong meanwhile."""
-    for path, trouble in halt(node):
-        error.add_note(f"while stopping {path}: {type(trouble).__name__}: {trouble}")
 
 
 @dataclass(frozen=True)

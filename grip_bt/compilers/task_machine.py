@@ -274,28 +274,21 @@ def enclose(root: Part, nodes: Mapping[str, Node], states: Mapping[str, object])
 
 def _enclosing(path: str, kind: str, made: Any) -> Enclosing:
     if isinstance(made, TaskContainer):
-        enclosing = Enclosing(path, kind, lambda: made.outcome is None, lambda: _active(made))
+        machine: Any = made  # smach's container
+        enclosing = Enclosing(path, kind, lambda: made.outcome is None, lambda: len(machine.get_active_states()))
         made.on_enter(enclosing.entered)
         if isinstance(made, TaskConcurrence):  # who waits for the others in it learns that one has ended
             made.register_transition_cb(lambda *_: made.run.wake())
         return enclosing
-    enclosing = Enclosing(path, kind, lambda: made.active, lambda: _unfinished(made))
-    made.enter = _both(made.enter, enclosing.entered)
-    return enclosing
+    enclosing = Enclosing(
+        path, kind, lambda: made.active, lambda: sum(child.status not in LABEL for child in made.children)
+    )
+    first = made.enter
 
-
-def _active(machine: Any) -> int:
-    return len(machine.get_active_states())
-
-
-def _unfinished(container: Any) -> int:
-    return sum(child.status not in LABEL for child in container.children)
-
-
-def _both(first: Callable[[], None] | None, second: Callable[[], None]) -> Callable[[], None]:
-    def both() -> None:
+    def enter() -> None:
         if first is not None:
             first()
-        second()
+        enclosing.entered()
 
-    return both
+    made.enter = enter
+    return enclosing

@@ -49,9 +49,9 @@ def attach_comments(tree: YamlMapping, text: str) -> list[str]:
         if below == 0:
             header.extend([""] * (comment.blank_before and bool(header)) + [comment.text])
             continue
-        flow = _enclosing(flows, comment.start)
-        if flow is not None:
-            _attach_in_flow(flow, comment)
+        around = [f for f in flows if f.value.span[0] < comment.start < f.value.span[1]]
+        if around:
+            _attach_in_flow(around[-1], comment)
         elif comment.alone:
             _attach_alone(places, below, comment)
         else:
@@ -135,11 +135,6 @@ def _blank_above(text: str, line_start: int) -> bool:
     """Tell whether the line above one is blank."""
     end = max(line_start - 1, 0)
     return line_start > 0 and not text[text.rfind("\n", 0, end) + 1 : end].strip()
-
-
-def _enclosing(flows: list[YamlEntry], at: int) -> YamlEntry | None:
-    inside = [f for f in flows if f.value.span[0] < at < f.value.span[1]]
-    return inside[-1] if inside else None
 
 
 def _attach_in_flow(flow: YamlEntry, comment: _Comment) -> None:

@@ -101,27 +101,20 @@ def read_text(text: str, source: str = "") -> Document:
             gc.enable()
 
 
-def _version_of(tree: YamlValue) -> int | None:
-    """Return the version that a file says it has; None where it says none."""
-    entry = tree.entries.get("grip") if isinstance(tree, YamlMapping) else None
-    value = entry.value.value if entry is not None and isinstance(entry.value, YamlScalar) else None
-    return value if type(value) is int else None
-
-
 def _check_version(tree: YamlValue, source: str) -> None:
     """Refuse a file of another format than ours.
 
     Whoever changes the format raises `FORMAT_VERSION` and reads the version before it here.
     """
-    version = _version_of(tree)
-    if version is None or version == FORMAT_VERSION or not isinstance(tree, YamlMapping):
+    entry = tree.entries.get("grip") if isinstance(tree, YamlMapping) else None
+    version = entry.value.value if entry is not None and isinstance(entry.value, YamlScalar) else None
+    if entry is None or type(version) is not int or version == FORMAT_VERSION:
         return
     message = f"format {version} isn't supported; this version of GRIP reads `grip: {FORMAT_VERSION}`"
     if version > FORMAT_VERSION:
         newer = f"format {version} is newer than this version of GRIP reads ({FORMAT_VERSION})"
         message = f"{newer}; run `pip install -U grip-bt`"
-    value = tree.entries["grip"].value
-    raise DocumentError(message, source, value.line, value.column)
+    raise DocumentError(message, source, entry.value.line, entry.value.column)
 
 
 def load(path: Path | str) -> Task:

@@ -68,6 +68,11 @@ def type_of(declared: Variable | str) -> str:
     return declared if isinstance(declared, str) else declared.type
 
 
+def has_value(declared: Variable | str) -> bool:
+    """Tell whether a variable has an initial value."""
+    return isinstance(declared, Variable) and declared.has_value
+
+
 Key = tuple[str, str, str | None]
 
 

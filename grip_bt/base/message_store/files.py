@@ -21,7 +21,7 @@ import numpy as np
 from grip_bt.base.errors import DocumentError, nearest
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.pose import quaternion_of
-from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file
+from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
 
 _POSE_KEYS = ("position", "orientation")
 
@@ -61,7 +61,9 @@ def read_poses(path: Path | str, text: str | None = None) -> tuple[dict[str, Pos
         parts = _mapping(file, entry, name).entries
         if "reference_frame" not in parts:
             raise file.error(entry, f"{name}: the key 'reference_frame' is missing")
-        frame = _text(file, parts["reference_frame"])
+        frame = to_data(parts["reference_frame"].value)
+        if not isinstance(frame, str) or not frame:
+            raise file.error(parts["reference_frame"], "reference_frame: expected the name of a frame")
         rest = {key: part for key, part in parts.items() if key != "reference_frame"}
         if set(rest) & set(_POSE_KEYS):
             poses[name] = _pose(file, rest, frame, name, entry)
@@ -106,12 +108,6 @@ def _mapping(file: _File, entry: YamlEntry, name: str) -> YamlMapping:
     if not isinstance(entry.value, YamlMapping):
         raise file.error(entry, f"{name}: expected a mapping")
     return entry.value
-
-
-def _text(file: _File, entry: YamlEntry) -> str:
-    if not isinstance(entry.value, YamlScalar) or not isinstance(entry.value.value, str) or not entry.value.value:
-        raise file.error(entry, f"{entry.key}: expected the name of a frame")
-    return entry.value.value
 
 
 def _numbers(file: _File, entry: YamlEntry, what: str) -> dict[str, float]:

@@ -95,7 +95,7 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     """Return one of pydantic's errors, from data that stands in `tree`, in words and with its place."""
     path = [step for step in error["loc"] if step != "[key]"]
     line, column = find(tree, path)
-    words = _readable(path)
+    words = [str(step) for step in path if step not in _PASSED_OVER]
     message = error["msg"].removeprefix("Value error, ")
     if error["type"] == "missing":
         message = f"the key {words[-1]!r} is missing"
@@ -114,7 +114,9 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
         words += nodes
         message = f"expected a mapping with a name for each entry{such}, not {_kind_of(error['input'])}"
     elif error["type"] in ("too_long", "too_short"):
-        message = f"{path[-1]!r} takes {_amount(error)}, not {error['ctx']['actual_length']}"
+        limits = error["ctx"]
+        amount = f"at most {limits['max_length']}" if "max_length" in limits else f"at least {limits['min_length']}"
+        message = f"{path[-1]!r} takes {amount}, not {limits['actual_length']}"
     elif not isinstance(error["input"], dict | list) and repr(error["input"]) not in message:
         message += f", not {error['input']!r}"
     at = "/".join(words)
@@ -150,17 +152,6 @@ def _ros_name(text: object) -> str:
     """Return the whole ROS name that somebody may have meant."""
     words = [word for word in re.split(r"[^A-Za-z0-9_]+", str(text)) if word]
     return "".join(f"/{'_' * word[0].isdigit()}{word}" for word in words) or "/camera/points"
-
-
-def _amount(error: ErrorDetails) -> str:
-    limits = error["ctx"]
-    if "max_length" in limits:
-        return f"at most {limits['max_length']}"
-    return f"at least {limits['min_length']}"
-
-
-def _readable(path: Iterable[str | int]) -> list[str]:
-    return [str(step) for step in path if step not in _PASSED_OVER]
 
 
 def find(tree: YamlValue, path: Iterable[str | int]) -> tuple[int, int]:

@@ -90,11 +90,7 @@ def is_plain(text: str, flow: bool) -> bool:
         return False
     if ": " in text or text.endswith(":") or text.startswith(("---", "...")):
         return False
-    return not _looks_like_a_value(text)
-
-
-def _looks_like_a_value(text: str) -> bool:
-    return bool(text in WORDS or _INTEGER.fullmatch(text) or _FLOAT.fullmatch(text) or _SPECIAL_FLOAT.fullmatch(text))
+    return text not in WORDS and not any(number.fullmatch(text) for number in (_INTEGER, _FLOAT, _SPECIAL_FLOAT))
 
 
 def quoted(text: str) -> str:

@@ -175,7 +175,10 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
         while parser.check_event():
             builder.take(parser.get_event())
     except MarkedYAMLError as error:
-        raise _syntax_error(error, source) from None
+        mark = error.problem_mark or error.context_mark
+        message = " ".join(part for part in (error.context, error.problem) if part)
+        place = (mark.line + 1, mark.column + 1) if mark else (None, None)
+        raise DocumentError(f"not valid YAML: {message}", source, *place) from None
     except (ValueError, OverflowError) as error:  # the Python parser's own, of an escape such as "\\UFFFFFFFF"
         raise DocumentError(f"not valid YAML: {error}", source, 1, 1) from None
     if builder.root is None:
@@ -186,13 +189,6 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
 def _place(text: str, at: int) -> tuple[int, int]:
     """Return the 1-based line and column of an offset."""
     return text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
-
-
-def _syntax_error(error: MarkedYAMLError, source: str) -> DocumentError:
-    mark = error.problem_mark or error.context_mark
-    message = " ".join(part for part in (error.context, error.problem) if part)
-    place = (mark.line + 1, mark.column + 1) if mark else (None, None)
-    return DocumentError(f"not valid YAML: {message}", source, *place)
 
 
 class _Builder:

@@ -53,15 +53,11 @@ def _conversion(command: Convert, task: Task, catalog: Catalog) -> Patch:
     if result.task == task:
         why = "; ".join(str(note) for note in result.notes if not note.by_design) or "it has that form already"
         raise EditError(command.path, why)
-    return Patch(title=title_of(command), steps=tuple(_steps(task, result)))
-
-
-def _steps(task: Task, result: Restructured) -> list[Step]:
-    """Return the steps from a task to its other form: nodes are moved, not written anew."""
-    moving = _Moving(task, result)
+    moving = _Moving(task, result)  # nodes are moved, not written anew
     target = file_data(data_of(loads(dumps(result.task))))  # as a file says it: nothing that only repeats a default
     moving.settle(target["root"], "/", ("root",))
-    return [*moving.steps, *differences(file_data(moving.draft.mapping(())), target)]
+    steps = (*moving.steps, *differences(file_data(moving.draft.mapping(())), target))
+    return Patch(title=title_of(command), steps=steps)
 
 
 class _Moving:

@@ -256,7 +256,9 @@ def offending_edges(graph: nx.DiGraph, initial: str) -> tuple[list[Edge], bool]:
             tried += 1
             if tried > BUDGET:
                 return enough, False
-            if not unruly_edges(_without(graph, initial, edges), initial):
+            rest = graph.copy()
+            rest.remove_edges_from(edges)
+            if not unruly_edges(rest.subgraph({initial, *nx.descendants(rest, initial)}), initial):
                 return list(edges), True
     return enough, True
 
@@ -274,9 +276,3 @@ def unruly_edges(graph: nx.DiGraph, initial: str) -> list[Edge]:
             if above != head:
                 result.append((tail, head))
     return result
-
-
-def _without(graph: nx.DiGraph, initial: str, edges: tuple[Edge, ...]) -> nx.DiGraph:
-    copy = graph.copy()
-    copy.remove_edges_from(edges)
-    return copy.subgraph({initial, *nx.descendants(copy, initial)})

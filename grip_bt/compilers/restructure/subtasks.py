@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import count
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -19,8 +18,10 @@ from grip_bt.task.catalog import Catalog, manifest_of_task
 from grip_bt.task.document import Document
 from grip_bt.task.edit import Extract, Inline, Patch, RenameVariable, Set, Unset, apply, apply_to_document, title_of
 from grip_bt.task.edit.editing import Edit, slot
+from grip_bt.task.edit.paste import fresh_name
 from grip_bt.task.edit.steps import Assign
-from grip_bt.task.model import Childless, Kind, Leaf, Subtask, Task, Variable, type_of, walk
+from grip_bt.task.model import Childless, Kind, Leaf, Subtask, Task, type_of, walk
+from grip_bt.task.parts import has_value
 from grip_bt.task.validation import analyse
 from grip_bt.task.validation.analysis import PlacedNode, TaskAnalysis
 from grip_bt.task.validation.dataflow import DataFlow
@@ -133,7 +134,7 @@ class _Merging:
             if written and port not in node.out:
                 raise EditError(path, f"{port!r} is written inside, which {variable!r} mustn't notice; copy it first")
         for port in node.out:
-            if _has_value(self.inside.variables[port]) and port not in node.in_:
+            if has_value(self.inside.variables[port]) and port not in node.in_:
                 raise EditError(path, f"the output {port!r} begins with a value of its own; remove that in {node.task}")
             if port in node.with_:
                 raise EditError(path, f"{port!r} begins with a literal and is handed out; bind a variable")
@@ -170,7 +171,7 @@ class _Merging:
         bound = self.bound()
         own = self.own()
         taken = {*self.placed.around, *_declared(self.inside)}
-        to = {name: name if name not in self.placed.around else _fresh(name, taken) for name in own}
+        to = {name: name if name not in self.placed.around else fresh_name(name, taken) for name in own}
         renamed = _renamed(self.inside, {**bound, **to}, self.placed.path)
         root: dict[str, Any] = file_data(renamed.root)
         root.pop("on", None)
@@ -189,20 +190,11 @@ class _Merging:
         return root
 
 
-def _has_value(declared: Variable | str) -> bool:
-    return isinstance(declared, Variable) and declared.has_value
-
-
 def _declared(task: Task) -> Iterator[str]:
     yield from task.variables
     for _, node in walk(task.root):
         if not isinstance(node, Leaf):
             yield from (*node.data, *(item for _, _, item in node.taken()))
-
-
-def _fresh(name: str, taken: Iterable[str]) -> str:
-    there = set(taken)
-    return next(each for number in count(2) if (each := f"{name}_{number}") not in there)
 
 
 def _renamed(task: Task, names: dict[str, str], path: str) -> Task:
@@ -295,15 +287,11 @@ def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog:
     root = {key: value for key, value in file_data(placed.node).items() if key not in _AROUND}
     types = {name: str(declared.type or "Any") for name, declared in placed.around.items()}
     outcomes = dict(placed.outcomes)
-    if placed.node.precondition and "failure" not in _own_outcomes(placed, root, catalog):
+    bare = Task.model_validate({"grip": 1, "name": "part", "root": root})
+    if placed.node.precondition and "failure" not in TaskAnalysis(bare, catalog).root.outcomes:
         del outcomes["failure"]  # only its refusal is one, which stays outside
     name = PurePosixPath(command.file).stem
     return Task.model_validate({"grip": 1, "name": name, "outcomes": outcomes, "data": types, "root": root})
-
-
-def _own_outcomes(placed: PlacedNode, root: dict[str, Any], catalog: Catalog) -> set[str]:
-    bare = Task.model_validate({"grip": 1, "name": "part", "root": root})
-    return set(TaskAnalysis(bare, catalog).root.outcomes)
 
 
 def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -> tuple[dict[str, str], dict[str, str]]:

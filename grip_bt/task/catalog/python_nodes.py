@@ -37,7 +37,9 @@ def find_python_nodes(folder: Path | str) -> list[Manifest]:
         DocumentError: a file isn't Python, or what is decorated isn't a node; with line and column.
     """
     files = sorted(Path(folder).glob("**/*.py"))
-    return [m for file in files if _is_read(file.relative_to(folder)) for m in read_python_nodes(file)]
+    hidden = [file for file in files if any(part[0] in "_." for part in file.relative_to(folder).parts)]
+    read = [file for file in files if file not in hidden and not file.name.startswith("test_")]
+    return [manifest for file in read for manifest in read_python_nodes(file)]
 
 
 def read_python_nodes(path: Path | str) -> list[Manifest]:
@@ -56,14 +58,6 @@ def read_python_nodes(path: Path | str) -> list[Manifest]:
         message = getattr(error, "msg", None) or str(error)
         raise DocumentError(f"isn't Python: {message}", str(path), line, column) from None
     return list(_Source(path, module).manifests())
-
-
-def _is_read(file: Path) -> bool:
-    return not any(part.startswith(("_", ".")) for part in file.parts) and not file.name.startswith("test_")
-
-
-def _all_arguments(item: ast.FunctionDef | ast.AsyncFunctionDef) -> list[ast.arg]:
-    return [*item.args.posonlyargs, *item.args.args, *item.args.kwonlyargs]
 
 
 class _Source:
@@ -89,8 +83,10 @@ class _Source:
             outputs = {**outputs, **self._outputs(said.pop("outputs"))}
         doc = said.pop("doc", None) or ast.get_docstring(item) or str(said.get("id", ""))
         said.pop("quick", None)
-        if not isinstance(item, ast.ClassDef) and not any(map(self._is_context, _all_arguments(item))):
-            said.setdefault("moves", False)
+        if not isinstance(item, ast.ClassDef):
+            arguments = (*item.args.posonlyargs, *item.args.args, *item.args.kwonlyargs)
+            if not any(map(self._is_context, arguments)):
+                said.setdefault("moves", False)
         try:
             return Manifest(
                 doc=doc,

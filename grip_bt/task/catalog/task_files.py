@@ -8,8 +8,8 @@ from typing import Protocol
 
 from grip_bt.base.errors import DocumentError, SubtaskError, nearest
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task import Task, Variable, load
-from grip_bt.task.model import type_of
+from grip_bt.task import Task, load
+from grip_bt.task.parts import has_value, type_of
 
 from .manifest import InputPort, Manifest, OutputPort
 
@@ -108,7 +108,7 @@ def manifest_of_task(file: str, task: Task, surely_written: Mapping[str, Iterabl
         implementation="",
         inputs=FrozenDict(
             {
-                name: InputPort.model_construct(type=type_of(said), required=not _has_value(said))
+                name: InputPort.model_construct(type=type_of(said), required=not has_value(said))
                 for name, said in task.inputs.items()
             }
         ),
@@ -127,7 +127,3 @@ def _text_of(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
         return ""
-
-
-def _has_value(declared: Variable | str) -> bool:
-    return isinstance(declared, Variable) and declared.has_value

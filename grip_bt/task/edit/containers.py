@@ -40,7 +40,9 @@ class Wrap(BaseCommand):
 
     @override
     def in_words(self) -> str:
-        return f"wrap {_several(self.paths)} in {kind_in_words(self.kind)}"
+        shown = ", ".join(path_in_words(path) for path in self.paths[:_SHOWN])
+        more = f" and {len(self.paths) - _SHOWN} more" if len(self.paths) > _SHOWN else ""
+        return f"wrap {shown}{more} in {kind_in_words(self.kind)}"
 
     @override
     def plan(self, edit: Edit) -> None:
@@ -103,11 +105,6 @@ class Unwrap(BaseCommand):
         for position, child in enumerate(names):
             edit.shift(inner, child, at, index + position)
         edit.drop(at, name)
-
-
-def _several(paths: tuple[str, ...]) -> str:
-    shown = ", ".join(path_in_words(path) for path in paths[:_SHOWN])
-    return shown if len(paths) <= _SHOWN else f"{shown} and {len(paths) - _SHOWN} more"
 
 
 class _Shell:

@@ -65,7 +65,9 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
     """
     done = apply(document.task, command)
     if isinstance(command, Patch) and command.restore and command.restore.digest == _digest_of(document.text):
-        text, splices, sources = _restored(document.text, command.restore), command.restore.splices, {}
+        text, splices, sources = document.text, command.restore.splices, {}
+        for splice in splices:
+            text = text[: splice.start] + splice.new + text[splice.start + len(splice.old) :]
     else:
         draft = Text(document.text, document.tree)
         taken = [draft.take(step) for step in done.steps]
@@ -92,12 +94,6 @@ def _read(text: str, source: str, expected: Task) -> Document:
         raise EditError("", "this formatting can't be edited in place; run `grip fmt` first")
     # The edited task shares with the one before all that the edit left alone, so that others see fast what is new.
     return replace(after, task=expected) if written_alike(after.task, expected) else after
-
-
-def _restored(text: str, restore: Restore) -> str:
-    for splice in restore.splices:
-        text = text[: splice.start] + splice.new + text[splice.start + len(splice.old) :]
-    return text
 
 
 def _with_source(step: Step, source: str | None) -> Step:

@@ -164,17 +164,12 @@ class History:
         while len(self._moments) > self._limit:
             line = set(self._line(self._at))
             loose = next((n for n, moment in self._moments.items() if n not in line and not moment.children), None)
-            self._forget_end(loose) if loose is not None else self._forget_beginning()
-
-    def _forget_end(self, number: int) -> None:
-        parent = self._moments.pop(number).parent
-        assert parent is not None, "the beginning is on every line"
-        self._moments[parent].children.remove(number)
-
-    def _forget_beginning(self) -> None:
-        first = next(iter(self._moments))
-        begin = self._moments[self._moments.pop(first).children[0]]
-        begin.parent = begin.back = begin.forth = None
+            gone = self._moments.pop(next(iter(self._moments)) if loose is None else loose)
+            if gone.parent is not None:
+                self._moments[gone.parent].children.remove(gone.number)
+            else:
+                begin = self._moments[gone.children[0]]
+                begin.parent = begin.back = begin.forth = None
 
     def _line(self, number: int) -> list[int]:
         line: list[int] = []

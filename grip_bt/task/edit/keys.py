@@ -106,7 +106,11 @@ class Connect(BaseCommand):
     @override
     def plan(self, edit: Edit) -> None:
         record, field, key = _edge(edit, self.path, self.outcome)
-        allowed = _targets(edit, self.path)
+        allowed = list(edit.task.outcomes)
+        if self.path != "/":
+            container = edit.parent(self.path, "")[2]
+            siblings = children_of(container) if isinstance(container, StateMachine) else ()
+            allowed = [*siblings, *outcomes_of(container)]  # type: ignore[arg-type]
         if self.target not in allowed:
             message = f"can't be connected to {self.target!r}{nearest(self.target, allowed)} (available: "
             hint = "" if field == "on" else "; edges between siblings need a state_machine: `change_kind`"
@@ -195,11 +199,3 @@ def _edge(edit: Edit, path: str, outcome: str) -> tuple[Place, str, str]:
         return edit.place(path), "on", outcome
     above, name, _ = edit.parent(path, "")
     return edit.place(above), "exits", f"{name}.{outcome}"
-
-
-def _targets(edit: Edit, path: str) -> list[str]:
-    if path == "/":
-        return list(edit.task.outcomes)
-    container = edit.parent(path, "")[2]
-    siblings = children_of(container) if isinstance(container, StateMachine) else ()
-    return [*siblings, *outcomes_of(container)]  # type: ignore[arg-type]

@@ -60,7 +60,7 @@ class Paste(BaseCommand):
         expect_room(parent, self.parent)
         if self.name is not None:
             expect_free(parent, self.parent, self.name)
-        name = self.name or _fresh(clip.name, {*children_of(parent), *_outcomes(parent)})
+        name = self.name or fresh_name(clip.name, {*children_of(parent), *_outcomes(parent)})
         there = _seen_from(edit.task, self.parent, itself=True)
         names = _names(self, there)
         node = _with_names(clip, names)
@@ -97,7 +97,7 @@ def _names(command: Paste, there: Mapping[str, object]) -> dict[str, str]:
         if alike and command.variables == "share":
             names[name] = name
         else:
-            names[name] = name if name not in there else _fresh(name, taken)
+            names[name] = name if name not in there else fresh_name(name, taken)
             taken.add(names[name])
     return names
 
@@ -127,7 +127,7 @@ def _parsed(clip: Clip) -> Task:
     return edit.draft.task(clip.name)
 
 
-def _fresh(name: str, taken: set[str]) -> str:
+def fresh_name(name: str, taken: set[str]) -> str:
     """Return the name, or the name with the first number with which it isn't taken."""
     if name not in taken:
         return name

@@ -79,7 +79,9 @@ class Text:
             self._put(step.at, step.key, step.value, step.index, step.source)
             return None
         if isinstance(step, Drop):
-            self._make_room(step.at)
+            inside = self._mapping(step.at)
+            if not inside.flow or has_comments_inside(self.text, inside):
+                self._make_tidy(step.at)
             return self._drop(step.at, step.key)
         value = to_data(self._entry(step.at, step.key).value)
         self._make_tidy(step.at)
@@ -175,10 +177,6 @@ class Text:
             if len(new) == 1 and begin not in self._pending and entry.start not in self._pending:
                 taken = self._taken(step.at, entry)
                 self._pending[begin] = (end, new[0].removeprefix("k: "))
-                self._own((*step.at, step.key))
-                value = self._entry(step.at, step.key).value
-                assert isinstance(value, YamlScalar)
-                value.value = step.value
                 return taken
         self.flush()
         return self._replace(step)
@@ -188,7 +186,7 @@ class Text:
         if not one_entry_a_line(self.text, self._value(at)):
             return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
         begin = line_start(self.text, entry.start)
-        return self._lines(dedented(self.text[begin : region_end(self.text, entry)], entry.column))
+        return dedented(self.text[begin : region_end(self.text, entry)], entry.column).replace("\r\n", "\n")
 
     def _replace(self, step: Assign) -> str:
         entry = self._entry(step.at, step.key)
@@ -258,7 +256,7 @@ class Text:
             raise EditError("/".join(at), NOT_EDITABLE)
         begin = region_start(self.text, inside, keys.index(key), at == ())
         end = region_end(self.text, entry)
-        source = self._lines(dedented(self.text[begin:end], entry.column))
+        source = dedented(self.text[begin:end], entry.column).replace("\r\n", "\n")
         if len(keys) > 1:
             self._splice(begin, end, "")
             return source
@@ -317,16 +315,7 @@ class Text:
         text = self._newline.join(lines)
         return text if self.text[end - 1 : end] != "\n" else text + self._newline
 
-    def _lines(self, text: str) -> str:
-        return text.replace("\r\n", "\n")
-
     # --- spelling --------------------------------------------------------------------------------------------------
-
-    def _make_room(self, at: Place) -> None:
-        """See to it that an entry of this mapping can be taken out."""
-        inside = self._mapping(at)
-        if not (inside.flow and not has_comments_inside(self.text, inside)):
-            self._make_tidy(at)
 
     def _make_tidy(self, at: Place, but_last: bool = False) -> None:
         """Write what holds this mapping, and is in braces, with one entry a line."""

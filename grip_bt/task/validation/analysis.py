@@ -26,6 +26,7 @@ from grip_bt.task import (
 )
 from grip_bt.task.catalog import Catalog, Manifest, Type, parse_type
 from grip_bt.task.document import Document
+from grip_bt.task.parts import has_value, type_of
 
 from .codes import SEVERITY, suggestion
 from .subtasks import Subtasks
@@ -51,12 +52,12 @@ class VariableDeclaration:
     @property
     def type_text(self) -> str:
         """The type as it is written."""
-        return self.variable if isinstance(self.variable, str) else self.variable.type
+        return type_of(self.variable)
 
     @property
     def has_value(self) -> bool:
         """Whether it has an initial value."""
-        return isinstance(self.variable, Variable) and self.variable.has_value
+        return has_value(self.variable)
 
 
 Scope = Mapping[str, VariableDeclaration]
@@ -184,8 +185,7 @@ class TaskAnalysis:
         for name, variable in data.items():
             bit = 1 << len(self.declared)
             key = "data" if owner or name in self.task.data else "inputs" if name in self.task.inputs else "outputs"
-            text = variable if isinstance(variable, str) else variable.type
-            scope[name] = VariableDeclaration(name, owner, variable, bit, type_or_none(text), key)
+            scope[name] = VariableDeclaration(name, owner, variable, bit, type_or_none(type_of(variable)), key)
             self.declared.append(scope[name])
         return scope
 

@@ -95,16 +95,13 @@ class DataFlow:
         """Return the states after a node; nobody changes them."""
         key = (placed.path, state)
         if key not in self._known:
-            self._known[key] = self._entered(placed, state)
+            after = self._analyse(placed, state)
+            if placed.node.precondition:
+                self._expressions(placed, state, ("precondition",))
+                after = dict(after)
+                _meet(after, "failure", state)
+            self._known[key] = after
         return self._known[key]
-
-    def _entered(self, placed: PlacedNode, state: int) -> States:
-        if not placed.node.precondition:
-            return self._analyse(placed, state)
-        self._expressions(placed, state, ("precondition",))
-        after = dict(self._analyse(placed, state))
-        _meet(after, "failure", state)
-        return after
 
     def _expressions(self, placed: PlacedNode, state: int, keys: tuple[str, ...]) -> None:
         """Note what the expressions at `keys` read before it is written."""
@@ -163,16 +160,9 @@ class DataFlow:
         return after
 
 
-def _targets(on: Mapping[str, str], label: str) -> list[str]:
-    """Return where a label leads, with any failure code."""
-    return [t for key, t in on.items() if key == label or key.startswith(f"{label}.")]
-
-
-def _meet(states: States, label: str, state: int) -> bool:
-    """Let a path with `state` lead to `label`; tell whether that changed what is known there."""
-    old = states.get(label)
-    states[label] = state if old is None else old & state
-    return states[label] != old
+def _meet(states: States, label: str, state: int) -> None:
+    """Let a path with `state` lead to `label`."""
+    states[label] = states.get(label, state) & state
 
 
 def check_dataflow(analysis: TaskAnalysis, possible: PossibleOutcomes) -> None:
@@ -190,7 +180,7 @@ def _written(analysis: TaskAnalysis, ends: States) -> dict[str, tuple[str, ...]]
     """Return output of the task -> its outcomes with which it has been written on every path."""
     task, found = analysis.task, States()
     for outcome, state in ends.items():
-        targets = _targets(task.root.on, outcome)
+        targets = [target for key, target in task.root.on.items() if key.partition(".")[0] == outcome]
         if outcome not in task.root.on and outcome in analysis.root.outcomes:
             by_itself = default_outcome(task, outcome, analysis.root.outcomes[outcome])
             targets = targets if by_itself is None else [*targets, by_itself]

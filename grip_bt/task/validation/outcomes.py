@@ -30,7 +30,12 @@ def check_outcomes(analysis: TaskAnalysis, possible: PossibleOutcomes | None) ->
                 analysis.add(placed.path, "children", "empty-container", message, "add a child, or remove it")
             if isinstance(node, Switch):
                 _cases(analysis, placed, node)
-            _reserved(analysis, placed, node.outcomes)
+            for name in ("success", "failure"):
+                if node.outcomes.get(name, name) != name:
+                    message = f"the outcome {name!r} can't mean {node.outcomes[name]}"
+                    analysis.add(
+                        placed.path, ("outcomes", name), "contradictory-outcome", message, "give it another name"
+                    )
             _exits(analysis, placed, node.exits, possible)
             rules = node.rules if isinstance(node, Parallel) else []
             targets = (*node.exits.values(), *(rule.then for rule in rules))
@@ -55,13 +60,6 @@ def _cases(analysis: TaskAnalysis, placed: PlacedNode, node: Switch) -> None:
             message = f"{literal!r} is a case of {earlier!r} and again of {child!r}"
             analysis.add(placed.path, ("cases", child), "ambiguous-case", message, "leave it in one of them")
         seen.append((child, literal))
-
-
-def _reserved(analysis: TaskAnalysis, placed: PlacedNode, outcomes: Mapping[str, str]) -> None:
-    for name in ("success", "failure"):
-        if outcomes.get(name, name) != name:
-            message = f"the outcome {name!r} can't mean {outcomes[name]}"
-            analysis.add(placed.path, ("outcomes", name), "contradictory-outcome", message, "give it another name")
 
 
 def _exits(

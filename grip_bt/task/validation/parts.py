@@ -9,7 +9,7 @@ from typing import Literal
 
 from grip_bt.base.errors import SubtaskError, listing, nearest
 from grip_bt.task import Foreign, Leaf, Subtask, Task, walk
-from grip_bt.task.catalog import AllowedImports, Manifest
+from grip_bt.task.catalog import AllowedImports
 from grip_bt.task.catalog.project_parts import (
     MISSING_PACKAGE,
     NO_CONTROLLER,
@@ -146,7 +146,12 @@ _OF_ARMS, _LEARNT = ("state", "taught"), ("state", "taught", "posture")
 
 def check_parts(analysis: TaskAnalysis) -> None:
     """Find names that the project's parts don't have, and what is wrong with the parts that the task uses."""
-    leaves = [placed for placed in analysis.leaves if placed.manifest is not None and _concerns(placed.manifest)]
+    leaves = [
+        placed
+        for placed in analysis.leaves
+        if (face := placed.manifest) is not None
+        and (face.id.startswith(("component/", "sensor/")) or any(p.names for p in face.parameters.values()))
+    ]
     parts = analysis.catalog.parts() if leaves else None
     if parts is None:
         return
@@ -169,10 +174,6 @@ def names_for(parts: ProjectParts | None, placed: PlacedNode, parameter: str) ->
         return (parts.hands if kind == "hand" else parts.arms) or ()
     _, part = _part(placed, str(kind), parts)
     return () if part is None else part.known.get(str(kind), ())
-
-
-def _concerns(manifest: Manifest) -> bool:
-    return manifest.id.startswith(("component/", "sensor/")) or any(p.names for p in manifest.parameters.values())
 
 
 def _problems(placed: PlacedNode, parts: ProjectParts, taught_names: TaughtNames) -> Iterator[tuple[Key, Problem]]:
