@@ -6,7 +6,8 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 # What runs here keeps to itself: loopback discovery, and no shell's ROS is mixed with the environment's own.
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
-unexport PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH ROS_DISTRO ROS_VERSION RMW_IMPLEMENTATION
+# Where a shell forbids it to keep compiled modules, each of the suite's many processes would compile all of them again.
+unexport PYTHONDONTWRITEBYTECODE PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH ROS_DISTRO ROS_VERSION RMW_IMPLEMENTATION
 
 .PHONY: help demo test quick lint types contracts python-tests frontend e2e fuzz soak gui lock clean
 
