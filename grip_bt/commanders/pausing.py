@@ -20,8 +20,7 @@ from grip_bt.base.ports import Executor, HandPort, Steerable
 from grip_bt.base.values import JointState, Trajectory
 
 from .steering import spliced
-from .trajectory.jerk_limited import ANY, eased_down, jerks_of, smooth_start
-from .trajectory.stopping import accelerations_of
+from .trajectory.stopping import ANY, accelerations_of, eased_down, jerks_of, smooth_start
 
 J = TypeVar("J")
 SHORTEST = 0.1

@@ -9,8 +9,7 @@ import numpy as np
 
 from grip_bt.base.arrays import Array, Indices
 from grip_bt.base.values import Trajectory
-from grip_bt.commanders.trajectory.jerk_limited import jerks_of
-from grip_bt.commanders.trajectory.stopping import even_ramp, stop_ramp
+from grip_bt.commanders.trajectory.stopping import even_ramp, jerks_of, stop_ramp
 from grip_sim.robot import SimRobot
 from grip_sim.world import World
 

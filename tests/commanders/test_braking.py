@@ -8,8 +8,17 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from grip_bt.base.values import Trajectory
-from grip_bt.commanders.trajectory.jerk_limited import ANY, braking_times, each_by_itself, smooth_start
-from grip_bt.commanders.trajectory.stopping import ACCELERATION, LATER, accelerations_of, even_ramp, stop_ramp
+from grip_bt.commanders.trajectory.stopping import (
+    ACCELERATION,
+    ANY,
+    LATER,
+    accelerations_of,
+    braking_times,
+    each_by_itself,
+    even_ramp,
+    smooth_start,
+    stop_ramp,
+)
 
 SEEDS = st.integers(0, 10**6)
 

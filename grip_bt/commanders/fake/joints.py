@@ -17,8 +17,7 @@ from grip_bt.base.values import JointState, Trajectory
 
 from ..joined import same_joints
 from ..steering import spliced
-from ..trajectory.jerk_limited import jerks_of
-from ..trajectory.stopping import accelerations_of, stop_ramp
+from ..trajectory.stopping import accelerations_of, jerks_of, stop_ramp
 
 Script = Iterable[ExpectedError | None]
 

@@ -16,8 +16,8 @@ from grip_bt.base.arrays import Array, Mask, Path
 from grip_bt.base.values import Trajectory
 
 from ..kinematics.collision import CollisionChecker
-from ..trajectory.jerk_limited import quintic_jerks
 from ..trajectory.splines import cubics
+from ..trajectory.stopping import quintic_jerks
 
 FINE = (1e-3, 1e-4)
 """Joint steps in which a hand's shapes are looked at, not its hull [rad]. What isn't clear even at the last, by

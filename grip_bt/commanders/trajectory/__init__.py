@@ -1,4 +1,4 @@
 """Paths to trajectories: `timing` (TOPP-RA by the library toppra, a spline in time), `splines`.
 
-`stopping` and `jerk_limited` bring motions to rest on their path, and on again; `limits` looks at what others timed.
+`stopping` brings motions to rest on their path, and on again; `limits` looks at what others timed.
 """

@@ -20,8 +20,7 @@ from grip_bt.base.failures import CanceledError, ExecutionAbortedError, SensorEr
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Trajectory
 from grip_bt.commanders.steering import spliced
-from grip_bt.commanders.trajectory.jerk_limited import jerks_of
-from grip_bt.commanders.trajectory.stopping import accelerations_of, stop_ramp
+from grip_bt.commanders.trajectory.stopping import accelerations_of, jerks_of, stop_ramp
 
 from ..client.bus import Bus
 from ..client.types import load_type
