@@ -170,7 +170,7 @@ def _smooth_stop(trajectory: Trajectory, time: float, acceleration: Array, jerk:
     part = _USED
     for _ in range(_TRIES if left > soonest + 0.02 else 0):
         ramp = _at_rates(trajectory, time, _Slowing(trajectory, time, acceleration * part, jerk * part, within).rates())
-        over = max(excess(ramp, acceleration, jerk))
+        over = _over(ramp, acceleration, jerk)
         if over <= _SAME:
             return ramp if ramp.duration <= within else None
         part /= min(over, 1.05) * 1.01
@@ -178,7 +178,13 @@ def _smooth_stop(trajectory: Trajectory, time: float, acceleration: Array, jerk:
         return None
     times = _apart(trajectory.times - time, left)
     ramp = _at_rates(trajectory, time, _Rates(times, times, np.ones_like(times), np.zeros_like(times)))
-    return ramp if max(excess(ramp, acceleration, jerk)) <= _SAME else None
+    return ramp if _over(ramp, acceleration, jerk) <= _SAME else None
+
+
+def _over(ramp: Trajectory, acceleration: Array, jerk: Array) -> float:
+    """Return the largest part of the limits; without limits of jerk on the cubics of a controller too."""
+    cubic = peaks(ramp)[1] / acceleration if jerk.min() >= ANY else np.zeros(1)
+    return max(*excess(ramp, acceleration, jerk), float(cubic.max(initial=0.0)))
 
 
 def _apart(times: Array, end: float) -> Array:
