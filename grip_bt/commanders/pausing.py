@@ -98,10 +98,11 @@ class _Motion(Generic[J]):
         self.began = self.passed = 0.0
 
 
-class _Parts(Generic[J]):
+class _InParts(Generic[J]):
     """One motion at a time, done in parts; implements `grip_bt.base.ports.Pausable`.
 
     Args:
+        port: what moves and can be stopped.
         do: begins a part.
         rest: what is left of a job after so long [s]; ends the motion where it raises an `ExpectedError`.
         now: the time [s].
@@ -109,18 +110,28 @@ class _Parts(Generic[J]):
 
     def __init__(
         self,
+        port: Executor | HandPort,
         do: Callable[[J], Operation[JointState]],
         rest: Callable[[J, float], J],
         now: Callable[[], float] = time.monotonic,
     ):
-        self._do, self._rest, self._now = do, rest, now
+        self._port, self._do, self._rest, self._now = port, do, rest, now
         self._lock = threading.RLock()  # a part that ends while it is changed is heard of in the middle of that
         self._paused = False
         self._motion: _Motion[J] | None = None
 
-    def begin(self, job: J) -> Operation[JointState]:
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that it moves."""
+        return self._port.joint_names
+
+    def state(self) -> JointState:
+        """Return the measured state of the joints."""
+        return self._port.state()
+
+    def _begin(self, job: J) -> Operation[JointState]:
         """Begin a motion; one under way is cancelled. In a pause it waits for the end of that."""
-        self.stop()
+        self._end()
         motion = _Motion(job)
         motion.whole = Operation(on_cancel=lambda: self._cancel(motion))
         with self._lock:
@@ -129,13 +140,17 @@ class _Parts(Generic[J]):
         return motion.whole
 
     def stop(self) -> None:
-        """End the motion under way."""
+        """Hold where the joints are now and end a motion under way."""
+        self._end()
+        self._port.stop()
+
+    def _end(self) -> None:
         motion = self._motion
         if motion is not None:
             motion.whole.cancel()
 
     def pause(self) -> None:
-        """Stop the part that is under way and keep what is left."""
+        """Hold the joints where they are, and keep what is left of a motion."""
         with self._lock:
             self._paused = True
             motion = self._motion
@@ -143,7 +158,7 @@ class _Parts(Generic[J]):
             self._hold(motion)
 
     def resume(self) -> None:
-        """Begin what is left, at once or as soon as the part before has ended."""
+        """Go on with what is left, at once or as soon as the part before has ended."""
         with self._lock:
             self._paused = False
             motion = self._motion
@@ -151,24 +166,10 @@ class _Parts(Generic[J]):
         if motion is not None and ready:
             self._go_on(motion)
 
-    def untouched(self) -> bool:
-        """Tell whether a motion is under way that never was held."""
-        with self._lock:
-            return self._untouched()
-
-    def amend(self, change: Callable[[J], J | None]) -> bool:
-        """Change the job of a motion that never was held; False, where `change` returns None, or there is none."""
-        with self._lock:
-            motion = self._motion
-            job = change(motion.job) if motion is not None and self._untouched() else None
-            if motion is None or job is None:
-                return False
-            motion.job = job
-            return True
-
-    def _untouched(self) -> bool:
+    def _untouched(self) -> _Motion[J] | None:
+        """Return the motion under way, if it never was held; with the lock."""
         motion = self._motion
-        return motion is not None and motion.part is not None and not motion.held and not motion.parted
+        return motion if motion is not None and motion.part is not None and not motion.parted else None
 
     def _start(self, motion: _Motion[J]) -> None:
         with self._lock:
@@ -237,7 +238,7 @@ class _Parts(Generic[J]):
             motion.whole.fail(CanceledError("the motion was stopped"))
 
 
-class PausableExecutor:
+class PausableExecutor(_InParts[Trajectory]):
     """Implements `grip_bt.base.ports.Executor`, `Steerable` and `Pausable` over an executor that can be stopped.
 
     It is steerable where that executor is; a motion that was held in its middle isn't changed any more, but goes on to
@@ -257,35 +258,13 @@ class PausableExecutor:
         now: Callable[[], float] = time.monotonic,
         jerks: Mapping[str, float] | None = None,
     ):
-        self._executor, self._accelerations, self._jerks = executor, accelerations or {}, jerks or {}
+        super().__init__(executor, executor.execute, self._left, now)
+        self._accelerations, self._jerks = accelerations or {}, jerks or {}
         self._steered = executor if isinstance(executor, Steerable) and executor.steerable else None
-        self._parts = _Parts(executor.execute, self._rest, now)
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The joints that it moves."""
-        return self._executor.joint_names
-
-    def state(self) -> JointState:
-        """Return the measured state of the joints."""
-        return self._executor.state()
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory, however often it is held; see `grip_bt.base.ports.Executor`."""
-        return self._parts.begin(trajectory)
-
-    def stop(self) -> None:
-        """Hold where the joints are now and end a motion under way."""
-        self._parts.stop()
-        self._executor.stop()
-
-    def pause(self) -> None:
-        """Hold the joints where they are, and keep what is left of a motion."""
-        self._parts.pause()
-
-    def resume(self) -> None:
-        """Go on with what is left."""
-        self._parts.resume()
+        return self._begin(trajectory)
 
     @property
     def steerable(self) -> bool:
@@ -294,60 +273,38 @@ class PausableExecutor:
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; None where it can't be changed."""
-        return self._steered.passed() if self._steered is not None and self._parts.untouched() else None
+        with self._lock:
+            untouched = self._untouched() is not None
+        return self._steered.passed() if self._steered is not None and untouched else None
 
     def amend(self, tail: Trajectory, at: float) -> bool:
         """Go on with another trajectory from a moment on; see `grip_bt.base.ports.Steerable`."""
-        steered = self._steered
-        return steered is not None and self._parts.amend(
-            lambda whole: spliced(whole, tail, at) if steered.amend(tail, at) else None
-        )
+        with self._lock:
+            motion = self._untouched()
+            if self._steered is None or motion is None or not self._steered.amend(tail, at):
+                return False
+            motion.job = spliced(motion.job, tail, at)
+            return True
 
-    def _rest(self, trajectory: Trajectory, passed: float) -> Trajectory:
+    def _left(self, trajectory: Trajectory, passed: float) -> Trajectory:
+        names = trajectory.names
         try:
-            measured = self._executor.state().ordered(trajectory.names)
+            measured = self.state().ordered(names)
         except ExpectedError as error:
             raise ExecutionAbortedError(f"the motion was paused, and {error.message}", cause=error.code) from None
-        names = trajectory.names
         accelerations, jerks = accelerations_of(names, self._accelerations), jerks_of(names, self._jerks)
         return rest_of(trajectory, measured, passed, accelerations, jerks)
 
 
-class PausableHand:
+class PausableHand(_InParts[tuple[JointState, float, float | None]]):
     """Implements `grip_bt.base.ports.HandPort` and `Pausable` over a hand that can be stopped."""
 
     def __init__(self, hand: HandPort):
-        self._hand = hand
-        self._parts: _Parts[tuple[JointState, float, float | None]] = _Parts(
-            lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), job[2])
+        super().__init__(
+            hand, lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), job[2])
         )
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The joints of the hand."""
-        return self._hand.joint_names
-
-    def state(self) -> JointState:
-        """Return the measured state."""
-        return self._hand.state()
+        self.contacts = hand.contacts
 
     def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
         """Move towards a posture, however often it is held; see `grip_bt.base.ports.HandPort`."""
-        return self._parts.begin((posture, duration, torque_limit))
-
-    def contacts(self) -> Mapping[str, float]:
-        """Return the contact forces."""
-        return self._hand.contacts()
-
-    def stop(self) -> None:
-        """Hold the fingers where they are."""
-        self._parts.stop()
-        self._hand.stop()
-
-    def pause(self) -> None:
-        """Hold the fingers where they are, and keep what is left of a motion."""
-        self._parts.pause()
-
-    def resume(self) -> None:
-        """Go on with what is left."""
-        self._parts.resume()
+        return self._begin((posture, duration, torque_limit))
