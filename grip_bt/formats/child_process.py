@@ -23,13 +23,7 @@ TIMEOUT = 60.0
 
 @dataclass(frozen=True)
 class Answer:
-    """What the process told.
-
-    Attributes:
-        data: the last line of its stdout that is a JSON object; None where there is none.
-        stderr: what it wrote there.
-        status: its exit status; None where it was stopped.
-    """
+    """What the process told: the last JSON object on a line of its stdout; `status` is None where it was stopped."""
 
     data: dict[str, Any] | None
     stderr: str
@@ -40,8 +34,6 @@ def last_json(module: str, arguments: Sequence[str], paths: Sequence[Path] = (),
     """Run a module of GRIP's in a process of its own and return what it told; what it had told in time, at least.
 
     Args:
-        module: its import path.
-        arguments: of its command line.
         paths: where the process looks for modules, after all others.
         timeout: how long [s] it may take.
     """

@@ -14,10 +14,7 @@ def require_expressible(
     """Refuse a node whose kind has no equivalent, or that says more than the format can.
 
     Args:
-        path: of the node.
-        node: its document.
         known: class of a node -> the fields that the format can say.
-        target: the format, as messages call it.
         common: fields that it can say of every node.
 
     Raises:

@@ -59,11 +59,7 @@ class Request:
 
 
 class Issues:
-    """Collects what is found, each thing once.
-
-    Args:
-        source: the file that it is about.
-    """
+    """Collects what is found about a file, each thing once."""
 
     def __init__(self, source: str = ""):
         self.source = source
@@ -93,12 +89,7 @@ class Issues:
 
 
 class ImportRefusedError(GripError):
-    """Parts of a tree, a machine or a file have no exact equivalent in a task; nothing was made of it.
-
-    Attributes:
-        what: what was to be converted.
-        issues: each of the parts, with its place and the reason.
-    """
+    """Parts of a tree, a machine or a file have no exact equivalent in a task; nothing was made of it."""
 
     def __init__(self, what: str, issues: Iterable[Issue]):
         self.what, self.issues = what, tuple(issues)

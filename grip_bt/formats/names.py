@@ -48,11 +48,7 @@ def key_of(label: str) -> str:
 
 
 class Identifiers:
-    """Hands out names for Python code, each once.
-
-    Args:
-        taken: names that the file uses already.
-    """
+    """Hands out names for Python code, each once; none of those that are taken."""
 
     def __init__(self, taken: Iterable[str] = ()):
         self._taken = {*taken, *keyword.kwlist, *keyword.softkwlist, *dir(builtins)}

@@ -70,7 +70,6 @@ def format_expression(expression: Expr, indent: int, column: int, tail: int = 0)
     """Return an expression as it is written.
 
     Args:
-        expression: what to write.
         indent: of the statement [columns].
         column: where it begins.
         tail: columns that follow on its last line.

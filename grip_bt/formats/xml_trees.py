@@ -22,16 +22,7 @@ MOST_NODES = 20_000
 
 @dataclass
 class Element:
-    """One element.
-
-    Attributes:
-        tag: its name.
-        attributes: by name, in order.
-        line: where it begins, from 1.
-        source: its file, as messages call it.
-        children: its elements; comments are left out.
-        text: the characters in it.
-    """
+    """One element with its place; comments in it are left out."""
 
     tag: str
     attributes: dict[str, str]
@@ -102,7 +93,6 @@ class TreeFiles:
     """The trees of a file and of those that it includes, by their ID.
 
     Args:
-        source: what to call the file in messages.
         folder: where it lies; without it, included files are refused.
         bound: the folder that included files have to lie in; `folder` by default.
     """
@@ -193,14 +183,7 @@ def comment(text: str, depth: int) -> list[str]:
 def element_lines(
     part: Part, depth: int, describe: Callable[[Part], tuple[str, Mapping[str, str]]], comments: bool = False
 ) -> Iterator[str]:
-    """Yield the lines of a node and of all below it.
-
-    Args:
-        part: the node.
-        depth: how deep it is indented.
-        describe: gives the tag and the attributes of a node.
-        comments: whether what nodes say of themselves is written above them.
-    """
+    """Yield the lines of a node and of all below it; `describe` gives the tag and the attributes of one."""
     tag, attributes = describe(part)
     if comments:
         yield from comment(part.node.doc, depth)
@@ -216,12 +199,6 @@ def element_lines(
 
 def leaf_attributes(part: Part, node: model.Leaf, to_text: Callable[[object, str], str], target: str) -> dict[str, str]:
     """Return the parameters and ports of a leaf as attributes.
-
-    Args:
-        part: the leaf.
-        node: its document.
-        to_text: writes a value of a type; raises ValueError where no text is read as that.
-        target: the format, as messages call it.
 
     Raises:
         NotExpressibleError: a value has no text, or a name stands for more than one port or parameter.

@@ -24,13 +24,7 @@ FAIL: Keys = {"node": "flow/fail"}
 
 @dataclass
 class NodeDraft:
-    """A node.
-
-    Attributes:
-        keys: of its entry in a file.
-        skips: it has the outcome `skipped`, or what `label` calls it.
-        instant: it ends in the tick in which it begins.
-    """
+    """A node; `skips`: it has the outcome `skipped`, or what `label` calls it; `instant`: it ends in its first tick."""
 
     keys: Keys
     skips: bool = False
@@ -142,14 +136,10 @@ def key_of(text: str, port: str) -> str | None:
 
 @dataclass
 class Variable:
-    """One blackboard entry.
+    """One blackboard entry: types of what writes and of what reads it, and the text that it holds from the beginning.
 
-    Attributes:
-        written: types of what writes it.
-        read: types of the ports that read it.
-        initial: the text that it holds from the beginning.
-        texts: texts are written to it, which become what its readers want.
-        known: every port that it is bound to says whether it is read or written.
+    `texts`: texts are written to it, which become what its readers want. `known`: every port that it is bound to says
+    whether it is read or written.
     """
 
     written: list[str] = field(default_factory=list)
@@ -182,11 +172,7 @@ class Variable:
 
 @dataclass
 class Variables:
-    """The variables of a task by name, in the order in which they were met.
-
-    Attributes:
-        before: what an earlier reading of the file has found out about them.
-    """
+    """The variables of a task in the order in which they were met; `before`: what an earlier reading has found out."""
 
     before: dict[str, Variable] = field(default_factory=dict)
     every: dict[str, Variable] = field(default_factory=dict)
@@ -210,14 +196,7 @@ class Variables:
 
 
 class Board:
-    """The blackboard of one sub-tree.
-
-    Args:
-        variables: those of the task.
-        space: the sub-tree's name, for the names of its variables; empty for the main tree.
-        parent: the board around it.
-        auto: keys that aren't remapped are the parent's.
-    """
+    """The blackboard of one sub-tree, whose name is its `space`; `auto`: keys that aren't remapped are the parent's."""
 
     def __init__(self, variables: Variables, space: str = "", parent: Board | None = None, auto: bool = False):
         self.variables, self.space, self.parent, self.auto = variables, space, parent, auto

@@ -35,12 +35,7 @@ class Reading:
 class ElementReader:
     """One element as its reader sees it.
 
-    Attributes:
-        reading: of the file.
-        element: what is read.
-        board: the blackboard around it.
-        inside: the sub-trees around, the outermost first.
-        meaning: what `skipped` means to the node around.
+    `board` and `inside`: blackboard and sub-trees around it; `meaning`: what `skipped` means to the node around.
     """
 
     reading: Reading

@@ -24,14 +24,7 @@ class Inexact(ValueError):
 
 @dataclass(frozen=True)
 class Value:
-    """An expression of a task.
-
-    Attributes:
-        text: how it is written.
-        type: `bool`, `int`, `float`, `str`, or `Any` where it isn't known.
-        level: how tightly its outermost operator binds.
-        literal: it is one.
-    """
+    """An expression of a task; `Any` is a type that isn't known, `level` how tightly its outermost operator binds."""
 
     text: str
     type: str
@@ -45,13 +38,7 @@ class Value:
 
 @dataclass
 class Translator:
-    """Writes scripts as expressions.
-
-    Attributes:
-        name_of: blackboard key -> how the expression calls it.
-        type_of: blackboard key -> type of its variable.
-        notes: what to know about what was written.
-    """
+    """Writes scripts as expressions, given what they call a blackboard key, and its type; notes what to know."""
 
     name_of: Callable[[str], str]
     type_of: Callable[[str], str]
@@ -198,12 +185,7 @@ _INPUTS = "abcdefgh"
 
 
 class Scripts:
-    """The scripts of one sub-tree.
-
-    Args:
-        board: where its keys are.
-        note: takes what to know about a script.
-    """
+    """The scripts of one sub-tree; `note` takes what to know about one."""
 
     def __init__(self, board: Board, note: Callable[[str], None]):
         self.board, self.note = board, note

@@ -124,12 +124,7 @@ def _class(name: str) -> str:
 
 
 class Leaves:
-    """Makes the leaves of a task.
-
-    Args:
-        catalog: where known nodes are.
-        models: those of the file.
-    """
+    """Makes the leaves of a task: nodes of the catalogue, or those that the file's models declare."""
 
     def __init__(self, catalog: Catalog, models: dict[str, Model]):
         self.catalog, self.models = catalog, models
@@ -141,12 +136,7 @@ class Leaves:
         self.settled = {name: face.manifest() for name, face in self.faces.items()}
 
     def leaf(self, name: str, said: dict[str, str], board: Board) -> Keys:
-        """Return the keys of a leaf.
-
-        Args:
-            name: the node type.
-            said: port -> what its attribute says.
-            board: where its keys are.
+        """Return the keys of a leaf of a node type, given port -> what its attribute says.
 
         Raises:
             ValueError: a port isn't there, or can't hold what it is given.

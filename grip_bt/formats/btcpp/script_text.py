@@ -43,12 +43,7 @@ def attribute_text(value: object, type_name: str) -> str:
 
 
 def script_of(text: str, type_of: Callable[[str], str], names: Mapping[str, str] | None = None) -> str:
-    """Return an expression of a task as a script that comes to the same.
-
-    Args:
-        text: the expression.
-        type_of: variable -> its type.
-        names: what the expression calls a variable -> the variable; without it, by its name.
+    """Return an expression of a task as a script that comes to the same; `names`: how it calls variables -> these.
 
     Raises:
         ValueError: BT.CPP has no words for a part of it, or means something else by them.

@@ -20,14 +20,7 @@ _WIDTH, _WIDTH_BEYOND_LATIN = 0.64, 0.95
 
 @dataclass(frozen=True)
 class Box:
-    """A node from its upper left corner: a leaf or, as a frame, a container around others.
-
-    Attributes:
-        kind: `leaf` or a container's kind.
-        lines: below its name.
-        title: shown when the pointer rests on it.
-        frame: whether other things are drawn inside.
-    """
+    """A node from its upper left corner: a leaf, or as a `frame` a container; `title` is shown under the pointer."""
 
     x: float
     y: float
@@ -55,12 +48,7 @@ class Pill:
 
 @dataclass(frozen=True)
 class Line:
-    """A line through points; curved where they aren't one below the other.
-
-    Attributes:
-        label_at: the centre of its words.
-        axis: along which coordinate it leaves its points.
-    """
+    """A line through points; curved where they aren't one below the other, along `axis` where it leaves them."""
 
     points: tuple[Point, ...]
     label: str = ""

@@ -18,11 +18,7 @@ GLYPHS = {"leaf": "", **{name: kind.sign for name, kind in KINDS.items()}}
 class Link:
     """A connection between two children, or from a child to an outcome of their container.
 
-    Attributes:
-        source: a child's name; empty for the start of a state machine or a switch.
-        target: a child's name, or an outcome's.
-        label: the ends that take it; empty where order alone decides.
-        to_outcome: whether `target` is an outcome.
+    Without a source it is the start of a state machine or a switch; without a label, order alone decides.
     """
 
     source: str

@@ -25,13 +25,7 @@ _TICK = {"success": "M-4 0l3 3l5-6", "failure": "M-3-3l6 6M3-3l-6 6"}
 
 
 def svg(figure: Figure, name: str, paths: bool = False) -> str:
-    """Return the figure as an SVG document.
-
-    Args:
-        figure: what to draw.
-        name: its accessible title.
-        paths: whether each node's group says its path (`data-path`), for pages that light nodes.
-    """
+    """Return the figure as an SVG document with an accessible title; `paths`: groups of nodes say their `data-path`."""
     width, height = round(figure.width), round(figure.height)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '

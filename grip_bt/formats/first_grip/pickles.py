@@ -23,11 +23,7 @@ MOST = 1_000_000
 
 
 class RefusedPickleError(GripError):
-    """Pickled data holds more than plain containers, or isn't a pickle.
-
-    Attributes:
-        what: what is in it that isn't read.
-    """
+    """Pickled data holds more than plain containers, or isn't a pickle."""
 
     def __init__(self, what: str):
         self.what = what

@@ -18,14 +18,9 @@ from .settings import Key, Refused
 
 @dataclass
 class GripState:
-    """One state.
+    """One state; its type is a class, a component, a sensor or a state of the user's.
 
-    Attributes:
-        name: its label.
-        type: its class, such as `ComputePlan`, or the name of a component, a sensor or a state of the user's.
-        slots: what its fields hold.
-        outcomes: in order: the first is the good one, the last the bad one.
-        leads: outcome -> label of a state, or outcome of the container.
+    The first of its outcomes is the good one, the last the bad one; each leads to a state or outcome of the container.
     """
 
     name: str
@@ -39,12 +34,7 @@ class GripState:
 class GripContainer(GripState):
     """A container; `outcomes` are its own, `leads` say where these go in its parent.
 
-    Attributes:
-        concurrent: whether its children run at once.
-        children: by label.
-        initial: where it starts; all children of a concurrent one do.
-        default: of a concurrent one: the outcome where no rule holds.
-        rules: of a concurrent one: outcome -> child -> its outcomes, any of which will do.
+    Of a concurrent one, `rules` are outcome -> child -> its outcomes, any of which will do; `default` where none holds.
     """
 
     concurrent: bool = False

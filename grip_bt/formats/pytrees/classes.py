@@ -20,13 +20,10 @@ class NoEquivalentError(Exception):
 
 @dataclass(frozen=True)
 class NodeSettings:
-    """What a behaviour is in a task.
+    """What a behaviour is in a task: keys of the node, and what to know about it.
 
-    Attributes:
-        settings: keys of the node, `kind` or `node` among them.
-        failures: whether a child's failure ends it at once, which its kind wouldn't.
-        selected: positions of the children of a parallel whose successes are its own; empty where all count.
-        remark: what to know about it.
+    `failures`: a child's failure ends it at once, which its kind wouldn't. `selected`: positions of the children of a
+    parallel whose successes are its own; empty where all count.
     """
 
     settings: dict[str, Any] = field(default_factory=dict)
@@ -133,12 +130,7 @@ _WHY: dict[type[Behaviour], str] = {
 
 
 def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[str, object]:
-    """Return a node's keys as its document has them, without children, with what was changed on the behaviour.
-
-    Args:
-        behaviour: the node of the tree; None where something else was made of the document.
-        document: what it was made of.
-    """
+    """Return a node's keys without children, as its document has them and as they were changed on the behaviour."""
     keys = document.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child"})
     if isinstance(behaviour, Leaf) and isinstance(document, model.Leaf):
         defaults = {name: p.default for name, p in behaviour.manifest.parameters.items() if not p.required}

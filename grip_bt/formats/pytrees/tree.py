@@ -52,11 +52,7 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
 
 
 class Reader:
-    """Reads behaviours, one by one.
-
-    Args:
-        whole: whether they are those of a task, which declares all variables.
-    """
+    """Reads behaviours, one by one; `whole`: they are those of a task, which declares all variables."""
 
     def __init__(self, whole: bool):
         self.whole = whole

@@ -117,12 +117,7 @@ class Variables:
 
 @dataclass
 class Names:
-    """What the keys of one sub-tree mean.
-
-    Attributes:
-        space: names of the sub-trees around, the outermost first.
-        given: key -> variable of the file, or a constant.
-    """
+    """What keys of a sub-tree mean: variables of the file, or constants; `space`: sub-trees around, outermost first."""
 
     space: tuple[str, ...] = ()
     given: dict[str, str | Constant] = field(default_factory=dict)

@@ -67,15 +67,9 @@ def parallel_rules(found: ContainerInfo) -> tuple[Rules, str]:
 
 @dataclass(frozen=True)
 class Iteration:
-    """What an Iterator does.
+    """What an Iterator does after outcomes of the contained state: the next item comes, or it ends with an outcome.
 
-    Attributes:
-        items: what is iterated over.
-        label: userdata that holds the item.
-        loops: outcomes of the contained state after which the next item comes.
-        final: every other outcome of the contained state -> outcome of the Iterator.
-        mapped: its `final_outcome_map`.
-        exhausted: outcome of the Iterator after the last item.
+    `label` is the userdata that holds the item, `mapped` its `final_outcome_map`.
     """
 
     items: list[Any]

@@ -24,13 +24,11 @@ _AT_RUN_TIME = "known only at run time"
 
 @dataclass
 class ImportedFile:
-    """What became of a file.
+    """What became of a legacy file.
 
     Attributes:
-        file: the legacy file.
         containers: every container that it makes, in the order of the text.
         tasks: name -> task, one for each outermost container that was imported.
-        leaves: their leaves.
         converted: whether the file was Python 2.
         error: why it couldn't be read at all.
     """
@@ -143,13 +141,7 @@ def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path)
 def advice(
     imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[str, object]] | None = None
 ) -> list[str]:
-    """Return what to do, in lines; none where everything is exact.
-
-    Args:
-        imported: what became of a file.
-        executed: whether it was run.
-        given: the arguments that it was run with.
-    """
+    """Return what to do, in lines; none where everything is exact. `given`: the arguments that it was run with."""
     open_ = [c for c in imported.containers if c.verdict != "exact"]
     unknown = [c for c in open_ if any(_AT_RUN_TIME in issue.message for issue in c.issues)]
     lines = []

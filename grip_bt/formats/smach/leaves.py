@@ -41,14 +41,10 @@ First = Mapping[str, tuple[str, str]]
 
 @dataclass(frozen=True)
 class LeafSpec:
-    """One kind of leaf.
+    """One kind of leaf; `cls` is its class in `leaves.py`, empty for one of GRIP's own.
 
-    Attributes:
-        manifest: its face.
-        cls: the name of its class in `leaves.py`; empty for a class of GRIP's own.
-        source: what its `make` returns; empty with `why` where a person has to say.
-        first: input -> its variable, and the source of its value while that is unwritten.
-        where: place of the state in the legacy file.
+    `source` is what its `make` returns; empty with `why` where a person has to say. `first`: input -> its variable, and
+    the source of its value while that is unwritten.
     """
 
     manifest: Manifest

@@ -126,11 +126,7 @@ def _unknown_names(frame: Any) -> set[str]:
 
 
 class Finder(MetaPathFinder, Loader):
-    """Comes last: what no other finder has is a placeholder.
-
-    Attributes:
-        packages: the packages that it stood in for.
-    """
+    """Comes last: what no other finder has is a placeholder; knows the packages that it stood in for."""
 
     def __init__(self) -> None:
         self.packages: list[str] = []

@@ -40,13 +40,10 @@ _OURS = str(Path(smach_compat.__file__).parent)
 
 
 class Recording:
-    """Everything that was built.
+    """Everything that was built: states and containers, held so that identities stay.
 
-    Attributes:
-        objects: states and containers, in the order in which they were made; held, so that identities stay.
-        places: identity -> (file, line) of the code that made it.
-        stands: identities of states that take the place of placeholders.
-        entries: identity -> the class or function of the module that gives it, called without placeholders.
+    By identity: the place of the code that made it, whether it takes the place of a placeholder, and the class or
+    function of the module that gives it when called without placeholders.
     """
 
     def __init__(self, file: Path, finder: Finder, given: dict[str, dict[str, object]]):
@@ -188,13 +185,7 @@ class RecordedContainer(RecordedState):
 
 
 class Record(BaseModel):
-    """What the recording process told.
-
-    Attributes:
-        containers: in the order in which they were made.
-        placeholders: packages that weren't there.
-        words: what it wrote to stderr: exceptions of the module's code among it.
-    """
+    """What the recording process told; `words` went to stderr: exceptions of the module's code among it."""
 
     containers: list[RecordedContainer] = []
     placeholders: list[str] = []

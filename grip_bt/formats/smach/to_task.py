@@ -44,11 +44,7 @@ Ends = Mapping[str, str]
 
 
 class TaskMaker:
-    """Makes the task of one outermost container.
-
-    Attributes:
-        may_be_one_leaf: whether one that has no equivalent becomes a task of one leaf, which runs it.
-    """
+    """Makes the task of one outermost container; without equivalent it may become a task of one leaf, which runs it."""
 
     may_be_one_leaf = True
 

@@ -26,10 +26,8 @@ _LARGEST = 2**63
 class Variables:
     """The variables of a task.
 
-    Attributes:
-        values: name -> initial value, where there is one that a task can hold.
-        first: name -> an initial value that it can't hold: its source and file, or its key and the container that
-            has it in its userdata at run time.
+    Their values at first, and `first` for those that a task can't hold: source and file, or key and the container that
+    has it in its userdata at run time.
     """
 
     names: dict[str, None] = field(default_factory=dict)
@@ -114,10 +112,7 @@ def plain_literal(value: object) -> object:
 class VariableSharing:
     """Who writes which variable, and which keys of nested containers are variables of their parents.
 
-    Attributes:
-        chain: the containers around what is being made.
-        writes: (the containers around a leaf, the variables that it writes).
-        shared: (nested container, its key -> variable).
+    `chain`: the containers around what is being made, as `writes` has them with the variables that a leaf writes.
     """
 
     chain: list[ContainerInfo] = field(default_factory=list)

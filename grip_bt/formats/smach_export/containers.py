@@ -37,13 +37,10 @@ def machine(
     outcomes: list[str] | None = None,
     then: Callable[[], None] | None = None,
 ) -> str:
-    """Write a StateMachine and return its name.
+    """Write a StateMachine of children that run one after the other, and return its name.
 
     Args:
-        builder: takes it.
-        part: a container whose children run one after the other.
         needed: (outcome, code) pairs for which its parent has an edge.
-        name: what it is called.
         ends: its outcomes -> what they are called, where that differs.
         outcomes: what they are called, all of them.
         then: writes what comes between its object and its states.

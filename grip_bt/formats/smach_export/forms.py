@@ -77,12 +77,7 @@ def outcome_function(part: Part, name: str, labels: dict[str, str]) -> str:
 
 
 def smach_form(part: Part, needed: Refined) -> SmachForm:
-    """Return what a node becomes.
-
-    Args:
-        part: the node.
-        needed: (outcome, code) pairs for which its parent has an edge.
-    """
+    """Return what a node becomes; `needed`: (outcome, code) pairs for which its parent has an edge."""
     node = part.node
     if isinstance(node, model.Leaf):
         return "tree" if legacy_state(part) is None else "state"

@@ -70,13 +70,9 @@ def _written(part: Part) -> Iterator[tuple[Scope, str]]:
 
 @dataclass(frozen=True)
 class LegacyState:
-    """How a legacy state is made.
+    """How a legacy state is made: an expression in the names of modules and `self.built(...)`.
 
-    Attributes:
-        source: an expression in the names of `modules` and `self.built(...)`.
-        modules: name -> legacy file.
-        remapping: the state's key -> variable, where they differ.
-        outcomes: outcome of the leaf -> outcome of the state, where they differ.
+    `remapping`: its key -> variable, `outcomes`: outcome of the leaf -> that of the state, where they differ.
     """
 
     source: ast.expr
@@ -115,11 +111,7 @@ def is_obeyed(part: Part) -> bool:
 
 
 def names_inside(state: LegacyState | None, variables: Iterable[str]) -> dict[str, str] | None:
-    """Return variable -> key, of an Iterator around a state, which gets its userdata under no other names.
-
-    Returns:
-        None where two variables would be one key.
-    """
+    """Return variable -> key of an Iterator around a state; None where two variables would be one key."""
     keys = {variable: key for key, variable in state.remapping.items()} if state is not None else {}
     names = {variable: keys.get(variable, variable) for variable in variables}
     return names if len(set(names.values())) == len(names) else None

@@ -26,15 +26,9 @@ _PLAIN = {"success": "success", "failure": "failure"}
 
 @dataclass
 class SourceBuilder:
-    """The file under construction.
+    """The file under construction: the body of `build`, the functions above it, and what these use.
 
     Attributes:
-        resolved: the task.
-        identifiers: names that are free.
-        body: statements of `build`, laid out.
-        functions: functions above it.
-        parts: names of the supporting parts that are used.
-        modules: legacy file -> its name in the file.
         built: source of what builds a legacy machine -> name of that machine in `build`.
         trees: paths of containers that one state ticks -> kind.
         nodes: catalogue ids of the leaves that are ticked.

@@ -178,19 +178,14 @@ _OWN_NAMES = (
 
 @dataclass
 class ModuleBuilder:
-    """The file under construction.
+    """The file under construction: the body of `create_root`, and what that uses.
 
     Attributes:
-        grip: whether a leaf needs grip.
         codes: whether an edge asks for the code of a failure.
-        identifiers: names that are free.
         parts: names of the supporting parts that are used.
-        kinds: those whose own source is used.
         imports: module -> class -> its name in the file.
-        builtin: whether manifests of nodes that come with grip are used.
-        manifests: id -> name of its manifest in the file, for other nodes.
+        manifests: id -> name of its manifest in the file, for nodes that don't come with grip.
         variables: id of a cell -> its name in the file.
-        statements: the body of `create_root`, laid out.
     """
 
     grip: bool = False

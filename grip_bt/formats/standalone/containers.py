@@ -31,12 +31,7 @@ _OWN: dict[type, set[str]] = {
 
 
 def container(part: Part, children: list[str], builder: ModuleBuilder) -> Bracketed:
-    """Return the expression that makes a container of nodes that were made before it.
-
-    Args:
-        part: the container.
-        children: names of its children in the file.
-        builder: told what else is needed.
+    """Return the expression that makes a container of nodes that were made before it, by their names.
 
     Raises:
         NotExpressibleError: such a file can't do the same.

@@ -169,11 +169,7 @@ def takes_name(behaviour: str, code: AllowedImports) -> bool:
 
 
 def function_of(text: str, part: Part, builder: ModuleBuilder, *, around: bool = False) -> Raw:
-    """Return a function that computes a condition: a lambda, or the name of one that is too long for a line.
-
-    Args:
-        around: whether it sees the variables around the node, and not the node's own.
-    """
+    """Return a function that computes a condition: a lambda, or the name of one that is too long for a line."""
     inner = _python(text, builder.visible(part, around=around))
     # What an attribute of a value compares to may be numpy's kind of bool, which py_trees refuses.
     own = any(isinstance(node, ast.Attribute) for node in ast.walk(parse_expression(text).tree))

@@ -44,13 +44,9 @@ class Span:
 
 @dataclass(frozen=True)
 class Unresolved:
-    """A value that is known only at run time.
+    """A value that is known only at run time: its text for people, and its expression in the module's namespace.
 
-    Attributes:
-        text: its source, for people.
-        expression: source that gives it in the module's namespace; None where nothing does.
-        default: what it is where nobody has set the parameters of ROS that it comes from; `MISSING` where the text
-            doesn't say.
+    `default`: what it is where nobody has set the parameters of ROS that it comes from.
     """
 
     text: str
