@@ -20,7 +20,7 @@ from typing import Any
 from grip_bt import __version__
 from grip_bt.base.errors import DocumentError
 from grip_bt.formats.draw import View, to_svg
-from grip_bt.formats.draw.scheme import describe
+from grip_bt.formats.draw.views import describe
 from grip_bt.runtime import Event, JournalReader, RunRecord
 from grip_bt.task import Leaf, Task, loads, outcomes_of, walk
 from grip_bt.task.catalog import Catalog

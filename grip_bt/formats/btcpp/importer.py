@@ -18,6 +18,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.issue import Issue
 from grip_bt.formats.btcpp.drafts import Board, Variables, key_of
+from grip_bt.formats.btcpp.leaves import Document, Model
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
 from grip_bt.formats.xml_trees import MOST_NODES
@@ -27,7 +28,6 @@ from grip_bt.task.validation import validate
 
 from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
-from .document import Document, Model
 from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft
 from .element import ElementReader, Reading, Refused
 from .leaves import Leaves, value_of_text

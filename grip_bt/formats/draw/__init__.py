@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from grip_bt.formats.draw.views import View
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 
 from . import text
-from .scheme import View
 from .svg import svg
 from .views import flow_figure, tree_figure
 

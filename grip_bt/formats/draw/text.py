@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from grip_bt.formats.draw.views import GLYPHS, View, describe, details, kind_of, links_of, outcomes_shown
 from grip_bt.task import AnyNode, Leaf, Task, children_of, join, walk
-
-from .scheme import GLYPHS, View, describe, details, kind_of, links_of, outcomes_shown
 
 
 def to_dot(task: Task, view: View = "tree") -> str:

@@ -8,11 +8,19 @@ from grip_bt.compilers.behaviour_state import Refined, labels
 from grip_bt.compilers.machine_table import AGAIN, chooses, counts, state_labels, table_of
 from grip_bt.compilers.resolve import Part
 from grip_bt.formats.python_source import Bracketed, Raw, call
+from grip_bt.formats.smach_export.forms import (
+    constants_before,
+    is_next_item,
+    is_obeyed,
+    legacy_state,
+    names_inside,
+    reads,
+    writes,
+)
 from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model
 
 from .forms import outcome_function, outcome_map, smach_form
-from .legacy import constants_before, is_next_item, is_obeyed, legacy_state, names_inside, reads, writes
 from .states import SourceBuilder, keys_of, legacy, tree
 
 Made = Bracketed | Raw

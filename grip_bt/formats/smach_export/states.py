@@ -13,9 +13,8 @@ from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import Cell
 from grip_bt.formats.names import Identifiers
 from grip_bt.formats.python_source import Bracketed, Raw, call, literal, statement
+from grip_bt.formats.smach_export.forms import legacy_state, reads, writes
 from grip_bt.task import model
-
-from .legacy import legacy_state, reads, writes
 
 _TAKEN = (
     *("smach", "copy", "sys", "Path", "HERE", "NODES", "build", "run", "task", "load_legacy", "BehaviourTree"),

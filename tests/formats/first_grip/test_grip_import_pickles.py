@@ -9,9 +9,7 @@ from collections import OrderedDict
 import pytest
 from original_files import escaped, variant
 
-from grip_bt.formats.first_grip import pickles
-from grip_bt.formats.first_grip.pickles import RefusedPickleError, plain_value
-from grip_bt.formats.first_grip.settings import Refused, read_settings
+from grip_bt.formats.first_grip.settings import LARGEST_PICKLE, Refused, RefusedPickleError, plain_value, read_settings
 
 SEEDS = int(os.environ.get("GRIP_FUZZ_TASKS", "1500"))
 
@@ -117,7 +115,7 @@ def test_small_data_that_would_be_large_is_refused():
     with pytest.raises(RefusedPickleError, match="nested too deeply"):
         plain_value(b"]" * 200 + b"a" * 199 + b".")
     with pytest.raises(RefusedPickleError, match="bytes, more than"):
-        plain_value(b"N" * (pickles.LARGEST + 1))
+        plain_value(b"N" * (LARGEST_PICKLE + 1))
 
 
 def test_damaged_pickles_are_refused_or_read_as_plain_data():

@@ -14,8 +14,8 @@ from parity_generate import make_case
 from parity_world import ScriptedLeaf, catalog_of
 
 from grip_bt.compilers import CompiledMachine, to_machine
-from grip_bt.formats.compiled_machine import to_task
 from grip_bt.formats.imported import ImportRefusedError
+from grip_bt.formats.smach.objects import to_task
 from grip_bt.smach_compat import State
 from grip_bt.task import Task, dumps
 from grip_bt.task.catalog import Catalog
