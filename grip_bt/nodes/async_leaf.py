@@ -30,11 +30,7 @@ class _Loop(asyncio.SelectorEventLoop):
 
 
 class _HeldCoroutine:
-    """One coroutine under way; implements `grip_bt.base.ports.Pausable`.
-
-    Args:
-        make: called in the worker, returns the coroutine.
-    """
+    """One coroutine under way; implements `grip_bt.base.ports.Pausable`. `make` returns it, in the worker."""
 
     def __init__(self, make: Callable[[], Coroutine[Any, Any, Any]]):
         self._make = make
@@ -136,11 +132,7 @@ def run_coroutine(context: Context, make: Callable[[], Coroutine[Any, Any, Any]]
 class End:
     """How a function ends that has outcomes of its own: `return End("heavy", weight=3.2)`.
 
-    Args:
-        outcome: one of those that were declared.
-        code: of a failure, for `on: {failure.<code>: ...}`.
-        message: of a failure, a sentence for people.
-        **outputs: output port -> value.
+    A failure may have a code, for `on: {failure.<code>: ...}`, and a message for people.
     """
 
     def __init__(self, outcome: str, /, *, code: str = "", message: str = "", **outputs: object):

@@ -112,11 +112,9 @@ _NEAREST = 0.02
 
 
 def outline(info: CameraInfo, hulls: Hulls) -> Mask:
-    """Return the pixels that hulls may cover, shape (height, width); all of them where one reaches the camera.
+    """Return the pixels that hulls may cover; all of them where one reaches the camera.
 
-    Args:
-        info: the camera.
-        hulls: points, each of shape (k, 3) in the frame of the camera's pose [m].
+    Their points are given in the frame of the camera's pose [m].
     """
     mask = np.zeros((info.height, info.width), np.uint8)
     for hull in hulls:
@@ -125,10 +123,7 @@ def outline(info: CameraInfo, hulls: Hulls) -> Mask:
 
 
 def robot_pixels(depth: DepthImage, hulls: Hulls, margin: float = MARGIN) -> Mask:
-    """Return the pixels of a depth image that show the robot, shape (height, width).
-
-    Where nothing was measured within a hull's outline, the pixel counts as the robot's.
-    """
+    """Return the pixels of a depth image that show the robot, or, unmeasured, lie within its outline."""
     info, seen = depth.info, depth.depth
     robot = np.zeros(seen.shape, dtype=bool)
     for hull in hulls:
@@ -139,13 +134,7 @@ def robot_pixels(depth: DepthImage, hulls: Hulls, margin: float = MARGIN) -> Mas
 
 
 def within(info: CameraInfo, region: Sequence[float], height: float) -> Mask:
-    """Return the pixels that look at a rectangle at a height in world; all of them for an empty region.
-
-    Args:
-        info: the camera.
-        region: x from, x to, y from, y to in world [m], or nothing.
-        height: of the rectangle [m].
-    """
+    """Return the pixels that look at x from, x to, y from, y to at a height in world [m]; all for an empty region."""
     if not region:
         return np.ones((info.height, info.width), dtype=bool)
     x0, x1, y0, y1 = region

@@ -1,30 +1,4 @@
-"""Leaves from functions and classes: a blocking function, or a coroutine, and its annotations say everything else.
-
-    @leaf("count/tall", doc="Count what is taller than a limit.", outputs={"count": int})
-    def tall(cloud: PointCloud, *, limit: float = 0.1) -> int:
-        return ...
-
-Parameters before the `*` are inputs, those after it are parameters of the task; what is annotated `Context` gets the
-run's context. The function runs in a worker, a coroutine on an event loop of its own there, and with `quick=True` in
-the tick itself. An `ExpectedError` is a failure with its code; another exception is a bug. A function with outcomes
-of its own returns `End("outcome", port=value)`.
-
-The same decorator marks a class that is a leaf, whose ports stand in its annotations:
-
-    @grip.leaf("shop/weigh", outcomes={"heavy": "success", "light": "success"})
-    class Weigh(grip.Leaf):
-        \"\"\"Say whether what stands on the scales is heavy.\"\"\"
-
-        scales: grip.Input[str]
-        limit: grip.Param[float] = 2.0
-        weight: grip.Output[float]
-
-        def update(self):
-            weight = read_scales(self.scales)
-            return self.end("heavy" if weight > self.limit else "light", weight=weight)
-
-`self.scales` reads the variable that is bound to the input, `self.limit` is the parameter of the task. An input with
-the default None may be left unbound.
+"""Leaves from functions and classes, whose annotations say everything else; `docs/own_nodes.md` shows how.
 
 In a project's `nodes` folder both are found without running them; see `catalog.python_nodes`.
 """
@@ -135,12 +109,7 @@ def _check_run(cls: type[Leaf]) -> None:
 
 
 class FunctionLeaf(OperationLeaf):
-    """A leaf that calls a function; `leaf` makes its subclasses.
-
-    Attributes:
-        function: what is called.
-        face: the manifest made from the function's annotations.
-    """
+    """A leaf that calls a function; `leaf` makes its subclasses, with the manifest made from its annotations."""
 
     function: ClassVar[Callable[..., Any]]
     face: ClassVar[Manifest]

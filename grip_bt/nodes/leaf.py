@@ -1,13 +1,7 @@
 """The base of every leaf: a py_trees behaviour that ends with a named outcome and may say why it failed.
 
-Authors override up to four verbs, in py_trees' own life cycle:
-
-* `prepare` - once per run, before the first tick: connect, verify. (`setup` of py_trees calls it.)
-* `initialise` - each activation.
-* `update` - never blocks; returns `self.running()`, `self.end(outcome, port=value)` or `self.fail(code, message)`.
-* `terminate` - cancel what is under way; py_trees calls it at the end of each activation and when it is interrupted.
-
-A leaf that waits calls `self.context.wake()` from any thread when there is something to look at.
+Authors override up to four verbs: `prepare`, `initialise`, `update`, which never blocks, and `terminate`. A leaf that
+waits calls `self.context.wake()` from any thread when there is something to look at.
 """
 
 from __future__ import annotations

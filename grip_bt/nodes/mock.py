@@ -36,15 +36,7 @@ class MockStep:
 
 
 class MockLeaf(Leaf):
-    """Plays the steps one after the other; the last one goes on for ever.
-
-    Args:
-        name: the node's name.
-        path: its path.
-        manifest: the face of the node that it stands for.
-        meaning: the outcomes' meanings, where they differ.
-        steps: at least one.
-    """
+    """Plays the steps, at least one, one after the other; the last one goes on for ever."""
 
     _until = 0.0
 

@@ -158,12 +158,7 @@ LOOK = 0.05
 
 
 class Resting:
-    """Looks at joints, at each tick and on until they are at rest.
-
-    Args:
-        context: of the leaf that waits; it is woken for each look.
-        state: measures the joints.
-    """
+    """Looks at joints, at each tick and on until they are at rest; a leaf is woken for each look."""
 
     def __init__(self, context: Context, state: Callable[[], JointState]):
         self._context, self._state = context, state

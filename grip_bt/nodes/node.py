@@ -147,12 +147,7 @@ class Asker(Protocol):
 
 
 class AskedContext:
-    """The run's context, in which a request of a container above counts as a preempt request.
-
-    Args:
-        context: the run's.
-        askers: containers above that may ask; kept, not copied.
-    """
+    """The run's context, in which a request of a container above (`askers`, kept, not copied) is a preempt request."""
 
     def __init__(self, context: Context, askers: Sequence[Asker]):
         self._context, self._askers = context, askers
@@ -167,16 +162,7 @@ class AskedContext:
 
 
 class AskedBefore:
-    """A leaf's context as it was when it had been asked only so often, until that is over.
-
-    Args:
-        context: the leaf's.
-        count: how often the run had been asked to come to an end.
-        above: whether a container above had asked.
-
-    Attributes:
-        over: whether there is nothing to hide any more.
-    """
+    """A leaf's context as it was when the run had been asked so often, and a container above or not, until `over`."""
 
     def __init__(self, context: Context, count: int, above: bool):
         self._context, self._count, self._above, self.over = context, count, above, False

@@ -194,8 +194,7 @@ def _room_at(points: NDArray[np.float64], taken: Sequence[Disc]) -> NDArray[np.f
 def opening_room(hand: Pose, taken: Sequence[Disc]) -> float:
     """Return how far the fingers stay from other objects while the hand opens, seen from above [m].
 
-    The fingers swing, in the plane of the palm's normal (z) and their own direction (x), from around the object to
-    straight: a quarter of a disc. `hand` is the grasp frame at the release.
+    The fingers swing a quarter of a disc, in the plane of x and z of the grasp frame at the release.
     """
     angle, reach = np.meshgrid(np.linspace(0, np.pi / 2, 7), np.linspace(0.03, FINGER, 5))
     swing = np.stack([reach * np.cos(angle), 0 * angle, reach * np.sin(angle)], axis=-1).reshape(-1, 3)

@@ -117,14 +117,7 @@ class ImageDifference(OperationLeaf):
 def changed(
     context: Context, before: RgbdFrame, after: RgbdFrame, grasp: Grasp | None, limits: Thresholds
 ) -> Operation[Change]:
-    """Compare two frames in a worker.
-
-    Args:
-        context: of the run.
-        before: taken before the pick.
-        after: taken after it.
-        grasp: where the object was, or None.
-        limits: what counts as a change.
+    """Compare frames from before and after a pick in a worker, around the grasp where there is one.
 
     Raises:
         SensorError: they aren't of one camera that stood still.

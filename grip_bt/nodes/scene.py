@@ -17,20 +17,10 @@ Points = NDArray[np.floating]
 
 
 def _clusters_above(points: Points, low: float, high: float, cell: float, min_points: int) -> list[Points]:
-    """Group points by what touches what, seen from above.
+    """Group the points, z up, between two heights [m] by what touches what, seen from above; the largest group first.
 
-    The points between the heights `low` and `high` [m] are entered into a grid of `cell` [m]; occupied cells that
-    touch, also at a corner, are one group (`cv2.connectedComponents`). Groups of fewer than `min_points` are noise.
-
-    Args:
-        points: shape (n, 3), z up [m]; points that aren't finite are left out.
-        low: lowest height that counts.
-        high: highest height that counts.
-        cell: edge of a cell.
-        min_points: smallest group.
-
-    Returns:
-        One array of shape (k, 3) per group, the largest first.
+    They are entered into a grid; occupied cells that touch, also at a corner, are one group. Groups of fewer than
+    `min_points` are noise.
     """
     points = points[np.isfinite(points).all(axis=1)]
     points = points[(points[:, 2] > low) & (points[:, 2] < high)]
@@ -47,14 +37,10 @@ def _clusters_above(points: Points, low: float, high: float, cell: float, min_po
 
 
 def _upright_box(points: Points, floor: float) -> tuple[NDArray[np.float64], Pose]:
-    """Return the smallest upright box around points that reaches down to `floor` [m].
+    """Return the smallest upright box around points that reaches down to `floor` [m]: edge lengths and pose.
 
-    A camera above sees the top of a thing and little of its sides, so the box goes from the highest points down to
-    what the thing stands on. Its foot is the rectangle of least area around the points seen from above
-    (`cv2.minAreaRect`, rotating calipers).
-
-    Returns:
-        Edge lengths, shape (3,) [m], and the box's pose in the frame of the points.
+    A camera above sees the top of a thing and little of its sides. Its foot is the rectangle of least area around the
+    points seen from above (`cv2.minAreaRect`).
     """
     (x, y), (width, depth), angle = cv2.minAreaRect(points[:, :2].astype(np.float32))
     top, bottom = float(points[:, 2].max()), floor + TABLE_GAP

@@ -1,10 +1,8 @@
 """Legacy SMACH states as leaves: the object runs as it is, in a thread of its own, with its userdata bound to ports.
 
-* Each activation calls `execute` in a new thread; its end wakes the task.
-* What the state reads comes from the bound variables when it reads; what it writes is written when it ends.
-* A preempt request is SMACH's: a flag on the state, which containers hand on as theirs do (`smach_asking`).
-* A halt can't stop a blocking `execute`: the flag is set, what it still writes and returns is dropped, and until its
-  thread ends the leaf is a *zombie*, which says so and isn't entered a second time; nor does anything begin that moves.
+What it reads comes from the bound variables when it reads; what it writes is written when it ends. A halt can't stop a
+blocking `execute`: what it still writes and returns is dropped, and until its thread ends the leaf is a *zombie*, which
+isn't entered a second time; nor does anything begin that moves.
 """
 
 from __future__ import annotations

@@ -74,6 +74,7 @@ class Waker:
     """Counts wakes; who has seen number n waits for a later one.
 
     Attributes:
+        wakes: how many there were.
         condition: told of every wake.
         lockstep: with what the run takes turns, if it does.
 
@@ -85,16 +86,11 @@ class Waker:
         self._clock = clock
         self.condition = threading.Condition()
         self.lockstep: Lockstep | None = None
-        self._wakes = 0
+        self.wakes = 0
         self._times: list[float] = []
         listen = getattr(clock, "on_advance", None)
         if listen is not None:
             listen(self._clock_moved)
-
-    @property
-    def wakes(self) -> int:
-        """How many there were."""
-        return self._wakes
 
     @property
     def due(self) -> float | None:
@@ -108,7 +104,7 @@ class Waker:
     def wake(self) -> None:
         """Have whoever waits look; from any thread."""
         with self.condition:
-            self._wakes += 1
+            self.wakes += 1
             self.condition.notify_all()
 
     def wake_at(self, time: float) -> None:
@@ -128,7 +124,7 @@ class Waker:
             return
         with self.condition:
             self.ring()
-            if self._wakes == seen:
+            if self.wakes == seen:
                 self.condition.wait(self._patience(timeout))
                 self.ring()
 
@@ -143,7 +139,7 @@ class Waker:
             heapq.heappop(self._times)
             over = True
         if over:
-            self._wakes += 1
+            self.wakes += 1
             self.condition.notify_all()
 
     def _patience(self, timeout: float | None) -> float | None:

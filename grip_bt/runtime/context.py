@@ -78,7 +78,7 @@ class RunContext:
 
     def __init__(self, clock: Clock | None = None, parts: RunParts | None = None, workers: int = 4):
         parts = parts or RunParts()
-        self._clock: Clock = clock if clock is not None else WallClock()
+        self.clock: Clock = clock if clock is not None else WallClock()
         self._motions = Motions()
         self._arms: dict[str, Arm] = self._moved(parts.arms)
         self._hands: dict[str, Hand] = self._moved(parts.hands)
@@ -91,32 +91,22 @@ class RunContext:
             self._ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
         self._messages = parts.messages
         self._workers = Workers(workers if lockstep is None else sys.maxsize)
-        self._preempt_requests = 0
-        self._pausable = [part for part in (*parts.pausable, self._clock) if isinstance(part, Pausable)]
+        self.preempt_requests = 0
+        self._pausable = [part for part in (*parts.pausable, self.clock) if isinstance(part, Pausable)]
         self._measure = parts.measure
         self._used: dict[int, Arm | Hand] = {}
         self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
         self._paused = False
-        self.waker = Waker(self._clock)
-
-    @property
-    def clock(self) -> Clock:
-        """The run's clock."""
-        return self._clock
+        self.waker = Waker(self.clock)
 
     @property
     def preempt_requested(self) -> bool:
         """Whether somebody asked the task to come to an end on its own terms."""
-        return self._preempt_requests > 0
-
-    @property
-    def preempt_requests(self) -> int:
-        """How often that was asked."""
-        return self._preempt_requests
+        return self.preempt_requests > 0
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms."""
-        self._preempt_requests += 1
+        self.preempt_requests += 1
         self.wake()
 
     def wake(self) -> None:
@@ -186,33 +176,19 @@ class RunContext:
         Raises:
             MissingPartError: this run has none.
         """
-        if self._scene is None:
-            raise MissingPartError("a planning scene", "run with a robot: `grip run TASK --robot sim`")
-        return self._scene
+        return _there(self._scene, "a planning scene", "run with a robot: `grip run TASK --robot sim`")
 
     def sensor(self, name: str) -> Sensor:
         """Return a sensor on topics, likewise."""
         return _named("sensor", self._sensors, name)
 
     def ros(self) -> Ros:
-        """Return the connection to ROS.
-
-        Raises:
-            MissingPartError: this run has none.
-        """
-        if self._ros is None:
-            raise MissingPartError("a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
-        return self._ros
+        """Return the connection to ROS, likewise."""
+        return _there(self._ros, "a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
 
     def messages(self) -> Messages:
-        """Return the project's named values.
-
-        Raises:
-            MissingPartError: this run has none.
-        """
-        if self._messages is None:
-            raise MissingPartError("a store of named messages", "run the task in a project: `grip new DIR`")
-        return self._messages
+        """Return the project's named values, likewise."""
+        return _there(self._messages, "a store of named messages", "run the task in a project: `grip new DIR`")
 
     # --- for the runner ---
 
@@ -251,6 +227,12 @@ class RunContext:
 
 _ONE = {"arm": "an arm", "hand": "a hand", "sensor": "a sensor"}
 """What a project names in its file, where a leaf wants one and there is none."""
+
+
+def _there(part: T | None, what: str, how: str) -> T:
+    if part is None:
+        raise MissingPartError(what, how)
+    return part
 
 
 def _named(kind: str, parts: Mapping[str, T], name: str) -> T:

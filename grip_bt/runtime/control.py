@@ -1,9 +1,7 @@
-"""Control of a run over two streams: one JSON object a line, commands in, events out.
+"""Control of a run over two streams: one JSON object a line, commands in, events out; see `docs/running.md`.
 
-The end of input without a stop means that whoever controls the run has gone: it is halted, and can be resumed.
-
-`docs/running.md` has the protocol. Commands are obeyed as soon as there are streams: a stop that comes before there is
-a run interrupts whatever starts it, everything else waits for the run.
+Commands are obeyed as soon as there are streams: a stop that comes before there is a run interrupts whatever starts it,
+everything else waits for the run. The end of input without a stop halts the run, which can be resumed.
 """
 
 from __future__ import annotations
@@ -15,7 +13,6 @@ from typing import Any, TextIO, TypedDict
 
 from grip_bt.base.errors import ExpressionError, GripError, UnknownNameError
 
-from .debugger import facts_of
 from .runner import Runner, RunResult
 from .value_codec import preview
 
@@ -108,7 +105,7 @@ class Control:
         def held(place: Any) -> None:
             if journal is not None:
                 journal.flush()
-            self.send("held", **facts_of(place))
+            self.send("held", **vars(place))
 
         runner.debugger.on_held(held)
         if journal is not None:
@@ -166,23 +163,15 @@ class Control:
             self.send("refused", message=said, command=command["command"])
 
     def _break(self, runner: Runner, command: Mapping[str, Any]) -> None:
-        point = runner.debugger.set(
-            _text(command, "node"),
-            command.get("when") or "",
-            command.get("outcome"),
-            command.get("if") or "",
-        )
-        self.send("breakpoint", **point.facts())
-
-    def _clear(self, runner: Runner, command: Mapping[str, Any]) -> None:
-        self.send("cleared", ids=list(runner.debugger.clear(command.get("id"))))
+        how = command.get("when") or "", command.get("outcome"), command.get("if") or ""
+        self.send("breakpoint", **runner.debugger.set(_text(command, "node"), *how).facts())
 
     def _breakpoints(self, runner: Runner, command: Mapping[str, object]) -> None:
         held = runner.debugger.at
         self.send(
             "breakpoints",
             breakpoints=[point.facts() for point in runner.debugger.breakpoints],
-            at=None if held is None else facts_of(held),
+            at=None if held is None else vars(held),
         )
 
     def _inspect(self, runner: Runner, command: Mapping[str, Any]) -> None:
@@ -205,21 +194,21 @@ def _text(command: Mapping[str, object], key: str) -> str:
     return value
 
 
-_ACTIONS: dict[str, Callable[[Control, Runner, Mapping[str, Any]], None]] = {
+_ACTIONS: dict[str, Callable[[Control, Runner, Mapping[str, Any]], object]] = {
     "pause": lambda control, runner, command: runner.pause(),
     "resume": lambda control, runner, command: runner.resume(),
     "step": lambda control, runner, command: runner.step(command.get("how") or "tick"),
-    "run_to": lambda control, runner, command: _run_to(runner, command),
+    "run_to": lambda control, runner, command: runner.debugger.run_to(
+        _text(command, "node"), command.get("when") or ""
+    ),
     "break": Control._break,
-    "clear": Control._clear,
+    "clear": lambda control, runner, command: control.send(
+        "cleared", ids=list(runner.debugger.clear(command.get("id")))
+    ),
     "breakpoints": Control._breakpoints,
     "inspect": Control._inspect,
     "preempt": lambda control, runner, command: runner.request_preempt(),
 }
-
-
-def _run_to(runner: Runner, command: Mapping[str, Any]) -> None:
-    runner.debugger.run_to(_text(command, "node"), command.get("when") or "")
 
 
 def result_facts(result: RunResult) -> RunEnd:
@@ -243,14 +232,7 @@ def serve_control(
     events: TextIO,
     more: Callable[[RunResult], RunEnd] = lambda _: {},
 ) -> RunResult:
-    """Run to the end in this thread, obeying commands meanwhile.
-
-    Args:
-        runner: not run yet.
-        commands: what to obey, such as `sys.stdin`.
-        events: where to tell, such as `sys.stdout`.
-        more: see `Control.run`.
-    """
+    """Run to the end in this thread, obeying commands meanwhile; see `Control.run`."""
     control = Control(commands, events)
     control.attach(runner)
     control.start()

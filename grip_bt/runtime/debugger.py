@@ -66,16 +66,9 @@ def make_breakpoint(
     condition: str = "",
     once: bool = False,
 ) -> Breakpoint:
-    """Check what a user asked for against the task.
+    """Check what a user asked for against the task; `outcome` may be `outcome.code`.
 
-    Args:
-        compiled: the task.
-        id: the breakpoint's number.
-        node: path of the node.
-        when: `before` or `after`; by default after where an outcome is given, else before.
-        outcome: `outcome` or `outcome.code`.
-        condition: an expression over the variables that the node sees.
-        once: for a run to a place.
+    By default it is after where an outcome is given, else before.
 
     Raises:
         UnknownNameError: there is no such node, outcome, variable or moment.
@@ -125,13 +118,7 @@ class Held:
 
 
 class Debugger(Observer):
-    """The observer that holds; it is one only while there is something to hold for.
-
-    Args:
-        compiled: the task.
-        pacing: what it holds.
-        needed: called with whether the debugger has to be told of the nodes from now on.
-    """
+    """The observer that holds; it is one only while there is something to hold for, which it tells `needed`."""
 
     def __init__(self, compiled: CompiledTree | CompiledMachine, pacing: Pacing, needed: Callable[[bool], None]):
         self._compiled, self._pacing, self._needed = compiled, pacing, needed
@@ -203,7 +190,8 @@ class Debugger(Observer):
         if how == "tick":
             self._pacing.step()
             return
-        here = self.at.path if self.at is not None else self._running_leaf()
+        leaves = self._compiled.leaves.items()
+        here = self.at.path if self.at is not None else next((path for path, leaf in leaves if leaf.active), "/")
         outside = here if how == "over" else here.rpartition("/")[0] or "/"
         with self._lock:
             self._wanted = (lambda path: True) if how == "in" else (lambda path: not _below(path, outside))
@@ -216,9 +204,6 @@ class Debugger(Observer):
             if self._wanted is not None:
                 self._wanted = None
                 self._arrange()
-
-    def _running_leaf(self) -> str:
-        return next((path for path, leaf in self._compiled.leaves.items() if leaf.active), "/")
 
     def _arrange(self) -> None:
         places: dict[tuple[When, str], list[Breakpoint]] = {}
@@ -233,14 +218,14 @@ class Debugger(Observer):
         point, trouble = self._found("before", path, None, None)
         wanted = self._wanted
         if point is not None or (wanted is not None and wanted(path)) or self._pacing.holding:
-            self._hold(Held(path, "before", _why(point), _id(point), message=trouble), point)
+            self._hold(Held(path, "before", *_why(point), message=trouble), point)
 
     def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
         code = failure.code if failure is not None else None
         point, trouble = self._found("after", path, outcome, code)
         if point is not None:
             message = trouble or (failure.message if failure is not None else "")
-            self._hold(Held(path, "after", _why(point), _id(point), outcome, code, message), point)
+            self._hold(Held(path, "after", *_why(point), outcome, code, message), point)
 
     def _found(self, when: When, path: str, outcome: str | None, code: str | None) -> tuple[Breakpoint | None, str]:
         for point in self._by_place.get((when, path), ()):
@@ -277,14 +262,7 @@ def _below(path: str, top: str) -> bool:
     return path != top and (top == "/" or path.startswith(top.rstrip("/") + "/"))
 
 
-def _why(point: Breakpoint | None) -> Why:
-    return "step" if point is None else "run_to" if point.once else "breakpoint"
-
-
-def _id(point: Breakpoint | None) -> int | None:
-    return None if point is None or point.once else point.id
-
-
-def facts_of(held: Held) -> dict[str, Any]:
-    """Return a place as the control protocol says it."""
-    return dict(vars(held))
+def _why(point: Breakpoint | None) -> tuple[Why, int | None]:
+    if point is None or point.once:
+        return ("step" if point is None else "run_to"), None
+    return "breakpoint", point.id

@@ -109,16 +109,7 @@ class RunLog:
         code: str | None = None,
         data: dict[str, Any] | None = None,
     ) -> None:
-        """Add an event; returns before it is committed.
-
-        Args:
-            t: time on the run's clock [s].
-            path: the node; `/` for the root and for the run itself.
-            event: its kind.
-            outcome: of an end.
-            code: of a failure.
-            data: anything else, as JSON.
-        """
+        """Add an event, see `DetailedEvent`, at the time `t` on the run's clock [s]; returns before it is committed."""
         self.note(t, path, DetailedEvent(event, outcome, code, data))
 
     def note(self, t: float, path: str, what: DetailedEvent) -> None:

@@ -156,12 +156,9 @@ def sound(kind: str, data: object) -> dict[str, Any]:
 def unpacked(
     row: tuple[Any, ...], names: Mapping[int, Name], part: slice
 ) -> list[tuple[int, float, float, Name, dict[str, Any]]]:
-    """Return what a block says of its events: index, time, wall time, what it is of, data.
+    """Return what a block says of `part` of its events: index, time, wall time, what it is of, data.
 
-    Args:
-        row: first, last, name, t, wall, wall_offset, data, and the checksum, if it has one.
-        names: number -> what an event is of.
-        part: which of the events.
+    The row is first, last, name, t, wall, wall_offset, data, and the checksum, if it has one.
 
     Raises:
         ValueError: it is damaged.

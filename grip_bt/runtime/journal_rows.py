@@ -158,14 +158,7 @@ class Rows:
             raise (JournalError if busy else DamagedError)(f"{self._file}: can't be read: {error}") from error
 
     def whole(self, statement: str, table: str, condition: str, *values: object) -> list[tuple[Any, ...]]:
-        """Return the rows of a table, in the order of its rowids; of a damaged one those that can be found.
-
-        Args:
-            statement: `SELECT ... FROM ...`, without a condition.
-            table: whose rowids they have.
-            condition: which of them.
-            *values: of the condition.
-        """
+        """Return the rows that meet a condition, in the order of rowids; of a damaged table what can be found."""
         try:
             return self.query(f"{statement} WHERE {condition} ORDER BY {table}.rowid", *values)
         except DamagedError as error:

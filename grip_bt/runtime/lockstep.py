@@ -159,7 +159,7 @@ class Lockstep:
             holds: whether time stands still until then.
             patient: whether it surely ends, however long that takes.
         """
-        return self._told(self._ask(holds, patient), operation) if self._on else operation
+        return operation.in_turn(partial(self._hand_in, self._ask(holds, patient))) if self._on else operation
 
     def work(self, run: Callable[[Callable[[], T]], Operation[T]], work: Callable[[], T]) -> Operation[T]:
         """Run code in a worker; time stands still for it but while it waits for an operation itself."""
@@ -178,7 +178,7 @@ class Lockstep:
 
         operation = run(known)
         begun.wait()  # or else it would depend on the threads whether code is begun that is interrupted soon
-        return self._told(pending, operation)
+        return operation.in_turn(partial(self._hand_in, pending))
 
     def _ask(self, holds: bool, patient: bool) -> _Pending:
         caller = _CALLER.get()
@@ -192,9 +192,6 @@ class Lockstep:
             pending = _Pending(key, holds, patient, time.monotonic())
             self._pending.append(pending)
         return pending
-
-    def _told(self, pending: _Pending, operation: Operation[T]) -> Operation[T]:
-        return operation.in_turn(partial(self._hand_in, pending))
 
     def _hand_in(self, pending: _Pending, whole: Operation[Any], finish: Callable[[], None]) -> None:
         with self._changed:
@@ -398,13 +395,9 @@ class Lockstep:
 
 
 class InTurn:
-    """A part of the robot, or a component, the ends of whose operations come in turn.
+    """A part of the robot, or a component, the ends of whose operations come in turn; see `Lockstep.through`.
 
-    Args:
-        part: whose methods are called.
-        lockstep: whose turn it is.
-        patient: whether what it begins surely ends.
-        waiting: names of methods that wait for what happens outside: time goes on meanwhile.
+    For its methods named in `waiting`, which wait for what happens outside, time goes on meanwhile.
     """
 
     def __init__(self, part: object, lockstep: Lockstep, patient: bool = False, waiting: tuple[str, ...] = ()):

@@ -94,13 +94,7 @@ def _matters(one: tuple[str, Operation[Any]]) -> bool:
 
 
 class Moved:
-    """An arm or a hand, as leaves of a run get it.
-
-    Args:
-        name: its name in the project.
-        part: implements `ports.Arm` or `ports.Hand`.
-        motions: of the run.
-    """
+    """An arm or a hand, as leaves of a run get it."""
 
     def __init__(self, name: str, part: Arm | Hand, motions: Motions):
         self._name, self._part, self._motions = name, part, motions
@@ -155,12 +149,9 @@ class Rest:
 
 
 def measured_rest(parts: Sequence[Arm | Hand], measure: Measure | None, within: float) -> Rest:
-    """Measure parts until they stand still, each in a thread of its own.
+    """Measure parts until they stand still, each in a thread of its own, `within` so many seconds in all.
 
-    Args:
-        parts: arms and hands that were told to stop.
-        measure: measures joints anew, where a part's last known state may be old.
-        within: how long they may take in all [s].
+    Where a part's last known state may be old, `measure` measures its joints anew.
     """
     deadline = time.monotonic() + within
     found: dict[str, str] = {}

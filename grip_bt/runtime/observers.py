@@ -152,12 +152,7 @@ class SideStateObserver(Observer):
 
 
 class Durable(Observer):
-    """An observer that waits, as some leaves begin, until that is on the disk; told after the recorder.
-
-    Args:
-        journal: where the run is written.
-        leaves: paths of those leaves.
-    """
+    """An observer that waits, as some leaves begin, until that is on the disk; told after the recorder."""
 
     def __init__(self, journal: Journal, leaves: Collection[str]):
         self._journal, self._leaves = journal, frozenset(leaves)
@@ -182,12 +177,7 @@ LARGEST = 1 << 20
 
 
 class Heartbeat(Observer):
-    """The run's end: an observer of its nodes.
-
-    Args:
-        memory: file descriptor of at least `LARGEST` bytes.
-        paths: the nodes, in an order that the parent knows too.
-    """
+    """The run's end: an observer of its nodes, in shared memory of at least `LARGEST` bytes."""
 
     def __init__(self, memory: int, paths: Sequence[str]):
         shared = mmap.mmap(memory, LARGEST)
@@ -221,11 +211,7 @@ class Heartbeat(Observer):
 
 
 class HeartbeatReader:
-    """The parent's end, which outlives the run.
-
-    Args:
-        memory: the same file descriptor.
-    """
+    """The parent's end, which outlives the run; of the same file descriptor."""
 
     def __init__(self, memory: int):
         self._shared = mmap.mmap(memory, LARGEST)

@@ -22,6 +22,7 @@ class Pacing:
         poll: how long [s] to wait at most before the next tick, for leaves that wake nobody; None waits for a wake.
         rate: ticks a second of the run's clock, however many wakes there are; None ticks on wakes.
         ticks: how many there were; a machine's concurrent states count each of theirs.
+        stopped: whether a stop was asked for.
         begun: thread -> when [s, monotonic] the tick that it is in has begun; for the watch-dog.
     """
 
@@ -33,19 +34,14 @@ class Pacing:
         self._waker = waker
         self._next = 0.0
         self._gate = threading.Condition()
-        self._paused = self._stopped = False
+        self._paused = self.stopped = False
         self._steps = self._holding = self._releases = 0
         self._listeners: list[Callable[[State], None]] = []
 
     @property
     def state(self) -> State:
         """What it does now."""
-        return "stopping" if self._stopped else "paused" if self._paused else "running"
-
-    @property
-    def stopped(self) -> bool:
-        """Whether a stop was asked for."""
-        return self._stopped
+        return "stopping" if self.stopped else "paused" if self._paused else "running"
 
     @property
     def holding(self) -> bool:
@@ -65,9 +61,9 @@ class Pacing:
             Halted: the run was stopped.
         """
         with self._gate:
-            while self._paused and not self._steps and not self._stopped:
+            while self._paused and not self._steps and not self.stopped:
                 self._gate.wait()
-            if self._stopped:
+            if self.stopped:
                 raise Halted
             if self._paused:
                 self._steps -= 1
@@ -78,7 +74,7 @@ class Pacing:
     def rest(self, seen: int) -> None:
         """Return when there may be something to look at."""
         self.begun.pop(threading.get_ident(), None)
-        if self._paused or self._stopped:
+        if self._paused or self.stopped:
             return
         if self.rate is None:
             self._waker.wait(seen, self.poll)
@@ -99,7 +95,7 @@ class Pacing:
         """Wait for the next multiple of the period; ticks that came too late are left out, not made up for."""
         now = self._waker.now()
         self._next = max(self._next + 1.0 / rate, now) if self._next else now + 1.0 / rate
-        while not self._paused and not self._stopped:
+        while not self._paused and not self.stopped:
             seen = self._waker.wakes
             if self._waker.now() >= self._next:
                 return
@@ -124,9 +120,9 @@ class Pacing:
             tell()
             self._change(paused=True, unless_released=seen)
             with self._gate:
-                while self._releases == seen and not self._stopped:
+                while self._releases == seen and not self.stopped:
                     self._gate.wait()
-                if self._stopped:
+                if self.stopped:
                     raise Halted
         finally:
             with self._gate:
@@ -166,7 +162,7 @@ class Pacing:
             if steps or paused is False:
                 self._releases += 1
             self._steps = 0 if not self._paused or self._holding else self._steps + steps
-            self._stopped = self._stopped or stopped
+            self.stopped = self.stopped or stopped
             after = self.state
             self._gate.notify_all()
         self._waker.wake()

@@ -223,10 +223,7 @@ class ReExecution:
 class _RecordedLeaf:
     """Stands in the way of a leaf's life cycle, in the leaf itself: its class, ports and place stay as they are.
 
-    Args:
-        leaf: which.
-        re_execution: the run.
-        ports: variable -> the output port that is bound to it.
+    `ports` has the output port that is bound to each variable.
     """
 
     def __init__(self, leaf: Leaf, re_execution: ReExecution, ports: Mapping[str, str]):

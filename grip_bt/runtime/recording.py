@@ -150,13 +150,7 @@ class Recording:
     # --- what happens again ---
 
     def happened(self, path: str, event: str, detail: str | None = None, code: str | None = None) -> bool:
-        """Tick off the next event of a node.
-
-        Args:
-            path: the node.
-            event: its kind.
-            detail: the outcome of an end, or the variable that is written.
-            code: of a failure.
+        """Tick off the next event of a node: its kind, the outcome of an end or the variable that is written, a code.
 
         Returns:
             False when the recording has no more of this node, so that the event is new.
@@ -256,12 +250,7 @@ class Recording:
 
 
 class RecordedClock:
-    """Shows the time of the last recorded event until `go`, and from then on that time and what has passed since.
-
-    Args:
-        clock: what goes on then.
-        recording: the recorded events.
-    """
+    """Shows the time of the last recorded event until `go`, and from then on that time and what has passed since."""
 
     def __init__(self, clock: Clock, recording: Recording):
         self._clock, self._recording = clock, recording

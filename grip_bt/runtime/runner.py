@@ -144,7 +144,8 @@ class Runner:
         self._engine: TickEngine | None = None
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
         self._lost = False
-        self._begun, self._ending = threading.Lock(), threading.Lock()
+        self._begun = threading.Lock()
+        self._ending = threading.Lock()  # held by who ends the run: its own thread, or who leaves that behind
         self._returned, self._ended = threading.Event(), threading.Event()
         self._thread: int | None = None
         self._start = 0.0
@@ -275,7 +276,7 @@ class Runner:
             self._watchdog.start()
         result = self._attempt()
         self._returned.set()
-        if self._claim_end():
+        if self._ending.acquire(blocking=False):
             self._finish(result)
 
     def _attempt(self) -> RunResult:
@@ -360,10 +361,6 @@ class Runner:
 
     # --- the end ---
 
-    def _claim_end(self) -> bool:
-        """Be the one who ends the run: its own thread, or who leaves that behind."""
-        return self._ending.acquire(blocking=False)
-
     def _insist(self, called: float) -> None:
         if self._returned.wait(called + INSIST - time.monotonic()):
             return
@@ -374,7 +371,7 @@ class Runner:
             for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
                 self._recorder.message(path, "terminated externally: the run did not respond to the stop")
         join_all(threads, called + ABANDON)
-        if not self._returned.wait(called + ABANDON - time.monotonic()) and self._claim_end():
+        if not self._returned.wait(called + ABANDON - time.monotonic()) and self._ending.acquire(blocking=False):
             self._abandon(self._made(None, "stopped"))
 
     def _hung(self, error: NodeError, trace: str) -> None:
@@ -382,7 +379,7 @@ class Runner:
         barked = time.monotonic()
         self.pacing.stop()
         join_all(terminate_outside(self.compiled.leaves) + self._hold_robot(), barked + ABANDON)
-        if not self._claim_end():
+        if not self._ending.acquire(blocking=False):
             return
         if self._recorder is not None:
             self._recorder.error(error, trace)

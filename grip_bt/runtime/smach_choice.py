@@ -56,15 +56,12 @@ class Choose(State):
         place: str = "/",
         codes: Collection[str] = (),
     ) -> Self:
-        """Return the state of a switch.
+        """Return the state of a switch; see `Choose.loop` for the rest.
 
         Args:
-            run: what the machine's states share.
             value: an expression over userdata.
             cases: child -> the literals for which it is next.
             default: the child for every other value; without it the state ends with `failure`.
-            place: path in messages.
-            codes: failure codes with outcomes of their own, such as `failure.no_case`.
         """
         expression = parse_expression(value)
         children = list(dict.fromkeys([*cases, *([default] if default else [])]))
@@ -188,19 +185,13 @@ class Each(Iterator):
                 state.request_preempt()
             outcome = self._execute_state()
             if self.preempt_requested():
-                self._taken_back(state)
+                # a state that has dealt with the request has dealt with it for all of us
+                (state if state.preempt_requested() else self).recall_preempt()
             if self._breaks(outcome):
                 return outcome
             self.call_transition_cbs()
             self.run.shared.turn()
         return self._exhausted_outcome
-
-    def _taken_back(self, state: State) -> None:
-        """A state that has dealt with the request has dealt with it for all of us."""
-        if state.preempt_requested():
-            state.recall_preempt()
-        else:
-            self.recall_preempt()
 
     def request_preempt(self) -> None:
         """Ask, and the state too while it is executed."""

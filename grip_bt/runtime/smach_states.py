@@ -53,7 +53,7 @@ class TreeRun:
         self.shared = MachineRun()
         self.pacing = pacer if pacer is not None else Pacing(self.context.waker)
         self.shared.pacer = self.pacing
-        self._trees: list[BehaviourTree] = []
+        self.trees: list[BehaviourTree] = []
 
     def halt(self) -> None:
         """Stop for good: whatever runs is interrupted, and `execute` of the machine raises `Halted`."""
@@ -61,12 +61,8 @@ class TreeRun:
 
     def close(self) -> None:
         """Shut the leaves down; nothing runs any more."""
-        while self._trees:
-            self._trees.pop().release()
-
-    def opened(self, tree: BehaviourTree) -> None:
-        """Have a tree that was prepared shut down by `close`."""
-        self._trees.append(tree)
+        while self.trees:
+            self.trees.pop().release()
 
     def __enter__(self) -> Self:
         return self
@@ -115,7 +111,7 @@ class BehaviourTree(State):
         self._shares, self._prepared, self._halting = run is not None, False, False
         self.on_preempt: _OnPreempt = on_preempt or ("ask" if isinstance(tree, Task) else "halt")
         self.compiled: CompiledTree | None = None
-        self._refined: Refined = [_pair(code) for code in codes]
+        self._refined: Refined = [(outcome, name) for outcome, _, name in (code.partition(".") for code in codes)]
         if isinstance(tree, Task):
             self.compiled = to_tree(tree, self.run.catalog, leaf_factory=_placed(self.run.leaf_factory, place))
             self.root: Behaviour = self.compiled.root
@@ -235,7 +231,7 @@ class BehaviourTree(State):
         if self._prepared:
             return
         self._prepared = True
-        self.run.opened(self)
+        self.run.trees.append(self)
         if self.compiled is not None:
             self.compiled.prepare(StateContext(self.run.context, self))
         else:
@@ -264,11 +260,6 @@ class BehaviourTree(State):
         for name, cell in self.compiled.data[Scopes.TASK].cells.items():
             if cell.value is not UNSET and cell.value is not before.get(name, UNSET):
                 userdata[name] = cell.value
-
-
-def _pair(code: str) -> tuple[str, str]:
-    outcome, _, name = code.partition(".")
-    return outcome, name
 
 
 def _inside(place: str, path: str) -> str:

@@ -97,12 +97,7 @@ def lock_out(leaves: Mapping[str, Leaf]) -> None:
 
 
 def code_running(leaves: Mapping[str, Leaf], threads: Iterable[int] | None = None) -> dict[str, str]:
-    """Return path -> function for each leaf in whose code a thread is now, but for this one.
-
-    Args:
-        leaves: by path.
-        threads: which threads to look at; all others of this process by default.
-    """
+    """Return path -> function for each leaf in whose code one of some threads is now; by default all but this one."""
     paths = {id(leaf): path for path, leaf in leaves.items()}
     own = threading.get_ident()
     found: dict[str, str] = {}
@@ -165,15 +160,12 @@ class Watchdog:
             late = time.monotonic() - self._limit
             for thread, began in list(self._pacing.begun.items()):
                 if began < late and _ticks(thread) and self._pacing.begun.get(thread) == began:
-                    self._bark(*self._finding(thread))
+                    inside = code_running(self._leaves, [thread])
+                    path, where = next(iter(inside.items()), ("/", "a tick"))
+                    frame = sys._current_frames().get(thread)
+                    trace = "".join(traceback.format_stack(frame)) if frame is not None else ""
+                    self._bark(NodeError(path, HungError(where, self._limit)), trace)
                     return
-
-    def _finding(self, thread: int) -> tuple[NodeError, str]:
-        inside = code_running(self._leaves, [thread])
-        path, where = next(iter(inside.items()), ("/", "a tick"))
-        frame = sys._current_frames().get(thread)
-        trace = "".join(traceback.format_stack(frame)) if frame is not None else ""
-        return NodeError(path, HungError(where, self._limit)), trace
 
 
 def _ticks(thread: int) -> bool:

@@ -91,10 +91,6 @@ def make_ticker(node: Behaviour) -> Callable[[], object]:
     return TickEngine(node, fixed_methods=True).tick
 
 
-def _no_children(known: int) -> int:
-    return known
-
-
 class _Compiler:
     """From nodes to closures, bottom up, a few microseconds a node.
 
@@ -134,7 +130,7 @@ class _Compiler:
         return Compiled(node, tick, halt, [node, *nodes], inner, silent(node, rules, kids))
 
     def _leaf(self, node: Any) -> Compiled:
-        stop = make_stop(node, Rules.LEAF, (), _no_children)
+        stop = make_stop(node, Rules.LEAF, (), lambda known: known)
         if not ours(node):
             halt = make_halt(node, stop, None)
             return Compiled(node, leaf(node), halt, [node], (), silent(node, Rules.LEAF, ()), only_updates(node))

@@ -1,8 +1,7 @@
 """What compiled code relies on, and whether it still holds.
 
-A node's structure (children, the decorated child, `memory`) is compared when it is ticked or halted. Methods are
-watched by the size of each node's attribute dictionary, in one pass of C over the children: a method assigned to an
-instance makes it grow. A size that changed for another reason is noted and forgotten.
+A node's structure is compared when it is ticked or halted. Methods are watched by the size of each node's attribute
+dictionary: a method assigned to an instance makes it grow. A size that changed for another reason is forgotten.
 """
 
 from __future__ import annotations

@@ -93,21 +93,14 @@ def silent(node: object, rules: Rules, kids: Sequence[Compiled]) -> Silent | Non
 
 
 def make_reset(kids: Sequence[Compiled], changed: Changed) -> Reset:
-    """Return what stops children that aren't INVALID.
-
-    Args:
-        kids: the children.
-        changed: tells whether anything below isn't as it was compiled.
-    """
+    """Return what stops children that aren't INVALID; `changed` tells whether anything below was edited."""
     pairs = [(kid.node, kid.halt) for kid in kids]
     below = [kid.silent for kid in kids if kid.silent is not None]
     composites = [inner for part in below for inner in part.composites]
     leaves = [leaf for part in below for leaf in part.leaves]
 
     def one_by_one(known: int) -> int:
-        for kid, halt in pairs:
-            if kid.status is not INVALID:
-                halt()
+        halt_all(pairs)
         return known
 
     def in_one_go(known: int) -> int:

@@ -100,15 +100,11 @@ def deeper_than(levels: int, node: Behaviour) -> bool:
     """Tell whether a tree has more than so many levels."""
     row = [node]
     for _ in range(levels):
-        row = [kid for parent in row for kid in (*parent.children, *_decorated(parent))]
+        kids = [(parent, getattr(parent, "decorated", None)) for parent in row]
+        row = [one for parent, kid in kids for one in dict.fromkeys((*parent.children, kid)) if one is not None]
         if not row:
             return False
     return True
-
-
-def _decorated(node: Any) -> tuple[Behaviour, ...]:
-    kid = getattr(node, "decorated", None)
-    return () if kid is None or kid in node.children else (kid,)
 
 
 def ours(node: Behaviour) -> bool:
