@@ -4,11 +4,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from grip_gui.runs.launcher import RunOptions
-    from grip_gui.server import create_app, serve
+    from grip_gui.server import serve
+    from grip_gui.wire.runs import RunOptions
 
-_HOME = {"serve": "server", "create_app": "application", "RunOptions": "runs.launcher"}
-__all__ = ["RunOptions", "create_app", "serve"]
+_HOME = {"serve": "server", "RunOptions": "wire.runs"}
+__all__ = ["RunOptions", "serve"]
 
 
 def __getattr__(name: str) -> Any:

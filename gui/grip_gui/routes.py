@@ -13,7 +13,6 @@ from grip_gui.editing.palette import kind_views
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.from_here import mocks_before
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import RunOptions
 from grip_gui.runs.run_control import RunControl
 from grip_gui.runs.stream import ClientConnection
 from grip_gui.view.documents import task_view, view_of_text
@@ -24,6 +23,7 @@ from grip_gui.wire.runs import (
     Control,
     ControlRequest,
     PageId,
+    RunOptions,
     RunView,
     SessionView,
     SharedState,
@@ -121,5 +121,4 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
 
 def _options(folder: ProjectFolder, request: StartRun) -> RunOptions:
     passed = mocks_before(task_view(folder, request.task), request.begin_at) if request.begin_at else {}
-    mocks = {**passed, **request.mocks}
-    return RunOptions(robot=request.robot, target=request.target, seed=request.seed, pace=request.pace, mocks=mocks)
+    return RunOptions(**{**request.model_dump(include=set(RunOptions.model_fields)), "mocks": passed | request.mocks})

@@ -32,11 +32,12 @@ from grip_gui.processes import CommandRunner
 from grip_gui.project import OutsideProjectError, ProjectFolder
 from grip_gui.routes import make_router
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import Launch, RunOptions, start_run
+from grip_gui.runs.launcher import Launch, start_run
 from grip_gui.runs.pages import ControlTakenError
 from grip_gui.runs.run_control import BusyError, RunControl
 from grip_gui.security import Gate
 from grip_gui.setup.routes import make_setup_router
+from grip_gui.wire.runs import RunOptions
 from grip_gui.wire.task import ErrorBody
 
 log = logging.getLogger(__name__)

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.runtime import Journal, RunLog
-from grip_gui.runs.launcher import RunOptions, RunProcess
+from grip_gui.runs.launcher import RunProcess
+from grip_gui.wire.runs import RunOptions
 
 with warnings.catch_warnings():
     # Starlette's client asks for the successor of httpx, which does the same here.

@@ -38,7 +38,7 @@ def opened(page: TestClient, path: str) -> dict[str, Any]:
 
 
 def test_parameters_of_leaves_are_completed_from_the_robot_and_the_messages(page: TestClient, robot: Path) -> None:
-    places = page.get("/api/setup/names").json()["places"]
+    places = page.get("/api/setup/names").json()
     assert places["*/*/arm"] == ["right"]
     assert places["*/*/hand"] == ["palm"]
     assert "home" in places["arm/*/state"]
@@ -49,7 +49,7 @@ def test_parameters_of_leaves_are_completed_from_the_robot_and_the_messages(page
 
 def test_a_renamed_arm_is_offered_by_its_new_name_at_once(page: TestClient, robot: Path) -> None:
     (robot / "grip.yaml").write_text(GRIP.replace("right", "left"))
-    assert page.get("/api/setup/names").json()["places"]["*/*/arm"] == ["left"]
+    assert page.get("/api/setup/names").json()["*/*/arm"] == ["left"]
 
 
 @pytest.mark.parametrize("text", ["grip: 1\n", "grip: [1", "grip: 1\nrobot: nobody\n", "arms: 3\n"])

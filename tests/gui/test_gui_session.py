@@ -240,9 +240,9 @@ def test_an_unknown_run_is_named(page: TestClient) -> None:
 
 
 def test_leaving_the_server_stops_the_run(project: Path, launcher: PlayedLauncher) -> None:
-    from grip_gui.runs.launcher import RunOptions
+    from grip_gui.wire.runs import RunOptions
 
-    app = create_app(project, launcher, token="t", task="tasks/tiny.yaml", autostart=RunOptions("fake"))
+    app = create_app(project, launcher, token="t", task="tasks/tiny.yaml", autostart=RunOptions(robot="fake"))
     with TestClient(app):
         assert launcher.last is not None
     assert launcher.last.said == ["stop"]

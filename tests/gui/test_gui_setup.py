@@ -53,7 +53,7 @@ def test_every_settings_file_is_listed_those_to_be_made_too(page: TestClient, pr
     home = project / "components" / "seer"
     home.mkdir(parents=True)
     (home / "component.yaml").write_text("name: seer\n")
-    files = {file["path"]: file["exists"] for file in page.get("/api/setup/files").json()["files"]}
+    files = {file["path"]: file["exists"] for file in page.get("/api/setup/files").json()}
     assert files["grip.yaml"] is True
     assert files["components/seer/component.yaml"] is True
     assert files["messages/poses.yaml"] is False

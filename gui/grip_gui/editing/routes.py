@@ -26,11 +26,10 @@ from grip_gui.wire.editing import (
     DiskRequest,
     EditRequest,
     ExpressionRequest,
-    ExpressionView,
     Form,
     FormsView,
     NewTask,
-    PartsView,
+    Part,
     PinRequest,
     PlacesView,
     ProblemsView,
@@ -87,7 +86,7 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
             return comment_view(opened, node)
 
     @api.get("/document/parts")
-    def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> PartsView:
+    def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> list[Part]:
         with desk.reading(path) as opened:
             return parts_view(opened, node)
 
@@ -98,7 +97,7 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
         return find()
 
     @api.post("/document/expression")
-    def expression(request: ExpressionRequest) -> ExpressionView:
+    def expression(request: ExpressionRequest) -> list[str]:
         with desk.reading(request.path) as opened:
             return check_expression(folder, opened, request)
 

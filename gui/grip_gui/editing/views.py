@@ -25,12 +25,10 @@ from grip_gui.wire.editing import (
     CommentView,
     DocumentView,
     ExpressionRequest,
-    ExpressionView,
     HistoryEntry,
     HistoryView,
     LayoutView,
     Part,
-    PartsView,
     PlacesView,
     ProblemsView,
 )
@@ -124,30 +122,27 @@ def comment_view(opened: OpenDocument, path: str) -> CommentView:
     return CommentView(revision=opened.revision, node=path, comment=comment)
 
 
-def parts_view(opened: OpenDocument, paths: list[str]) -> PartsView:
+def parts_view(opened: OpenDocument, paths: list[str]) -> list[Part]:
     """Return copies of nodes, to be pasted elsewhere.
 
     Raises:
         EditError: there is no such node.
     """
     if opened.history is None:
-        return PartsView(parts=[])
+        return []
     task = opened.history.document.task
-    clips = [clip_of(task, path) for path in paths]
-    return PartsView(parts=[Part(**clip.model_dump(mode="json")) for clip in clips])
+    return [Part(**clip_of(task, path).model_dump(mode="json")) for path in paths]
 
 
-def check_expression(folder: ProjectFolder, opened: OpenDocument, request: ExpressionRequest) -> ExpressionView:
+def check_expression(folder: ProjectFolder, opened: OpenDocument, request: ExpressionRequest) -> list[str]:
     """Return what the validation would say about an expression at a key of a node."""
     if opened.history is None:
-        return ExpressionView(faults=[])
+        return []
     task = opened.history.document.task
     try:
         after = apply(task, Set(path=request.node, key=tuple(request.key), value=request.text)).task
         issues = validate(after, catalog_of(folder)[0]).issues
     except (EditError, GripError) as error:
-        return ExpressionView(faults=[str(error)])
-    here = [
-        i for i in issues if i.path == request.node and i.key[:1] == tuple(request.key)[:1] and i.severity == "error"
-    ]
-    return ExpressionView(faults=[issue.message for issue in here])
+        return [str(error)]
+    mine = [issue for issue in issues if issue.path == request.node and issue.severity == "error"]
+    return [issue.message for issue in mine if issue.key[:1] == tuple(request.key)[:1]]

@@ -7,45 +7,19 @@ import json
 import os
 from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from secrets import token_hex
 from typing import Any, TypeAlias
 
 from grip_bt.base.interpreter import python_command
 from grip_gui.processes import MARK, end_marked
-from grip_gui.wire.runs import Robot, Target
+from grip_gui.wire.runs import RunOptions
 
 LINES_KEPT = 40
 """How many of the last lines of output are kept, to say why a process died."""
 LONGEST_LINE = 1 << 20
 POLL = 0.02
 """How often it is looked whether a process has ended [s]."""
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """What a run is started with.
-
-    Attributes:
-        robot: `sim`, `fake` or `ros`.
-        target: `bt` (behaviour tree) or `sm` (state machine).
-        seed: seed of everything random.
-        pace: simulated seconds in a second; None for as fast as it goes.
-        mocks: node -> script that is played in its place.
-    """
-
-    robot: Robot = "sim"
-    target: Target = "bt"
-    seed: int = 0
-    pace: float | None = 1.0
-    mocks: Mapping[str, str] = field(default_factory=dict)
-
-    def arguments(self) -> tuple[str, ...]:
-        """Return them as `grip run` takes them."""
-        pace = () if self.pace is None else ("--pace", f"{self.pace:g}")
-        mocks = (f"--mock={node}={script}" for node, script in self.mocks.items())
-        return ("--robot", self.robot, "--seed", str(self.seed), "--as", self.target, *pace, *mocks)
 
 
 class RunProcess:

@@ -15,10 +15,10 @@ from grip_bt.base.files import replace_text
 from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import Launch, RunOptions
+from grip_gui.runs.launcher import Launch
 from grip_gui.runs.pages import Presence
 from grip_gui.runs.session import STOP, Session
-from grip_gui.wire.runs import Breakpoint, Control, SessionView, SharedState
+from grip_gui.wire.runs import Breakpoint, Control, RunOptions, SessionView, SharedState
 
 log = logging.getLogger(__name__)
 
@@ -67,7 +67,6 @@ class RunControl:
         self._shown = SessionView(
             state="ended",
             task=record.task_path,
-            robot="sim",
             target="sm" if record.target == "sm" else "bt",
             seed=record.seed or 0,
             pace=None,
@@ -111,15 +110,7 @@ class RunControl:
             process = await self._launch(task_file, self._journal, options)
         finally:
             self._starting = False
-        view = SessionView(
-            state="starting",
-            task=task,
-            robot=options.robot,
-            target=options.target,
-            seed=options.seed,
-            pace=options.pace,
-            mocks=dict(options.mocks),
-        )
+        view = SessionView(state="starting", task=task, **options.model_dump())
         self.session = Session(process, view, self.notify, self._source)
         # The process keeps what comes before there is a run, so that no breakpoint is set too late.
         await self.session.hold_at(self._breakpoints.of(task))

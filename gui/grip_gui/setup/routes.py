@@ -24,7 +24,6 @@ from grip_gui.wire.setup import (
     ImportView,
     InterfaceRequest,
     InterfaceView,
-    NamesView,
     RecordRequest,
     SetupSave,
     SetupView,
@@ -55,8 +54,8 @@ def make_setup_router(
     api.post("/change")(desk.change)
 
     @api.get("/names")
-    def names() -> NamesView:
-        return NamesView(places=names_of(folder.folder))
+    def names() -> dict[str, list[str]]:
+        return names_of(folder.folder)
 
     @api.post("/save")
     async def save(request: SetupSave) -> SetupView:

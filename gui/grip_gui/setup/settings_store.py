@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Literal
 
 from grip_bt.app.project.folder import find_project
@@ -13,7 +12,7 @@ from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue, entries_of, parse, to_data
 from grip_gui.editing.files import ChangedOnDiskError, TextFile
 from grip_gui.project import ProjectFolder
-from grip_gui.wire.setup import SetupChange, SetupList, SetupSave, SetupText, SetupView
+from grip_gui.wire.setup import SetupChange, SetupEntry, SetupSave, SetupText, SetupView
 from grip_gui.wire.task import Problem
 
 from .changes import UnchangeableError, remove, rename, set_value
@@ -32,9 +31,14 @@ class SettingsStore:
     def __init__(self, folder: ProjectFolder):
         self.folder = folder
 
-    def files(self) -> SetupList:
-        """Return all settings files."""
-        return SetupList(files=entries(self.folder, self._components()))
+    def files(self) -> list[SetupEntry]:
+        """Return all settings files; those that aren't there yet can be made."""
+        try:
+            components = find_project(self.folder.folder).component_folders()
+        except GripError:  # grip.yaml is wrong; where components usually are is a good guess
+            files = sorted(self.folder.folder.glob("components/*/component.yaml"))
+            components = {file.parent.name: file.parent for file in files}
+        return entries(self.folder, components)
 
     def open(self, path: str) -> SetupView:
         """Return a file as it is, or as it would begin.
@@ -114,12 +118,6 @@ class SettingsStore:
             templates=templates_of(kind, data, home),
             problems=sorted(problems, key=lambda problem: (problem.line, problem.column)),
         )
-
-    def _components(self) -> dict[str, Path]:
-        try:
-            return find_project(self.folder.folder).component_folders()
-        except GripError:  # grip.yaml is wrong; where components usually are is a good guess
-            return {p.parent.name: p.parent for p in sorted(self.folder.folder.glob("components/*/component.yaml"))}
 
 
 DIGITS = 9

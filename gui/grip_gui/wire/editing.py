@@ -183,12 +183,6 @@ class Part(Wire):
     """The declarations of the variables that it uses and that are declared around it."""
 
 
-class PartsView(Wire):
-    """Parts of a task, in the order of its text."""
-
-    parts: list[Part]
-
-
 # --- requests ---------------------------------------------------------------------------------------------------------
 
 
@@ -266,9 +260,3 @@ class ExpressionRequest(Wire):
     node: str
     key: list[str]
     text: Annotated[str, Field(max_length=2000)]
-
-
-class ExpressionView(Wire):
-    """Problems with an expression; empty when nothing is."""
-
-    faults: list[str]

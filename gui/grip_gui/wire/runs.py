@@ -140,17 +140,30 @@ class Held(Wire):
     """Why a condition couldn't be computed, and the like."""
 
 
-class StartRun(Wire):
-    """Start a run of a task."""
+class RunOptions(Wire):
+    """What a run is started with."""
 
-    task: Annotated[str, Field(max_length=1024)]
     robot: Robot = "sim"
     target: Target = "bt"
+    """`bt` (behaviour tree) or `sm` (state machine)."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
+    """Seed of everything random."""
     pace: Annotated[float, Field(gt=0, le=1000)] | None = 1.0
     """Simulated seconds in a second; None for as fast as it goes."""
     mocks: Annotated[dict[NodePath, Annotated[str, Field(min_length=1, max_length=1000)]], Field(max_length=MOST)] = {}
     """Node -> script that is played in its place, such as `failure.no_ik,success`."""
+
+    def arguments(self) -> tuple[str, ...]:
+        """Return them as `grip run` takes them."""
+        pace = () if self.pace is None else ("--pace", f"{self.pace:g}")
+        mocks = (f"--mock={node}={script}" for node, script in self.mocks.items())
+        return ("--robot", self.robot, "--seed", str(self.seed), "--as", self.target, *pace, *mocks)
+
+
+class StartRun(RunOptions):
+    """Start a run of a task."""
+
+    task: Annotated[str, Field(max_length=1024)]
     begin_at: Path = ""
     """Run from here: what comes before this node is passed over as if it had gone well; empty for the beginning."""
     run_to: Path = ""
@@ -186,16 +199,12 @@ class Control(Wire):
         return {"command": self.command, **more}
 
 
-class SessionView(Wire):
+class SessionView(RunOptions):
     """The run that this server started last, and how its process is."""
 
     state: RunState
     task: str
-    robot: Robot
-    target: Target
-    seed: int
-    pace: float | None
-    mocks: dict[str, str] = {}
+    seed: int = 0
     run: str | None = None
     """Id in the journal; None until the process has said it."""
     held: Held | None = None

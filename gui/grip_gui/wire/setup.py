@@ -26,12 +26,6 @@ class SetupEntry(Wire):
     doc: str
 
 
-class SetupList(Wire):
-    """All of them; those that aren't there yet can be made."""
-
-    files: list[SetupEntry]
-
-
 class Template(Wire):
     """Something to begin with."""
 
@@ -58,13 +52,6 @@ class SetupView(Wire):
     """Path of keys, with `*` for any, -> what may stand there."""
     templates: list[Template]
     problems: list[Problem]
-
-
-class NamesView(Wire):
-    """What the project's files name, for the parameters of leaves."""
-
-    places: dict[str, list[str]]
-    """`node/parameter`, with `*` for any word, -> what may stand there; others may too."""
 
 
 class SetupText(Wire):

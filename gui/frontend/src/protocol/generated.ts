@@ -160,11 +160,6 @@ export interface ExpressionRequest {
   text: string;
 }
 
-/** Problems with an expression; empty when nothing is. */
-export interface ExpressionView {
-  faults: string[];
-}
-
 /** A field of a component's answer. */
 export interface FieldResult {
   name: string;
@@ -395,11 +390,6 @@ export interface NamedPlace {
   at: number[];
 }
 
-/** What the project's files name, for the parameters of leaves. */
-export interface NamesView {
-  places: Record<string, string[]>;
-}
-
 /** Make a task file. */
 export interface NewTask {
   path: string;
@@ -450,11 +440,6 @@ export interface Part {
   name: string;
   node: Record<string, unknown>;
   variables: Record<string, unknown>;
-}
-
-/** Parts of a task, in the order of its text. */
-export interface PartsView {
-  parts: Part[];
 }
 
 /** Pin nodes at positions, or let them go (null). */
@@ -576,6 +561,15 @@ export interface RunEvent {
   data: Record<string, unknown>;
 }
 
+/** What a run is started with. */
+export interface RunOptions {
+  robot: "sim" | "fake" | "ros";
+  target: "bt" | "sm";
+  seed: number;
+  pace: number | null;
+  mocks: Record<string, string>;
+}
+
 /** A run of the journal. */
 export interface RunRecord {
   id: string;
@@ -648,13 +642,13 @@ export interface SessionFrame {
 
 /** The run that this server started last, and how its process is. */
 export interface SessionView {
-  state: "starting" | "running" | "paused" | "stopping" | "ended";
-  task: string;
   robot: "sim" | "fake" | "ros";
   target: "bt" | "sm";
   seed: number;
   pace: number | null;
   mocks: Record<string, string>;
+  state: "starting" | "running" | "paused" | "stopping" | "ended";
+  task: string;
   run: string | null;
   held: Held | null;
   status: string | null;
@@ -692,11 +686,6 @@ export interface SetupEntry {
   title: string;
   exists: boolean;
   doc: string;
-}
-
-/** All of them; those that aren't there yet can be made. */
-export interface SetupList {
-  files: SetupEntry[];
 }
 
 /** Write a settings file. */
@@ -752,12 +741,12 @@ export interface SharedStateFrame {
 
 /** Start a run of a task. */
 export interface StartRun {
-  task: string;
   robot: "sim" | "fake" | "ros";
   target: "bt" | "sm";
   seed: number;
   pace: number | null;
   mocks: Record<string, string>;
+  task: string;
   begin_at: string;
   run_to: string;
   page: string;

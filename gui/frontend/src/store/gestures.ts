@@ -87,7 +87,7 @@ export async function copy(): Promise<boolean> {
   const paths = selection();
   if (document === null || paths.length === 0) return false;
   try {
-    const { parts } = await server.parts(document.path, paths);
+    const parts = await server.parts(document.path, paths);
     keepParts(parts);
     useDocument.getState().say(`${parts.length === 1 ? parts[0]?.name : `${parts.length} nodes`} copied`);
     return true;

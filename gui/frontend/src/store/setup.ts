@@ -32,7 +32,7 @@ export function report(error: unknown): void {
 }
 
 export async function listSetup(): Promise<void> {
-  useSetup.setState({ files: (await server.setupFiles()).files });
+  useSetup.setState({ files: await server.setupFiles() });
 }
 
 export function isDirty(): boolean {

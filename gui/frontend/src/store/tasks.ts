@@ -64,7 +64,7 @@ export function namesFor(places: Names["places"], node: string, parameter: strin
 
 function loadNames(): void {
   server.names().then(
-    ({ places }) => useNames.setState({ places }),
+    (places) => useNames.setState({ places }),
     () => useNames.setState({ asked: false }),
   );
 }

@@ -138,7 +138,7 @@ export function expressionCheck(node: string, key: string): (text: string) => Pr
   return async (text) => {
     const path = useDocument.getState().document?.path;
     if (path === undefined) return "";
-    const { faults } = await server.expression({ path, node, key: [key], text }).catch(() => ({ faults: [] as string[] }));
+    const faults = await server.expression({ path, node, key: [key], text }).catch(() => [] as string[]);
     return faults[0] ?? "";
   };
 }
