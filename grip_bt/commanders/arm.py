@@ -187,7 +187,9 @@ class ArmCommander:
 
     def steer_to(self, target: Pose, speed: float = 0.15) -> Operation[JointState]:
         """Steer the grasp frame towards a pose; see `ports.Arm`."""
-        return self._stream.steer(lambda there: self._twist_to(target, speed, there))
+        return self._stream.steer(
+            lambda there: approaching(self._model.grasp_pose(there, group=self._group), target, speed, HOLD)
+        )
 
     def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
         """Remember where the arm is now; see `ports.Arm`."""
@@ -247,9 +249,6 @@ class ArmCommander:
     def _own_settings(self) -> PlanningSettings:
         """For what isn't searched: whoever plans, ours checks."""
         return self._settings.model_copy(update={"planner": PlanningSettings().planner})
-
-    def _twist_to(self, target: Pose, speed: float, there: JointState) -> Twist:
-        return approaching(self._model.grasp_pose(there, group=self._group), target, speed, HOLD)
 
     def _plan_step(self, start: JointState, twist: Twist, hold: float) -> Operation[Trajectory]:
         situation = self._situation(start)

@@ -195,7 +195,8 @@ class HandCommander:
 
     def synergy(self, weights: Sequence[float]) -> JointState:
         """Return the posture of weights of the synergies of the hand's named postures; see `ports.Hand`."""
-        postures = self._whole_postures()
+        opened = self._postures["open"].as_mapping()  # what a posture doesn't name is as in `open`
+        postures = [JointState.from_mapping(opened | posture.as_mapping()) for posture in self._postures.values()]
         made = Synergies.of(postures).posture(weights)
         table = np.stack([posture.position for posture in postures])
         ranges = zip(made.names, table.min(axis=0), table.max(axis=0), strict=True)
@@ -212,11 +213,6 @@ class HandCommander:
     def stop(self) -> None:
         """Hold the fingers where they are."""
         self._port.stop()
-
-    def _whole_postures(self) -> list[JointState]:
-        """Return the named postures of all joints: what one doesn't name is as in `open`."""
-        opened = self._postures["open"].as_mapping()
-        return [JointState.from_mapping(opened | posture.as_mapping()) for posture in self._postures.values()]
 
     def _held(self, goal: JointState, measured: JointState) -> Operation[JointState]:
         self._closing = Closing(goal, measured)

@@ -194,19 +194,6 @@ class _Reader:
         self._words = iter(words)
 
 
-def _box(reader: _Reader) -> tuple[Solid, Pose]:
-    x, y, z = reader.numbers(3, "a box's edge lengths")
-    return Box((x, y, z)), Pose()
-
-
-def _sphere(reader: _Reader) -> tuple[Solid, Pose]:
-    return Sphere(*reader.numbers(1, "a sphere's radius")), Pose()
-
-
-def _cylinder(reader: _Reader) -> tuple[Solid, Pose]:
-    return Cylinder(*reader.numbers(2, "a cylinder's radius and height")), Pose()
-
-
 def _cone(reader: _Reader) -> tuple[Solid, Pose]:
     """A cone about z, its middle at half its height, becomes the pyramid of 32 sides around it."""
     radius, height = reader.numbers(2, "a cone's radius and height")
@@ -242,10 +229,10 @@ def _mesh(reader: _Reader) -> tuple[Solid, Pose]:
 
 
 _KINDS: dict[str, Callable[[_Reader], tuple[Solid, Pose]]] = {
-    "box": _box,
+    "box": lambda reader: (Box(tuple(reader.numbers(3, "a box's edge lengths"))), Pose()),  # type: ignore[arg-type]
     "cone": _cone,
-    "cylinder": _cylinder,
+    "cylinder": lambda reader: (Cylinder(*reader.numbers(2, "a cylinder's radius and height")), Pose()),
     "mesh": _mesh,
     "plane": _plane,
-    "sphere": _sphere,
+    "sphere": lambda reader: (Sphere(*reader.numbers(1, "a sphere's radius")), Pose()),
 }

@@ -56,9 +56,7 @@ class SimClock:
         """A motion begins."""
         with self._lock:
             self._moving += 1
-            if self._idle_since is not None:
-                self._idle += time.monotonic() - self._idle_since
-                self._idle_since = None
+            self._end_idling()
 
     def end(self) -> None:
         """A motion has ended."""
@@ -70,9 +68,7 @@ class SimClock:
         """Stand still also while nothing moves; harmless when it does already."""
         with self._lock:
             self._paused = True
-            if self._idle_since is not None:
-                self._idle += time.monotonic() - self._idle_since
-                self._idle_since = None
+            self._end_idling()
 
     def resume(self) -> None:
         """Go on; harmless when it goes."""
@@ -91,6 +87,11 @@ class SimClock:
                 self._idle, self._idle_since, self._latest = 0.0, None, self._simulated
             else:
                 self._let_idle()
+
+    def _end_idling(self) -> None:
+        if self._idle_since is not None:
+            self._idle += time.monotonic() - self._idle_since
+            self._idle_since = None
 
     def _let_idle(self) -> None:
         if self._moving == 0 and not self._paused and not self._simulated_only:
@@ -257,7 +258,10 @@ class SimClient:
     def _read(self) -> None:
         try:
             while True:
-                self._wait_for_word()
+                while not select.select([self._connection], [], [], SILENCE)[0]:
+                    with self._lock:
+                        if self._pending:
+                            raise ClosedError(f"it said nothing for {SILENCE:.0f} s")
                 self._answered(*receive(self._connection))
         except ClosedError as reason:
             self._hang_up()
@@ -265,12 +269,6 @@ class SimClient:
             said = self._process.last_words()
             message = f"the simulator's process {self.pid} is gone ({reason}; exit status {status}). {said}"
             self._lose(SimulatorLostError(message.strip()))
-
-    def _wait_for_word(self) -> None:
-        while not select.select([self._connection], [], [], SILENCE)[0]:
-            with self._lock:
-                if self._pending:
-                    raise ClosedError(f"it said nothing for {SILENCE:.0f} s")
 
     def _answered(self, fields: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
         self.clock.told(fields["time"])

@@ -56,7 +56,8 @@ class Server:
         """Obey until the client is gone."""
         try:
             while True:
-                ready = select.select(self._listened_to(), [], [], self._patience())[0]
+                channels = [self._connection] if self._hold is None else [self._hold, self._connection]
+                ready = select.select(channels, [], [], self._patience())[0]
                 if self._hold in ready:
                     self._hold_for_good()
                 elif ready:
@@ -67,9 +68,6 @@ class Server:
                     self._advance()
         except (ClosedError, BrokenPipeError, ConnectionResetError):
             return
-
-    def _listened_to(self) -> list[socket.socket]:
-        return [self._connection] if self._hold is None else [self._hold, self._connection]
 
     @property
     def _stands(self) -> bool:

@@ -48,18 +48,16 @@ def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> Srdf:
         if group not in joints:
             raise UnknownNameError("group", group, joints, where="states")
         for name, positions in named.items():
-            states.setdefault(group, {})[name] = _by_joint(positions, joints[group], f"states/{group}/{name}")
+            if not isinstance(positions, dict):
+                mine = joints[group]
+                if len(positions) != len(mine):
+                    raise DocumentError(
+                        f"states/{group}/{name} lists {len(positions)} positions, and the group has {len(mine)} "
+                        f"joints: {', '.join(mine)}"
+                    )
+                positions = dict(zip(mine, positions, strict=True))
+            states.setdefault(group, {})[name] = positions
     return replace(srdf, states=states)
-
-
-def _by_joint(positions: dict[str, float] | list[float], joints: tuple[str, ...], where: str) -> Mapping[str, float]:
-    if isinstance(positions, dict):
-        return positions
-    if len(positions) != len(joints):
-        raise DocumentError(
-            f"{where} lists {len(positions)} positions, and the group has {len(joints)} joints: {', '.join(joints)}"
-        )
-    return dict(zip(joints, positions, strict=True))
 
 
 TURNS = 2 * math.pi
@@ -162,7 +160,11 @@ def build(
         grasp_frame=known.grasp_frame,
         hand_links=tuple(dict.fromkeys(link for links in known.hands.values() for link in links)),
         finger_links=known.fingers,
-        drives={joint.name: given.get(_leader(joint)) or _drive(joint, joint.name in hand_joints) for joint in driven},
+        drives={
+            joint.name: given.get(joint.mimic.joint if joint.mimic else joint.name)
+            or _drive(joint, joint.name in hand_joints)
+            for joint in driven
+        },
         acceleration_limits={joint.name: _acceleration(joint, limits or {}) for joint in driven}
         | accelerations_of(groups, tree, config),
         disabled_pairs=frozenset(p for p in srdf.disabled if p[0] in tree.links and p[1] in tree.links),
@@ -203,10 +205,6 @@ def accelerations_of(groups: Mapping[str, tuple[str, ...]], tree: Tree, config: 
 
 def _inside(joint: Joint, position: float) -> float:
     return min(max(position, joint.lower), joint.upper) if joint.movable else position
-
-
-def _leader(joint: Joint) -> str:
-    return joint.mimic.joint if joint.mimic is not None else joint.name
 
 
 def _drive(joint: Joint, in_hand: bool) -> Drive:

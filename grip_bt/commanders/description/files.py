@@ -183,17 +183,13 @@ def _parameters(data: Mapping[object, object]) -> dict[str, object]:
 
 
 class Reading:
-    """Takes entries out of a mapping that was read from a file, and says where what has to be."""
+    """Takes entries out of a mapping that was read from a file; a DocumentError says where what has to be."""
 
     def __init__(self, source: Path):
         self.source = str(source)
 
     def mapping(self, value: object, where: str) -> Mapping[str, object]:
-        """Return a mapping with keys as text; nothing is an empty one.
-
-        Raises:
-            DocumentError: it is something else.
-        """
+        """Return a mapping with keys as text; nothing is an empty one."""
         if value is None:
             return {}
         if not isinstance(value, dict):
@@ -201,11 +197,7 @@ class Reading:
         return {str(key): entry for key, entry in value.items()}
 
     def number(self, value: object, where: str) -> float:
-        """Return a finite number.
-
-        Raises:
-            DocumentError: it is something else.
-        """
+        """Return a finite number."""
         try:
             number = float(value) if isinstance(value, (int, float, str)) and not isinstance(value, bool) else math.nan
         except (ValueError, OverflowError):
@@ -215,11 +207,7 @@ class Reading:
         return number
 
     def words(self, value: object, where: str) -> tuple[str, ...]:
-        """Return a list of texts.
-
-        Raises:
-            DocumentError: it is something else.
-        """
+        """Return a list of texts."""
         if value is None:
             return ()
         if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
@@ -227,11 +215,7 @@ class Reading:
         return tuple(value)
 
     def known(self, key: str, mapping: Mapping[str, object], where: str) -> object:
-        """Return an entry that mustn't be missing.
-
-        Raises:
-            DocumentError: it is.
-        """
+        """Return an entry that mustn't be missing."""
         if key not in mapping:
             raise DocumentError(f"{where} lacks {key!r}{nearest(key, mapping)}", self.source)
         return mapping[key]

@@ -44,7 +44,9 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
         raise DocumentError("there is no such file", str(path))
     request = {
         "file": str(path.absolute()),
-        "arguments": {name: _word(value) for name, value in arguments.items()},
+        "arguments": {
+            name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in arguments.items()
+        },
         "packages": {name: str(folder) for name, folder in packages.given.items()},
     }
     try:
@@ -75,10 +77,6 @@ def declared_arguments(path: Path) -> tuple[str, ...]:
     """Return the names of the arguments that a xacro file declares itself, in order."""
     names = (e.get("name", "") for e in read_xml(path, "robot").iter("xacro:arg"))
     return tuple(dict.fromkeys(filter(None, names)))
-
-
-def _word(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 @dataclass(frozen=True)
@@ -150,12 +148,9 @@ class _Single:
             return None
         name = self.config.name or robot.get("name") or "robot"
         urdf = normal(robot, name, source.parent, self.packages, limits)
-        return self._with_preferences(build(urdf, added, self.config, limits, initial))
-
-    def _with_preferences(self, robot: RobotDescription) -> RobotDescription:
-        if self.moveit is None:
-            return robot
-        return replace(robot, preferences=preferences_of(self.moveit, robot.groups, PLANNERS))
+        made = build(urdf, added, self.config, limits, initial)
+        preferences = {} if self.moveit is None else preferences_of(self.moveit, made.groups, PLANNERS)
+        return replace(made, preferences=preferences)
 
     def _urdf(self) -> tuple[ET.Element, Path]:
         config = self.config

@@ -52,7 +52,12 @@ class _Conversion:
         self.defaults: dict[str, dict[str, dict[str, str]]] = {"main": {}}
         if (top := self.root.find("default")) is not None:
             self._read_defaults(top, {})
-        self.meshes = self._meshes()
+        folder = path.parent / self.compiler.get("meshdir", "")
+        self.meshes: dict[str, tuple[Path, str]] = {}
+        for mesh in self.root.iterfind("asset/mesh"):
+            values = self._values(mesh, "main")
+            file = Path(values.get("file", ""))
+            self.meshes[values.get("name", file.stem)] = (folder / file).resolve(), values.get("scale", "1 1 1")
         self.urdf = ET.Element("robot", name=self.root.get("model", path.stem))
 
     def robot(self) -> ET.Element:
@@ -72,15 +77,6 @@ class _Conversion:
         self.defaults[element.get("class", "main")] = mine
         for child in element.findall("default"):
             self._read_defaults(child, mine)
-
-    def _meshes(self) -> dict[str, tuple[Path, str]]:
-        folder = self.path.parent / self.compiler.get("meshdir", "")
-        found = {}
-        for mesh in self.root.iterfind("asset/mesh"):
-            values = self._values(mesh, "main")
-            file = Path(values.get("file", ""))
-            found[values.get("name", file.stem)] = ((folder / file).resolve(), values.get("scale", "1 1 1"))
-        return found
 
     def _values(self, element: ET.Element, childclass: str) -> dict[str, str]:
         """Return an element's attributes over those of its class."""

@@ -1,4 +1,4 @@
-"""The YAML files of a MoveIt configuration package, as values."""
+"""The YAML files of a MoveIt configuration package, as values; each reader raises DocumentError for another file."""
 
 from __future__ import annotations
 
@@ -81,11 +81,7 @@ class Sensor:
 
 
 def joint_limits(path: Path) -> dict[str, JointLimits]:
-    """Return the limits of `joint_limits.yaml`; a limit counts where its `has_...` isn't false.
-
-    Raises:
-        DocumentError: the file can't be read as such.
-    """
+    """Return the limits of `joint_limits.yaml`; a limit counts where its `has_...` isn't false."""
     reading = Reading(path)
     found = {}
     for joint, entry in reading.mapping(read_yaml(path).get("joint_limits"), "joint_limits").items():
@@ -107,11 +103,7 @@ def joint_limits(path: Path) -> dict[str, JointLimits]:
 
 
 def scaling(path: Path) -> dict[str, float]:
-    """Return `velocity` and `acceleration` -> default part of the limits, of `joint_limits.yaml`.
-
-    Raises:
-        DocumentError: the file can't be read as such, or a factor isn't in (0, 1].
-    """
+    """Return `velocity` and `acceleration` -> default part of the limits, in (0, 1], of `joint_limits.yaml`."""
     reading, data, found = Reading(path), read_yaml(path), {}
     for kind in ("velocity", "acceleration"):
         key = f"default_{kind}_scaling_factor"
@@ -125,11 +117,7 @@ def scaling(path: Path) -> dict[str, float]:
 
 
 def kinematics(path: Path) -> dict[str, str]:
-    """Return group -> MoveIt's kinematics plugin, of `kinematics.yaml`.
-
-    Raises:
-        DocumentError: the file can't be read as such.
-    """
+    """Return group -> MoveIt's kinematics plugin, of `kinematics.yaml`."""
     reading, data = Reading(path), read_yaml(path)
     data = dict(reading.mapping(data.get("robot_description_kinematics", data), "robot_description_kinematics"))
     groups = {group: reading.mapping(entry, group) for group, entry in data.items()}
@@ -137,11 +125,7 @@ def kinematics(path: Path) -> dict[str, str]:
 
 
 def planners(path: Path) -> dict[str, PlannerChoice]:
-    """Return group -> its planners, of `ompl_planning.yaml`.
-
-    Raises:
-        DocumentError: the file can't be read as such.
-    """
+    """Return group -> its planners, of `ompl_planning.yaml`."""
     reading, data = Reading(path), read_yaml(path)
     entries = {
         name: reading.mapping(entry, f"planner_configs/{name}")
@@ -153,7 +137,8 @@ def planners(path: Path) -> dict[str, PlannerChoice]:
         if group == "planner_configs" or not isinstance(entry, dict) or "planner_configs" not in entry:
             continue
         names = reading.words(entry["planner_configs"], f"{group}/planner_configs")
-        chosen = {name: configs.get(name) or _planner_in(name) for name in names}
+        # ROS 1's files call configurations `RRTConnectkConfigDefault`
+        chosen = {name: configs.get(name) or name.removesuffix("Default").removesuffix("kConfig") for name in names}
         parameters = {name: _numbers(entries.get(name, {})) for name in names}
         found[group] = PlannerChoice(str(entry.get("default_planner_config") or ""), chosen, parameters)
     return found
@@ -167,11 +152,7 @@ def _numbers(entry: Mapping[str, object]) -> dict[str, float]:
 
 
 def controllers(path: Path) -> tuple[Controller, ...]:
-    """Return the controllers of a `*controllers.yaml`, whichever of MoveIt's and ros_control's forms it has.
-
-    Raises:
-        DocumentError: the file can't be read as such.
-    """
+    """Return the controllers of a `*controllers.yaml`, whichever of MoveIt's and ros_control's forms it has."""
     reading, data = Reading(path), read_yaml(path)
     listed = data.get("controller_list")
     if isinstance(listed, list):
@@ -188,11 +169,7 @@ def controllers(path: Path) -> tuple[Controller, ...]:
 
 
 def sensors(path: Path) -> tuple[Sensor, ...]:
-    """Return the sensors of `sensors_3d.yaml`.
-
-    Raises:
-        DocumentError: the file can't be read as such.
-    """
+    """Return the sensors of `sensors_3d.yaml`."""
     reading, data = Reading(path), read_yaml(path)
     entries: list[tuple[str, Mapping[str, object]]] = []
     listed = data.get("sensors") or []
@@ -213,11 +190,7 @@ def sensors(path: Path) -> tuple[Sensor, ...]:
 
 
 def initial_positions(path: Path) -> dict[str, float]:
-    """Return joint -> position at the start, of `initial_positions.yaml`.
-
-    Raises:
-        DocumentError: the file can't be read as such.
-    """
+    """Return joint -> position at the start, of `initial_positions.yaml`."""
     reading = Reading(path)
     entries = reading.mapping(read_yaml(path).get("initial_positions"), "initial_positions")
     return {joint: reading.number(value, f"initial_positions/{joint}") for joint, value in entries.items()}
@@ -246,8 +219,3 @@ def _with_joints(data: Mapping[str, object]) -> Iterator[tuple[str, Mapping[str,
         if isinstance(inner, dict) and ("joints" in inner or "joint" in inner):
             known = types.get(name) if isinstance(types, dict) else None
             yield name, {**(known if isinstance(known, dict) else {}), **inner}
-
-
-def _planner_in(name: str) -> str:
-    """Return OMPL's name in that of a configuration: ROS 1's files call them `RRTConnectkConfigDefault`."""
-    return name.removesuffix("Default").removesuffix("kConfig")

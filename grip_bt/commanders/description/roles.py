@@ -87,7 +87,7 @@ class _Roles:
 
     def _links(self, hand: str, mount: str) -> tuple[str, ...]:
         """Return what a hand's joints move, and what they sit on down to the mount or the last joint of the arm."""
-        moved = set(self._moved_by(hand))
+        moved = {link for joint in self._first_joints(hand) for link in self.tree.subtree(joint.child)}
         for name in self.groups[hand]:
             link = self.tree.joints[name].parent
             while link not in moved and link != mount:
@@ -97,10 +97,6 @@ class _Roles:
                     break
                 link = joint.parent
         return tuple(link for link in self.tree.links if link in moved)
-
-    def _moved_by(self, hand: str) -> tuple[str, ...]:
-        firsts = self._first_joints(hand)
-        return tuple(dict.fromkeys(link for joint in firsts for link in self.tree.subtree(joint.child)))
 
     def _first_joints(self, hand: str) -> list[Joint]:
         """Return the joints of a hand, followers included, that no other joint of it carries."""
@@ -143,10 +139,8 @@ class _Roles:
         return written.chains[-1][1] if written.chains else self.tree.joints[self.groups[group][-1]].child
 
     def _main(self, frames: Mapping[str, GraspFrame], ends: tuple[EndEffector, ...], hands: list[str]) -> GraspFrame:
-        carrying = [end.parent_group for end in ends if end.parent_group in frames]
-        for group in (*carrying, *frames):
-            return frames[group]
-        return next(iter(self._hands_frames(hands)), _at(self.tree.root))
+        own = [*(frames[e.parent_group] for e in ends if e.parent_group in frames), *frames.values()]
+        return next(iter([*own, *self._hands_frames(hands)]), _at(self.tree.root))
 
 
 def _sounds_like_a_hand(group: str) -> bool:

@@ -96,19 +96,13 @@ class _Tips:
             if name not in tips and name not in moved:
                 raise UnknownNameError("finger or link of the hand", name, (*tips, *sorted(moved)), robot)
         grasps = [str(f.name) for f in self.model.frames if str(f.name).split("/")[0] == GRASP_FRAME]
-        still = [name for name in (*grasps, *links) if self._joint(name) == self._palm_joint(model, group)]
+        joints = [self.model.getJointId(name) for name in model.description.group(group)]
+        palm = self.model.parents[min(joints)]  # what carries the hand: the parent of its joint nearest to the base
+        still = [n for n in (*grasps, *links) if self.model.frames[self.model.getFrameId(n)].parentJoint == palm]
         if frame not in still:
             raise UnknownNameError("frame of the palm", frame, still, robot)
         self.frames = [self.model.getFrameId(tips.get(name, name)) for name in names]
         self.palm = self.model.getFrameId(frame)
-
-    def _joint(self, frame: str) -> int:
-        return int(self.model.frames[self.model.getFrameId(frame)].parentJoint)
-
-    def _palm_joint(self, model: RobotModel, group: str) -> int:
-        """Return the joint that carries the hand: the parent of its joint nearest to the base."""
-        joints = [self.model.getJointId(name) for name in model.description.group(group)]
-        return int(self.model.parents[min(joints)])
 
     def places(self, q: Array) -> Array:
         """Return the tips' positions in the grasp frame, shape (k, 3)."""

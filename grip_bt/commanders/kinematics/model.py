@@ -166,10 +166,7 @@ class RobotModel:
 
         Chains are kept: a hand's posture changes far more seldom than plans are made.
         """
-        q = self.configuration(*states)
-        mine = set(self.description.group(group))
-        names = tuple(str(n) for n in self.model.names if n in mine)  # from the base on, as pin lists them
-        q[[self._columns[n] for n in names]] = 0.0
+        names, q = self._moved_and_rest([group], states)
         key = (group, np.round(q, 3).tobytes())
         if key not in self._chains:
             if len(self._chains) >= 16:
@@ -182,11 +179,15 @@ class RobotModel:
 
         Its grasp frame is that of the first group. It isn't kept.
         """
+        return self._reduced(groups[0], *self._moved_and_rest(groups, states))
+
+    def _moved_and_rest(self, groups: Sequence[str], states: Sequence[JointState]) -> tuple[tuple[str, ...], Array]:
+        """Return the joints of groups, from the base on as pin lists them, and where the others are."""
         q = self.configuration(*states)
         mine = {joint for group in groups for joint in self.description.group(group)}
         names = tuple(str(n) for n in self.model.names if n in mine)
         q[[self._columns[n] for n in names]] = 0.0
-        return self._reduced(groups[0], names, q)
+        return names, q
 
     def _reduced(self, group: str, names: tuple[str, ...], q: Array) -> Chain:
         frozen = [self.model.getJointId(n) for n in self.model.names if n not in (*names, "universe")]

@@ -229,8 +229,9 @@ def _solved(
     space = setup.getStateSpace()
     setup.setStartAndGoalStates(_state(space, start), _state(space, goal))
     search = getattr(og, planner)(information)
+    usual = {"range": _STEP * float(np.sqrt(dimension))} if planner == "RRTConnect" else {}
     given = {name: value for name, value in parameters.items() if value or name != "range"}  # 0: the usual one
-    for name, value in {**_usual(planner, dimension), **given}.items():
+    for name, value in {**usual, **given}.items():
         if name in settable(planner):
             getattr(search, _PARAMETERS[name])(value)
     setup.setPlanner(search)
@@ -244,11 +245,6 @@ def _solved(
     rows = [_values(path.getState(k), dimension) for k in range(path.getStateCount())]
     rows[0], rows[-1] = start, goal
     return np.stack(rows)
-
-
-def _usual(planner: str, dimension: int) -> dict[str, float]:
-    """Return what a planner's parameters are where none are given, if that isn't OMPL's business."""
-    return {"range": _STEP * float(np.sqrt(dimension))} if planner == "RRTConnect" else {}
 
 
 class _Ending:

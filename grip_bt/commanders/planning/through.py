@@ -36,7 +36,6 @@ from grip_bt.commanders.planning.paths import interpolated, kept
 from grip_bt.commanders.planning.requests import PlanThrough, PlanTo
 from grip_bt.commanders.planning.search import RESOLUTION, Search, first_success
 from grip_bt.commanders.planning.straight import (
-    Ball,
     BrokenLineError,
     Lines,
     closer,
@@ -85,11 +84,6 @@ class Leg:
     def until(self, length: float, parts: Array) -> Path:
         """Return the configurations at `parts`, shape (m,), of its first `length` [rad], shape (m, n)."""
         return at_arc(self._path, parts * length)
-
-
-def largest_radius(incoming: Leg, outgoing: Leg) -> float:
-    """Return the largest blend radius at a way point [m]: no blend takes more than half of a segment."""
-    return min(incoming.reach, outgoing.reach)
 
 
 def corner(incoming: Leg, outgoing: Leg, radius: float) -> Path:
@@ -179,20 +173,18 @@ def _followed(
     paths = [closer(chain, s, finer) if line else s for s, line in zip(segments, lines, strict=True)]
     asked = [point.radius for point in request.way_points[:-1]]
     parts, radii = rounded(chain, checker, paths, asked, request.constraint)
-    trajectory = _timed(checker, parts, request)
+    for part in parts:
+        refuse_collisions(checker, interpolated(part, RESOLUTION))
+    trajectory = joined([timed_free(checker, part, request.situation.settings, request.constraint) for part in parts])
+    elsewhere = [s for s, line in zip(segments, lines, strict=True) if not line]  # there, lines say nothing
     wanted = Lines(
         [ends_of(chain, s) for s, line in zip(segments, lines, strict=True) if line],
         [
             *((chain.grasp_pose(s[-1]).translation, r + OUTSIDE) for s, r in zip(segments[:-1], radii, strict=True)),
-            *(ball for s, line in zip(segments, lines, strict=True) if not line for ball in _anywhere_about(chain, s)),
+            *((chain.grasp_pose(q).translation, _ABOUT) for s in elsewhere for q in interpolated(s, RESOLUTION)),
         ],
     )
     return (trajectory, radii) if wanted.kept_by(chain, trajectory.positions) else None
-
-
-def _anywhere_about(chain: Chain, path: Path) -> list[Ball]:
-    """Return balls about where a segment leads that is no line of the hand: there, lines say nothing."""
-    return [(chain.grasp_pose(q).translation, _ABOUT) for q in interpolated(path, RESOLUTION)]
 
 
 def rounded(
@@ -237,7 +229,7 @@ def _fitting(
     constraint: PathConstraint | None,
 ) -> tuple[float, Path | None]:
     """Return the radius that fits at a way point [m] and the corner's rows; 0 and None where the arm has to stop."""
-    largest = min(asked, largest_radius(incoming, outgoing))
+    largest = min(asked, incoming.reach, outgoing.reach)
     for part in _SHRUNK:
         radius = largest * part
         if radius < SMALLEST:
@@ -275,18 +267,14 @@ def _segments(
                 search = partial(Search(checker, ask, request.constraint, canceled).path, start)
                 finer = RESOLUTION / 2 ** min(attempt, 2)
                 segments.append(first_success([partial(search, goal, resolution=finer) for goal in goals], budget))
-        if point.straight:
-            _refuse_leaving(request.constraint, chain, segments[-1], where)
+        kept_to = request.constraint if point.straight else None
+        if kept_to is not None and not kept(kept_to, chain, interpolated(segments[-1], RESOLUTION), ROUNDING):
+            raise ConstraintBrokenError(
+                f"{where}: the straight way leaves what the motion must keep to; search it (`straight: false`), "
+                "or widen the tolerances or the box"
+            )
         start = segments[-1][-1]
     return segments
-
-
-def _refuse_leaving(constraint: PathConstraint | None, chain: Chain, path: Path, where: str) -> None:
-    if constraint is not None and not kept(constraint, chain, interpolated(path, RESOLUTION), ROUNDING):
-        raise ConstraintBrokenError(
-            f"{where}: the straight way leaves what the motion must keep to; search it (`straight: false`), "
-            "or widen the tolerances or the box"
-        )
 
 
 def _line(chain: Chain, start: Array, point: WayPoint, where: str) -> Path:
@@ -296,11 +284,3 @@ def _line(chain: Chain, start: Array, point: WayPoint, where: str) -> Path:
     except BrokenLineError as broken:
         error = PathInvalidError if broken.jump else NoIkError
         raise error(f"{where}: {broken}", fraction=broken.fraction) from broken
-
-
-def _timed(checker: CollisionChecker, parts: list[Path], request: PlanThrough) -> Trajectory:
-    """Time each part, from rest to rest, and join them."""
-    settings = request.situation.settings
-    for part in parts:
-        refuse_collisions(checker, interpolated(part, RESOLUTION))
-    return joined([timed_free(checker, part, settings, request.constraint) for part in parts])
