@@ -140,7 +140,6 @@ def _check(text: str, node: ast.AST) -> None:
 
 
 def _is_none(node: ast.expr) -> bool:
-    """Tell whether this is `None` or `null`."""
     return (isinstance(node, ast.Constant) and node.value is None) or (isinstance(node, ast.Name) and node.id == "null")
 
 

@@ -115,7 +115,6 @@ class Operation(Generic[T]):
         raise asked
 
     def _ended_in(self, loop: Any) -> Any:
-        """Return a future of an event loop that is done when this has ended."""
         ended = loop.create_future()
 
         def end() -> None:

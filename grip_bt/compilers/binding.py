@@ -182,7 +182,6 @@ def variables_of(part: Part, scopes: Scopes) -> tuple[Callable[[], None] | None,
 
 @contextmanager
 def _errors_of(path: str) -> Iterator[None]:
-    """Name the node in what is raised."""
     try:
         yield
     except Exception as error:

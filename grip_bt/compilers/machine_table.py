@@ -66,7 +66,6 @@ def chooses(part: Part) -> bool:
 
 
 def _asked(part: Part) -> set[str]:
-    """Return the answers by which it goes one way or another."""
     if isinstance(part.node, Leaf | Foreign) or interrupts(part) or part.node.concurrent:
         return set()
     return {answer for way in graph(part.node, labels_of(part)) for answer in way.answers} - {"exit"}

@@ -117,7 +117,6 @@ def resolve(task: Task, catalog: Catalog, data: Mapping[str, object] | None = No
 
 
 def _wrong_values(declared: Mapping[str, Variable | str], values: Mapping[str, object]) -> Iterator[Issue]:
-    """Yield what is wrong with values for the task's own variables."""
     for name, value in values.items():
         if name not in declared:
             message = f"the task declares no variable {name!r} (available: {', '.join(declared) or 'none'})"
@@ -177,7 +176,6 @@ class _Resolver:
 
 
 def _variables(node: Container, outer: Scope) -> Mapping[str, Variable | str]:
-    """Return what a container declares, with what it takes out of lists."""
     declared: dict[str, Variable | str] = dict(node.data)
     for _, items, item in node.taken():
         cell = outer.find(items)

@@ -71,7 +71,6 @@ class TaskContainer(TaskState):
         return reached
 
     def _admits(self) -> bool:
-        """Look at the precondition; where it is false, the container has ended."""
         try:
             if self.condition is None or self.condition.holds():
                 return True

@@ -91,7 +91,6 @@ class MachineBuilder:
         return machine
 
     def _decide(self, part: Part, machine: TaskMachine, needed: Refined) -> None:
-        """Add the state that asks the container's kind."""
         refined = {(outcome, code) for outcome, code in needed if part.meaning.get(outcome) == "failure"}
         answers, names, first = answers_of(part, self.tree.scopes), state_labels(part), first_step(part)
         decide = Decide(kind_of(part), answers, part.meaning, self.run, refined)

@@ -33,7 +33,6 @@ def dumps(task: model.Task) -> str:
 
 
 def _write_canonical(tree: YamlMapping, header: list[str] | None = None) -> str:
-    """Return the canonical text of the syntax tree of a readable task."""
     blocks = {id(tree)}
     _arrange(tree, model.Task)
     for node in _below(tree.entries["root"].value):
@@ -55,7 +54,6 @@ def _arrange_node(node: YamlMapping, blocks: set[int], whole: bool = False) -> N
 
 
 def _below(root: YamlValue) -> Iterator[YamlMapping]:
-    """Yield a node and the nodes below it."""
     stack = [root]
     while stack:
         node = stack.pop()

@@ -132,7 +132,6 @@ def _attach_blank_lines(places: list[_Place], text: str) -> None:
 
 
 def _blank_above(text: str, line_start: int) -> bool:
-    """Tell whether the line above one is blank."""
     end = max(line_start - 1, 0)
     return line_start > 0 and not text[text.rfind("\n", 0, end) + 1 : end].strip()
 

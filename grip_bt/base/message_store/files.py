@@ -93,7 +93,6 @@ def read_trajectories(
 
 
 def _open(path: Path | str, text: str | None) -> _File:
-    """Parse a file, or the text that it is to hold."""
     source = str(path)
     text = read_file(path) if text is None else text
     if not any(line.strip() and not line.strip().startswith("#") for line in text.splitlines()):

@@ -100,7 +100,6 @@ class MessageLibrary:
         store.watch(tell)
 
     def _from_files(self) -> dict[str, dict[str, tuple[object, str]]]:
-        """Return the contents of the files: store -> name -> (value, file)."""
         if self._folder is None:
             return {}
         found: dict[str, dict[str, tuple[object, str]]] = {}

@@ -149,7 +149,6 @@ def _mismatch(pattern: str, text: object) -> str:
 
 
 def _ros_name(text: object) -> str:
-    """Return the whole ROS name that somebody may have meant."""
     words = [word for word in re.split(r"[^A-Za-z0-9_]+", str(text)) if word]
     return "".join(f"/{'_' * word[0].isdigit()}{word}" for word in words) or "/camera/points"
 

@@ -187,7 +187,6 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
 
 
 def _place(text: str, at: int) -> tuple[int, int]:
-    """Return the 1-based line and column of an offset."""
     return text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
 
 

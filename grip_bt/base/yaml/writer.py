@@ -76,7 +76,6 @@ def in_braces(value: YamlValue) -> str | None:
 
 
 def _text(value: object, indent: int, used: int) -> list[str]:
-    """Return a scalar in block context; the first line follows its key."""
     if not isinstance(value, str):
         return [write_scalar(value, flow=False)]
     if "\n" in value:

@@ -96,7 +96,6 @@ class _Moving:
         self.settle(node, path, (*at, name))
 
     def place(self, path: str) -> Place:
-        """Return where a node is now."""
         place: Place = ("root",)
         for name in path.split("/") if path != "/" else ():
             inside = self.draft.mapping(place)

@@ -16,21 +16,6 @@ PLAIN: Mapping[str, Meaning] = {"success": "success", "failure": "failure"}
 
 
 @dataclass(frozen=True)
-class End:
-    """One way in which a new child ends.
-
-    Attributes:
-        code: its failure code, or None for every other.
-        target: the state or the machine's outcome that the machine would go to.
-    """
-
-    outcome: str
-    code: str | None
-    meaning: str
-    target: str
-
-
-@dataclass(frozen=True)
 class Item:
     """A new child.
 
@@ -40,7 +25,7 @@ class Item:
 
     name: str
     node: AnyNode
-    ends: tuple[End, ...]
+    ends: tuple[Arc, ...]
     places: Mapping[str, Place]
 
     def goes_on(self, target: str, meaning: str) -> bool:
@@ -98,7 +83,7 @@ class Composer:
     def led_on(self, item: Item, names: Mapping[str, str]) -> AnyNode:
         """Return a state of a machine with an edge for each of its ends; those that it never has lead somewhere."""
         coded = sorted(item.ends, key=_code_first(item))
-        on = {e.outcome if e.code is None else f"{e.outcome}.{e.code}": names.get(e.target, e.target) for e in coded}
+        on = {end.label: names.get(end.target, end.target) for end in coded}
         if not isinstance(item.node, Leaf):
             anywhere = next(iter(on.values()), next(iter(self.part.meaning)))
             on |= {outcome: anywhere for outcome in outcomes_of(item.node) if outcome not in on}
@@ -109,15 +94,14 @@ class Composer:
         if isinstance(region, State):
             return self.state(region)
         made = self.container(region, wishes)
-        ends = tuple(End(self.label(t), None, self.meaning(t, wishes), t) for t in targets(region.leaving))
+        ends = self.ends(region.leaving, wishes)
         name = f"repeat_{region.entry}" if isinstance(region, Loop) else f"{region.entry}_then_{region.last}"
         return self.named(name, made.node, ends, made.places)
 
     def state(self, region: State) -> Item:
         """Return the child that a state becomes: itself, without edges."""
         node = self.children[region.entry].node.model_copy(update={"on": FrozenDict()})
-        ends = tuple(End(a.outcome, a.code, a.meaning, a.target) for a in region.leaving)
-        return Item(region.entry, node, ends, {region.entry: (region.entry,)})
+        return Item(region.entry, node, region.leaving, {region.entry: (region.entry,)})
 
     def container(self, region: Region, wishes: Wishes) -> Item:
         """Return the container of a region; it has no name yet, and its places are those below it."""
@@ -164,14 +148,14 @@ class Composer:
         if len(reached) == 1:
             meaning: Meaning = "success" if wishes[reached[0]] == "success" else "failure"
             forced = Force(kind="force", as_=meaning, child=only)
-            return self.named(f"try_{item.name}", forced, (End(meaning, None, meaning, reached[0]),), places)
-        ends = tuple(End(self.label(t), None, self.meaning(t, wishes), t) for t in reached)
+            return self.named(f"try_{item.name}", forced, (Arc(item.name, meaning, None, meaning, reached[0]),), places)
+        ends = self.ends(item.ends, wishes)
         exits = FrozenDict(dict(self.exits([item], [], "success")))
         outcomes = FrozenDict({e.outcome: e.meaning for e in ends if e.outcome not in PLAIN})
         node = Sequence(kind="sequence", outcomes=outcomes, exits=exits, children=only)
         return self.named(f"try_{item.name}", node, ends, places)
 
-    def named(self, name: str, node: AnyNode, ends: tuple[End, ...], places: Mapping[str, Place]) -> Item:
+    def named(self, name: str, node: AnyNode, ends: tuple[Arc, ...], places: Mapping[str, Place]) -> Item:
         """Return a new child under a name that nothing else has."""
         free, number = name, 1
         while free in self.taken:
@@ -192,8 +176,11 @@ class Composer:
                 label = self.label(end.target)
                 if end.code is None and end.outcome not in coded and label == by_meaning:
                     continue
-                key = end.outcome if end.code is None else f"{end.outcome}.{end.code}"
-                yield f"{item.name}.{key}", label
+                yield f"{item.name}.{end.label}", label
+
+    def ends(self, leaving: Iterable[Arc], wishes: Wishes) -> tuple[Arc, ...]:
+        """Return the ends of a new container: one for each target, by the label that stands for it."""
+        return tuple(Arc("", self.label(t), None, self.meaning(t, wishes), t) for t in targets(leaving))
 
     def label(self, target: str) -> str:
         """Return the outcome of a new container that stands for `target`."""
@@ -211,12 +198,12 @@ class Composer:
         return wishes[target] if target in self.children else self.part.meaning[target]
 
 
-def _code_first(item: Item) -> Callable[[End], tuple[int, bool]]:
+def _code_first(item: Item) -> Callable[[Arc], tuple[int, bool]]:
     """Return a key that keeps the order of outcomes and puts their codes before them, as people write it."""
     outcomes = [end.outcome for end in item.ends]
     return lambda end: (outcomes.index(end.outcome), end.code is None)
 
 
-def targets(ends: Iterable[Arc | End]) -> list[str]:
+def targets(ends: Iterable[Arc]) -> list[str]:
     """Return the different targets of ends, in order."""
     return list(dict.fromkeys(end.target for end in ends))

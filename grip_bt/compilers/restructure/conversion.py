@@ -97,7 +97,6 @@ def _by_kind(part: Part) -> str | None:
 
 
 def _why_not(part: Part, ticker: Part | None) -> str | None:
-    """Return why a sequence or fallback has no equal state machine, or None."""
     if not part.children:
         return "it has no children, and a state machine needs a first one"
     if not getattr(part.node, "memory", True):
@@ -122,7 +121,6 @@ def ticked_by(ticker: Part) -> str:
 
 
 def _rows(part: Part) -> dict[str, dict[str, str]]:
-    """Return child -> label of its end -> where it leads; codes before their outcome."""
     rows = {}
     for index, child in enumerate(part.children):
         outcomes = list(child.meaning)

@@ -165,7 +165,6 @@ def _moved(path: str, paths: Mapping[str, str]) -> str:
 
 
 def _unlike(first: _Run, other: _Run, concurrent: bool) -> bool:
-    """Tell whether two runs differ; those that don't end are alike as far as they went."""
     one, two = (_by_leaf(r.log) if concurrent else r.log for r in (first, other))
     if first.unfinished or other.unfinished:
         return not concurrent and any(a != b for a, b in zip(first.log, other.log, strict=False))
@@ -177,7 +176,6 @@ def _by_leaf(log: list[End]) -> Any:
 
 
 def _codes(task: Task) -> dict[str, None]:
-    """Return the codes of failures that something in the task looks at."""
     found: dict[str, None] = {}
     for _, node in walk(task.root):
         keys = [*(k for k in node.on if "." in k), *(k for k in getattr(node, "exits", ()) if k.count(".") == 2)]
@@ -237,12 +235,10 @@ class _Run:
         return (*self.log, *(end for end in self.begun if end not in self.log))
 
     def did(self) -> Iterator[str]:
-        """Yield what it did, in words."""
         yield from map(str, self.log)
         yield "the task goes on" if self.unfinished else f"the task ends: {' '.join(self.end)}"
 
     def others(self, end: End) -> Iterator[End]:
-        """Yield every other way in which an activation could end."""
         for outcome, meaning in self.faces[end.path].meaning.items():
             coded = meaning == "failure" and self.faces[end.path].manifest is not _FOREIGN
             for code in (None, *(self.codes if coded else ())):
@@ -268,7 +264,6 @@ class _Run:
         return made
 
     def _known_as(self, path: str) -> str:
-        """Return the path in the first form."""
         return path if self.origin is None else _moved(path, self.origin)
 
     def _run(self, compiled: CompiledTree) -> tuple[str, ...]:
@@ -290,7 +285,6 @@ class _Run:
         return ()
 
     def begin(self, leaf: _Scripted) -> End:
-        """Return how an activation that begins will end."""
         count = self.counts.get(leaf.known_as, 0)
         self.counts[leaf.known_as] = count + 1
         usual = next((o for o, m in leaf.meaning.items() if m == "success"), next(iter(leaf.meaning)))
@@ -323,5 +317,4 @@ class _Scripted(Leaf):
         return status
 
     def outputs(self) -> Iterator[tuple[str, Any]]:
-        """Yield its output ports that are bound."""
         return ((port, face) for port, face in self.manifest.outputs.items() if port in self.writers)

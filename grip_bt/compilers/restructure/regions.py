@@ -182,7 +182,6 @@ class _Reduction:
         return lower == upper
 
     def join(self, header: str, body: set[str]) -> None:
-        """Apply T2 within `body`."""
         for state in [s for s in self.order if s in body and s != header]:
             before = list(self.graph.predecessors(state))
             if len(before) == 1 and before[0] in body and before[0] != state:

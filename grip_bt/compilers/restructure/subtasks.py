@@ -115,7 +115,6 @@ class _Merging:
         self.analysis = TaskAnalysis(inside, catalog)
 
     def bound(self) -> dict[str, str]:
-        """Return each port that is bound -> the variable around the subtask."""
         return {**self.node.in_, **self.node.out}
 
     def check(self) -> None:
@@ -156,7 +155,6 @@ class _Merging:
             )
 
     def own(self) -> dict[str, Any]:
-        """Return the declarations of the variables that aren't shared with the task around."""
         bound, found = self.bound(), {}
         for name, declared in self.inside.variables.items():
             if name in bound:
@@ -167,7 +165,6 @@ class _Merging:
         return found
 
     def record(self) -> dict[str, Any]:
-        """Return the node that takes the place of the subtask."""
         bound = self.bound()
         own = self.own()
         taken = {*self.placed.around, *_declared(self.inside)}
@@ -295,7 +292,6 @@ def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog:
 
 
 def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the inputs and outputs of a part, each with its type."""
     types = {name: declared.type_text for name, declared in TaskAnalysis(part, catalog).task_scope.items()}
     inputs: dict[str, str] = {}
     while True:  # an expression that reads several variables names one of them at a time

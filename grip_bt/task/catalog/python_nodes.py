@@ -68,7 +68,6 @@ class _Source:
         self._names = dict(imported(module))
 
     def manifests(self) -> Iterator[Manifest]:
-        """Yield a manifest for each decorated definition at the top level."""
         for item in self._module.body:
             if isinstance(item, _Definition):
                 for decorator in item.decorator_list:

@@ -59,7 +59,6 @@ class _Definition:
 
 
 def _definition_of(file: Path, name: str) -> _Definition | None:
-    """Return what a file defines under a name; None where it defines no such class or function."""
     module = _syntax_of(file)
     known = {} if module is None else dict(imported(module))
     for item in [] if module is None else module.body:

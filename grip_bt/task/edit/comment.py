@@ -41,7 +41,6 @@ class _NodeComment:
 
     @property
     def text(self) -> str:
-        """What it says, one line after the other."""
         return "\n".join((*self.above, *self.aside))
 
 
@@ -94,7 +93,6 @@ def _beside(text: str, entry: YamlEntry) -> tuple[int, int] | None:
 
 
 def _uncommented(line: str) -> str:
-    """Return what a line says that begins with `#`."""
     return line.removeprefix("#").removeprefix(" ").rstrip()
 
 
@@ -117,12 +115,10 @@ class _FileComment:
 
     @property
     def text(self) -> str:
-        """What it says, one line after the other."""
         return "\n".join(self.lines)
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """What its lines say, without their signs."""
         return tuple(_uncommented(line.strip()) for line in self.spelled)
 
 

@@ -177,7 +177,6 @@ def _of_list(old: dict[str, object], new: dict[str, object], at: Place) -> Itera
 
 
 def _renamed(old: dict[str, object], new: dict[str, object], at: Place) -> Iterator[Step]:
-    """Rename children whose name is all that has changed."""
     fresh = [key for key in new if key not in old]
     for gone in [key for key in old if key not in new]:
         match = next((key for key in fresh if _same_data(new[key], old[gone])), None)
@@ -195,7 +194,6 @@ def _same_data(one: object, other: object) -> bool:
 
 
 def _splice(old: str, new: str) -> Splice:
-    """Return the one piece in which two texts differ."""
     shorter = min(len(old), len(new))
     start = next((i for i in range(shorter) if old[i] != new[i]), shorter)
     end = next((i for i in range(shorter - start) if old[-1 - i] != new[-1 - i]), shorter - start)

@@ -158,6 +158,5 @@ def _follow_keys(edit: Edit, at: Place, entries: Mapping[str, object], start: st
 
 
 def _renamed(label: str, command: RenameOutcome) -> str:
-    """Return `outcome` or `outcome.code` with the new name."""
     outcome, dot, code = label.partition(".")
     return f"{command.to}{dot}{code}" if outcome == command.outcome else label

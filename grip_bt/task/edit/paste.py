@@ -89,7 +89,6 @@ def clip_of(task: Task, path: str) -> Clip:
 
 
 def _names(command: Paste, there: Mapping[str, object]) -> dict[str, str]:
-    """Return the name of each variable of a copy where it is put: of one that is there, or a fresh one."""
     names: dict[str, str] = {}
     taken = {*there, *command.clip.variables, *_declared_within(_parsed(command.clip).root)}
     for name, declaration in command.clip.variables.items():
@@ -103,7 +102,6 @@ def _names(command: Paste, there: Mapping[str, object]) -> dict[str, str]:
 
 
 def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, object]:
-    """Return the node of a copy in which variables have other names."""
     task = _parsed(clip)
     for old, new in names.items():
         if new != old:

@@ -152,7 +152,6 @@ def path_after(path: str, steps: Iterable[Step]) -> str | None:
 
 
 def _after(where: tuple[str, ...], step: Step) -> tuple[str, ...] | None:
-    """Follow one step; `where` are names without the keys `children` and `child` between them."""
     if isinstance(step, Put):
         return where
     at = _names(step.at)

@@ -150,7 +150,6 @@ def with_another(
 
 
 def _end(entry: YamlEntry) -> int:
-    """Return the offset after an entry of a mapping in braces."""
     return max(entry.value.span[1], entry.key_end)
 
 

@@ -140,7 +140,6 @@ class _Viewer:
     inside: bool
 
     def uses(self) -> set[str]:
-        """Return the variables that the node uses, of those that it may see."""
         node = self.node
         used: set[str] = {*getattr(node, "in_", {}).values(), *getattr(node, "out", {}).values()}
         if self.inside:
@@ -148,19 +147,16 @@ class _Viewer:
         return used.union(*(_names(text) for _, text in self.expressions()))
 
     def expressions(self) -> Iterator[tuple[str, str]]:
-        """Yield key and text of the expressions that may see the variable."""
         for key, text in expressions_of(self.node):
             if self.around if key == "precondition" else self.inside:
                 yield key, text
 
 
 def _users(edit: Edit, path: str, name: str) -> Iterator[_Viewer]:
-    """Yield the nodes that use the variable `name` which is declared at `path`."""
     return (viewer for viewer in _scope(edit, path, name) if name in viewer.uses())
 
 
 def _scope(edit: Edit, path: str, name: str) -> Iterator[_Viewer]:
-    """Yield the nodes from which the variable `name` declared at `path` may be seen."""
     stack = [("/", edit.task.root)]
     if path != "":
         holder = edit.node(path)

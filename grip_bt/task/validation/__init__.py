@@ -54,7 +54,6 @@ def _checked(
     subtasks: Subtasks | None,
     structure_only: bool = False,
 ) -> TaskAnalysis:
-    """Return the analysis of a task after all rules, or after those of its structure."""
 
     def inside(task: Task) -> Checked:
         analysis = _checked(task, catalog, None, known, structure_only)

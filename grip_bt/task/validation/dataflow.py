@@ -92,7 +92,6 @@ class DataFlow:
         self.ends = self._after(analysis.root, start)
 
     def _after(self, placed: PlacedNode, state: int) -> States:
-        """Return the states after a node; nobody changes them."""
         key = (placed.path, state)
         if key not in self._known:
             after = self._analyse(placed, state)
@@ -161,7 +160,6 @@ class DataFlow:
 
 
 def _meet(states: States, label: str, state: int) -> None:
-    """Let a path with `state` lead to `label`."""
     states[label] = states.get(label, state) & state
 
 

@@ -90,7 +90,6 @@ def _corrected(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) 
 
 
 def _allowed(analysis: TaskAnalysis, placed: PlacedNode, issue: Issue) -> Sequence[str]:
-    """Return what may stand where an issue is."""
     if issue.code == "unknown-node":
         return analysis.catalog.ids()
     if issue.code == "unknown-target":
@@ -106,7 +105,6 @@ def _allowed(analysis: TaskAnalysis, placed: PlacedNode, issue: Issue) -> Sequen
 
 
 def _removed(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) -> _Found:
-    """Take out the key that an issue is about."""
     if issue.key in (("on",), ("default",)) or len(issue.key) == 2 and issue.key[0] in _REMOVABLE:
         key = tuple(map(str, issue.key))
         verb = "Share the outer" if issue.code == "shadowed-variable" else "Remove"

@@ -57,7 +57,6 @@ def _ports(analysis: TaskAnalysis, placed: PlacedNode, node: Leaf | Subtask, man
 
 
 def _unknown_node(analysis: TaskAnalysis, id: str, hinted: bool) -> tuple[str, str]:
-    """Return what is said about a node that doesn't exist, and what to do about it."""
     ids = analysis.catalog.ids()
     hint = nearest(id, ids) if hinted else ""
     fix = suggestion(hint, "correct the name, or add the component that has it")

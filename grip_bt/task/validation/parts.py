@@ -96,7 +96,6 @@ class TaughtNames:
 
     @cached_property
     def _own(self) -> list[_TaughtName]:
-        """Those of the task, and of the files that it runs, directly or not."""
         found, seen, tasks = list[_TaughtName](), set[str](), [self._analysis.task]
         while tasks:
             task = tasks.pop()
@@ -109,7 +108,6 @@ class TaughtNames:
 
     @cached_property
     def _others(self) -> dict[str, list[_TaughtName]]:
-        """Those of each other file of the project that has some."""
         files = self._files.mentioning("/teach")
         return {file: [each for task in self._read(file) for each in _taught_in(task)] for file in files}
 
@@ -326,7 +324,6 @@ def not_listed(where: str, listed: tuple[str, ...]) -> Problem:
 
 
 def _missing(analysis: TaskAnalysis, where: str) -> Problem | None:
-    """Return that a module isn't here or lacks a name, as far as its source tells."""
     module, _, name = where.partition(":")
     code = analysis.catalog.code
     try:
