@@ -17,6 +17,7 @@ from grip_bt.task.model import (
     Task,
     Variable,
     children_of,
+    default_outcome,
     join,
     outcomes_of,
     type_of,
@@ -25,7 +26,6 @@ from grip_bt.task.model import (
 from grip_bt.task.parts import Edges
 from grip_bt.task.validation import structural_issues
 from grip_bt.task.validation.analysis import type_or_none
-from grip_bt.task.validation.codes import default_outcome
 
 from .scopes import Scope, Scopes
 

@@ -1,14 +1,7 @@
 """The task document as frozen models; the models' fields are the file's keys. `grip_bt.task.validation` checks meaning.
 
-A node is a leaf (`node:`) or a container (`kind:`). Nodes have no names of their own: the key under which a
-container holds a child is its name, and the path of names is its identity (`attempt/grasp`). The root's path is `/`.
-
-Outcomes. Every node ends with one of its outcomes, a label whose meaning is `success` or `failure`. A leaf's come
-from its manifest. A composite or decorator ends with `success` or `failure`, and with whatever `outcomes` adds;
-`exits` maps `child.outcome` or `child.outcome.code` to one of its outcomes and ends it at once; a label that isn't
-mapped acts by its meaning. A `state_machine` ends with the `outcomes` it declares and nothing else. `on` of a child
-of a state machine maps its `outcome` or `outcome.code` to a sibling or to an outcome of the machine; `on` of the
-root maps to the outcomes of the task.
+A node is a leaf (`node:`) or a container (`kind:`); the path of names to it is its identity (`attempt/grasp`), and that
+of the root is `/`. Where outcomes lead: docs/task_format.md.
 """
 
 from __future__ import annotations
@@ -93,6 +86,11 @@ class Task(WithFreeKeys):
     def variables(self) -> Mapping[str, Variable | str]:
         """The variables of the whole task: inputs, outputs and data."""
         return {**self.outputs, **self.inputs, **self.data} if self.inputs or self.outputs else self.data
+
+
+def default_outcome(task: Task, outcome: str, meaning: str) -> str | None:
+    """Return the task's outcome for an end of the root that `on` doesn't map: the same word, or else its meaning."""
+    return next((target for target in (outcome, meaning) if target in task.outcomes), None)
 
 
 _NONE: FrozenDict[str, AnyNode] = FrozenDict()

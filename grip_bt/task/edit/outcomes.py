@@ -9,7 +9,7 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.task.edit.editing import BaseCommand
-from grip_bt.task.model import outcomes_of
+from grip_bt.task.model import default_outcome, outcomes_of
 
 from ..canonical import file_data
 from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task
@@ -33,15 +33,12 @@ class RenameOutcome(BaseCommand):
 
     @override
     def plan(self, edit: Edit) -> None:
-        if self.to == self.outcome:
-            _declared(edit, self)
-        elif self.path == "":
-            _of_task(edit, self)
-        else:
-            _of_container(edit, self)
+        _expect_declared(edit, self)
+        if self.to != self.outcome:
+            _of_task(edit, self) if self.path == "" else _of_container(edit, self)
 
 
-def _declared(edit: Edit, command: RenameOutcome) -> None:
+def _expect_declared(edit: Edit, command: RenameOutcome) -> None:
     """Refuse an outcome that isn't declared there, and a name that is taken."""
     holder = edit.task if command.path == "" else edit.node(command.path)
     if not isinstance(holder, Task | Kind) or "outcomes" not in type(holder).model_fields:
@@ -62,7 +59,6 @@ def _declared(edit: Edit, command: RenameOutcome) -> None:
 
 
 def _of_task(edit: Edit, command: RenameOutcome) -> None:
-    _declared(edit, command)
     task = edit.task
     if "outcomes" in edit.draft.mapping(()):
         edit.rekey(("outcomes",), command.outcome, command.to)
@@ -73,7 +69,7 @@ def _of_task(edit: Edit, command: RenameOutcome) -> None:
     for label in led:
         edit.set(("root", "on"), label, command.to)
     for label, meaning in _ends_of_root(task.root, command.outcome, bool(led)).items():
-        if label not in task.root.on and _by_itself(task.outcomes, label, meaning) == command.outcome:
+        if label not in task.root.on and default_outcome(task, label, meaning) == command.outcome:
             edit.set_in(("root",), "on", label, command.to)
 
 
@@ -93,13 +89,7 @@ def _ends_of_root(root: AnyNode, outcome: str, led: bool) -> Mapping[str, str]:
     return known
 
 
-def _by_itself(outcomes: Mapping[str, str], label: str, meaning: str) -> str | None:
-    """Return where an end of the root leads that `on` doesn't map: the same word, or else its meaning."""
-    return next((target for target in (label, meaning) if target in outcomes), None)
-
-
 def _of_container(edit: Edit, command: RenameOutcome) -> None:
-    _declared(edit, command)
     node, place = edit.node(command.path), edit.place(command.path)
     edit.rekey((*place, "outcomes"), command.outcome, command.to)
     _inside(edit, node, place, command)
@@ -130,8 +120,8 @@ def _at_root(edit: Edit, command: RenameOutcome) -> None:
     """Let the root's end lead where it led when nothing said so."""
     task = edit.task
     meaning = outcomes_of(task.root)[command.outcome]  # type: ignore[arg-type]
-    target = _by_itself(task.outcomes, command.outcome, meaning)
-    if command.outcome in task.root.on or target in (None, _by_itself(task.outcomes, command.to, meaning)):
+    target = default_outcome(task, command.outcome, meaning)
+    if command.outcome in task.root.on or target in (None, default_outcome(task, command.to, meaning)):
         return
     edit.set_in(("root",), "on", command.to, target)
 

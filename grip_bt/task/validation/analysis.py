@@ -196,11 +196,8 @@ class TaskAnalysis:
             placed = stack.pop()
             nodes.append(placed)
             node = placed.node
-            if isinstance(node, Leaf):
+            if isinstance(node, Leaf | Subtask):
                 self._look_up(placed, node)
-                continue
-            if isinstance(node, Subtask):
-                self._look_inside(placed, node)
                 continue
             self.containers.append(placed)
             placed.outcomes = outcomes_of(node)
@@ -217,22 +214,19 @@ class TaskAnalysis:
             stack.extend(reversed(placed.children.values()))
         return nodes
 
-    def _look_up(self, placed: PlacedNode, node: Leaf) -> None:
-        self.leaves.append(placed)
-        if node.node not in self.catalog:
-            placed.outcomes = _expected_outcomes(placed)
-            return
-        manifest = placed.manifest = self.catalog.get(node.node)
-        placed.outcomes = manifest.outcomes
-        if node.meaning or node.precondition:
-            placed.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
-
-    def _look_inside(self, placed: PlacedNode, node: Subtask) -> None:
-        manifest = placed.manifest = self.subtasks.look(node.task).face
-        if manifest is None:
-            placed.outcomes = _expected_outcomes(placed)
+    def _look_up(self, placed: PlacedNode, node: Leaf | Subtask) -> None:
+        if isinstance(node, Subtask):
+            manifest = self.subtasks.look(node.task).face
         else:
+            self.leaves.append(placed)
+            manifest = self.catalog.get(node.node) if node.node in self.catalog else None
+        placed.manifest = manifest
+        if manifest is None:
+            placed.outcomes = _expected_outcomes(placed, node)
+        elif node.meaning or node.precondition:
             placed.outcomes = with_refusal(node, manifest.outcomes_for(dict(node.meaning)))
+        else:
+            placed.outcomes = manifest.outcomes
 
     def _sum_up(self, placed: PlacedNode) -> None:
         node, scope = placed.node, placed.scope
@@ -279,9 +273,9 @@ def type_or_none(text: str) -> Type | None:
         return None
 
 
-def _expected_outcomes(placed: PlacedNode) -> dict[str, str]:
+def _expected_outcomes(placed: PlacedNode, node: Leaf | Subtask) -> dict[str, str]:
     """Return what a task expects of a leaf that isn't known, so that one wrong name isn't reported many times."""
-    expected = dict.fromkeys((key.partition(".")[0] for key in placed.node.on), "failure")
+    expected = dict.fromkeys((key.partition(".")[0] for key in node.on), "failure")
     parent = placed.parent.node if placed.parent is not None else None
     if parent is not None and not isinstance(parent, Leaf | Subtask | StateMachine):
         for key in parent.exits:
@@ -294,5 +288,4 @@ def _expected_outcomes(placed: PlacedNode) -> dict[str, str]:
         expected["failure"] = "failure"
     if "success" in expected or not placed.in_machine:
         expected["success"] = "success"
-    assert isinstance(placed.node, Leaf | Subtask)
-    return {**expected, **placed.node.meaning}
+    return {**expected, **node.meaning}

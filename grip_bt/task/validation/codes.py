@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from grip_bt.base.issue import Severity
 from grip_bt.base.types import BUILTINS
-from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog, Type
 
 _STRUCTURAL = (
@@ -47,8 +46,3 @@ def producers(catalog: Catalog, type_: Type) -> str:
 def suggestion(hint: str, otherwise: str) -> str:
     """Return a fix: the word that `grip_bt.base.errors.nearest` has found, or `otherwise` when it found none."""
     return f"write {hint.split(chr(39))[1]!r}" if hint else otherwise
-
-
-def default_outcome(task: Task, outcome: str, meaning: str) -> str | None:
-    """Return the task's outcome for an end of the root that `on` doesn't map: the same word, or else its meaning."""
-    return next((target for target in (outcome, meaning) if target in task.outcomes), None)

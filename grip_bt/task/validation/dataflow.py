@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from grip_bt.task import Foreign, Leaf, Subtask
 from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import edges_of, flow, possible
-from grip_bt.task.model import Childless
+from grip_bt.task.model import Childless, default_outcome
 from grip_bt.task.validation.analysis import PlacedNode, TaskAnalysis
-from grip_bt.task.validation.codes import default_outcome
 
 
 class PossibleOutcomes:

@@ -131,24 +131,29 @@ def check_numbers(analysis: TaskAnalysis) -> None:
     for placed in analysis.nodes:
         node = placed.node
         if isinstance(node, Leaf):
-            for place, number in _strange(node.with_, ("with",)):
-                _say(analysis, placed.path, place, number)
+            _not_finite(analysis, placed.path, node.with_, ("with",), told=True)
         elif isinstance(node, Subtask):
-            _say_of_nan(analysis, placed.path, node.with_, ("with",))
+            _not_finite(analysis, placed.path, node.with_, ("with",))
         elif isinstance(node, Switch):
-            _say_of_nan(analysis, placed.path, node.cases, ("cases",))
-        elif isinstance(seconds := getattr(node, "seconds", None), float) and not isfinite(seconds):
-            _say(analysis, placed.path, ("seconds",), seconds)
+            _not_finite(analysis, placed.path, node.cases, ("cases",))
+        else:
+            _not_finite(analysis, placed.path, getattr(node, "seconds", None), ("seconds",), told=True)
     for declared in analysis.declared:
         if isinstance(declared.variable, Variable) and declared.has_value:
-            _say_of_nan(analysis, declared.owner, declared.variable.value, (declared.key, declared.name, "value"))
+            _not_finite(analysis, declared.owner, declared.variable.value, (declared.key, declared.name, "value"))
 
 
-def _say_of_nan(analysis: TaskAnalysis, path: str, value: object, place: Place) -> None:
-    """Note only what is no number at all: a search for the least, for instance, begins with infinity."""
-    for found, number in _strange(value, place):
+def _not_finite(analysis: TaskAnalysis, path: str, value: object, place: Place, told: bool = False) -> None:
+    """Note what is no number, and where it is `told` infinity: a search for the least, for instance, begins with it."""
+    for at, number in _strange(value, place):
+        where = "/".join(map(str, at))
         if isnan(number):
-            _say(analysis, path, found, number)
+            message = f"{where}: `.nan` can't be used as a value here"
+            analysis.add(path, at, "not-a-number", message, "write a number, or leave it out")
+        elif told:
+            word = ".inf" if number > 0 else "-.inf"
+            message = f"{where}: `{word}` isn't allowed here; for no limit write `null` or leave the key out"
+            analysis.add(path, at, "infinite-number", message, "write a finite number")
 
 
 def _strange(value: object, place: Place) -> Iterator[tuple[Place, float]]:
@@ -162,14 +167,3 @@ def _strange(value: object, place: Place) -> Iterator[tuple[Place, float]]:
     elif isinstance(value, list | tuple):
         for index, item in enumerate(value):
             yield from _strange(item, (*place, index))
-
-
-def _say(analysis: TaskAnalysis, path: str, place: Place, number: float) -> None:
-    where = "/".join(map(str, place))
-    if isnan(number):
-        reason = "`.nan` can't be used as a value here"
-        analysis.add(path, place, "not-a-number", f"{where}: {reason}", "write a number, or leave it out")
-        return
-    word = ".inf" if number > 0 else "-.inf"
-    reason = f"`{word}` isn't allowed here; for no limit write `null` or leave the key out"
-    analysis.add(path, place, "infinite-number", f"{where}: {reason}", "write a finite number")

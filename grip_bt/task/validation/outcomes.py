@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from grip_bt.base.errors import listing, nearest
 from grip_bt.base.evaluation import same_literal
 from grip_bt.task import Parallel, StateMachine, Switch, Task
-from grip_bt.task.model import Childless
+from grip_bt.task.model import Childless, default_outcome
 from grip_bt.task.validation.dataflow import PossibleOutcomes, machine_edges, reachable
 
 from .analysis import PlacedNode, TaskAnalysis
-from .codes import default_outcome, suggestion
+from .codes import suggestion
 
 
 def check_outcomes(analysis: TaskAnalysis, possible: PossibleOutcomes | None) -> None:
