@@ -1,9 +1,7 @@
 """The expression language of guards, switches and loops: read once, checked against an allow-list, never `eval`ed.
 
-An expression is one line over the variables of a task: literals, comparisons, `and or not`, `+ - * / // %` on
-numbers, membership (`in`, `not in`), `is None`, `len min max abs`, lists of values, and attributes of values whose
-names don't begin with an underscore (`grasp.quality`). Nothing else can be said, so nothing else can happen: no calls
-of anything but the four functions, no indexing, no powers, no text arithmetic. `grip_bt.base.evaluation` computes it.
+Nothing else can be said than the allow-list has, so nothing else can happen: no calls but of four functions, no
+indexing, no powers, no text arithmetic, no private attributes. `grip_bt.base.evaluation` computes it.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """What a task is: frozen models, the text that they are read from and written to, and edits of both.
 
-`model` and `parts` with `kinds/` (a kind of container a file: its fields, and what it does), `document` (text ->
-task, with places), `shape` (what a document may hold, and its JSON Schema), `canonical` and `comments` (task -> text),
-`edges`. `exploration` and `kind_analysis` find out what a kind can do. `edit/`, `catalog/`, `validation/`: each imports
-only what stands before it.
+`model`, `parts` and `kinds/`, `document` (text -> task, with places), `shape` (what a document may hold), `canonical`
+and `comments` (task -> text), `exploration` and `kind_analysis` (what a kind can do), `edit/`, `catalog/`,
+`validation/`.
 """
 
 from grip_bt.base.frozen import FrozenDict as FrozenDict

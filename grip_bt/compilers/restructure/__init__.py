@@ -1,8 +1,6 @@
 """Task -> task in the other form: composites as state machines, state machines as composites. Exact, or left as it is.
 
-A restructured task shows the same activations of leaves (under new paths, where containers were added), the same
-outcome, reason and data. What has no equal in the other form stays, with a note that says why; docs/conversion.md
-explains which parts these are.
+What is exact, and what has no equal in the other form and stays with a note that says why: docs/conversion.md.
 """
 
 from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees

@@ -1,8 +1,7 @@
 """Nodes of a project that are written in Python: their manifests, read from the source without running it.
 
-Every function or class at the top level of a file that is decorated with `grip_bt.leaf(...)` is a node. The
-decorator's arguments and all defaults are literals, so that checking a task or opening the editor never runs a
-project's code; it is imported when a task that uses it is run.
+The arguments of the decorator `grip_bt.leaf(...)` and all defaults are literals, so that checking a task or opening the
+editor never runs a project's code; it is imported when a task that uses it is run.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """Undo and redo over commands, with branches: what was undone and then overwritten stays reachable.
 
-A history holds a bounded number of moments. What is forgotten first are the oldest ends of branches on which the
-document isn't; then its own beginning. It is kept as a file beside its task, `tasks/.grip/history/pick.yaml.json`, with
-the text that it ended with. When the task's file was changed since by something else, that change is one more moment,
-so that nothing that was done before is lost.
+Of too many moments the oldest ends of other branches are forgotten first. What changed a task's file outside of its
+history, which is kept beside it, is one more moment.
 """
 
 from __future__ import annotations
