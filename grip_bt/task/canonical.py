@@ -109,13 +109,11 @@ def file_data(value: object) -> Any:
     return [file_data(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
-def data_of(shape: BaseModel, skipped: tuple[str, ...] = ()) -> dict[str, object]:
+def data_of(shape: BaseModel) -> dict[str, object]:
     """Return the keys of a task or a node as they stand in a file; nodes in it are left as models."""
     data: dict[str, object] = {}
     for name, field in type(shape).model_fields.items():
         value = getattr(shape, name)
-        if name in skipped:
-            continue
         if name == "x":
             data.update((k, v) for k, v in value.items() if k.startswith(FREE_PREFIX))
         elif (

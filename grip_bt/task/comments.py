@@ -37,14 +37,22 @@ def attach_comments(tree: YamlMapping, text: str) -> list[str]:
     Returns:
         The lines before the first entry, which stay at the top of the file.
     """
-    places: list[_Place] = []
+    places = list(_places(tree))
     spans: list[tuple[int, int]] = []
     flows: list[YamlEntry] = []
-    _collect(tree, places, spans, flows)
+    blocks: set[int] = set()
+    for entry in (place.entry for place in places):
+        value = entry.value
+        spans.append((entry.start, entry.key_end))
+        if not isinstance(value, YamlScalar):
+            flows += [entry] * value.flow
+            continue
+        spans.append(value.span)
+        blocks |= {value.span[0]} if value.block else set()
     _attach_blank_lines(places, text)
     header: list[str] = []
     starts = [p.entry.start for p in places]
-    for comment in _find(text, spans, {s.span[0] for s in _block_scalars(tree)}):
+    for comment in _find(text, spans, blocks):
         below = bisect_right(starts, comment.start)
         if below == 0:
             header.extend([""] * (comment.blank_before and bool(header)) + [comment.text])
@@ -64,36 +72,15 @@ def attach_comments(tree: YamlMapping, text: str) -> list[str]:
     return header
 
 
-def _collect(
-    tree: YamlMapping,
-    places: list[_Place],
-    spans: list[tuple[int, int]],
-    flows: list[YamlEntry],
-) -> None:
-    """List entries, spans of scalars and keys, and entries in braces or brackets, in document order."""
+def _places(tree: YamlMapping) -> Iterator[_Place]:
     stack = [_Place(e, tree, tree if tree.flow else None) for e in reversed(entries_of(tree))]
     while stack:
         place = stack.pop()
-        entry = place.entry
-        places.append(place)
-        spans.append((entry.start, entry.key_end))
-        value = entry.value
-        if isinstance(value, YamlScalar):
-            spans.append(value.span)
-            continue
-        if value.flow:
-            flows.append(entry)
-        flow = value if value.flow else place.flow
-        stack.extend(_Place(e, value, flow) for e in reversed(entries_of(value)))
-
-
-def _block_scalars(tree: YamlMapping) -> Iterator[YamlScalar]:
-    stack = entries_of(tree)
-    while stack:
-        value = stack.pop().value
-        if isinstance(value, YamlScalar) and value.block:
-            yield value
-        stack.extend(entries_of(value))
+        yield place
+        value = place.entry.value
+        if not isinstance(value, YamlScalar):
+            flow = value if value.flow else place.flow
+            stack.extend(_Place(e, value, flow) for e in reversed(entries_of(value)))
 
 
 def _find(text: str, spans: list[tuple[int, int]], blocks: set[int]) -> Iterator[_Comment]:

@@ -14,7 +14,7 @@ from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import parse_type
 from grip_bt.base.yaml.models import check_model, document_error
-from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlValue, from_data, parse, read_file
+from grip_bt.base.yaml.tree import YamlList, YamlMapping, from_data, parse, read_file
 from grip_bt.base.yaml.writer import write
 from grip_bt.task.model import Meaning, Name
 
@@ -140,13 +140,20 @@ def read_manifests(path: Path | str) -> list[Manifest]:
     """
     source = str(path)
     tree = parse(read_file(path), source)
-    if isinstance(tree, YamlList):
-        trees = [entry.value for entry in tree.entries]
-    else:
-        trees = [tree]
-    manifests = [_read(each, source) for each in trees]
-    folder = Path(path).resolve().parent
-    return [_with_absolute_file(manifest, folder) for manifest in manifests]
+    manifests = []
+    for each in [entry.value for entry in tree.entries] if isinstance(tree, YamlList) else [tree]:
+        if not isinstance(each, YamlMapping):
+            message = "a manifest is a mapping with `id:`, `doc:` and `implementation:`"
+            raise DocumentError(message, source, each.line, each.column)
+        manifest, faults = check_model(each, Manifest, "a manifest")
+        if manifest is None:
+            raise document_error(faults, source)
+        where, _, name = manifest.implementation.rpartition(":")
+        if where.endswith(".py") and not Path(where).is_absolute():
+            file = Path(path).resolve().parent / where
+            manifest = manifest.model_copy(update={"implementation": f"{file}:{name}"})
+        manifests.append(manifest)
+    return manifests
 
 
 def find_manifests(folder: Path | str) -> list[Manifest]:
@@ -157,23 +164,6 @@ def find_manifests(folder: Path | str) -> list[Manifest]:
     """
     files = sorted(Path(folder).glob("**/manifest.yaml"))
     return [manifest for file in files for manifest in read_manifests(file)]
-
-
-def _read(tree: YamlValue, source: str) -> Manifest:
-    if not isinstance(tree, YamlMapping):
-        message = "a manifest is a mapping with `id:`, `doc:` and `implementation:`"
-        raise DocumentError(message, source, tree.line, tree.column)
-    manifest, faults = check_model(tree, Manifest, "a manifest")
-    if manifest is None:
-        raise document_error(faults, source)
-    return manifest
-
-
-def _with_absolute_file(manifest: Manifest, folder: Path) -> Manifest:
-    where, _, name = manifest.implementation.rpartition(":")
-    if not where.endswith(".py") or Path(where).is_absolute():
-        return manifest
-    return manifest.model_copy(update={"implementation": f"{folder / where}:{name}"})
 
 
 def manifest_text(manifest: Manifest, header: str) -> str:

@@ -17,7 +17,7 @@ from grip_bt.task.edit.editing import BaseCommand, path_in_words
 from grip_bt.task.model import children_of
 
 from ..canonical import file_data
-from ..model import AnyNode, Name, StateMachine
+from ..model import Name, StateMachine
 from .editing import Edit, expect_free, expect_others, expect_room, slot
 from .steps import Assign, Place
 
@@ -154,8 +154,10 @@ def redirect(edit: Edit, parent: str, name: str, to: str | None) -> None:
     if edit.draft.mapping(place).get("default") == name:
         edit.drop(place, "default") if to is None else edit.set(place, "default", to)
     _redirect_lists(edit, place, name, to)
-    for record, outcome in _edges_to(container, (*place, slot(container)), name):
-        edit.drop_in(record, "on", outcome) if to is None else edit.set((*record, "on"), outcome, to)
+    for sibling, node in children_of(container).items() if isinstance(container, StateMachine) else ():
+        record = (*place, slot(container), sibling)
+        for outcome in [outcome for outcome, target in node.on.items() if target == name]:
+            edit.drop_in(record, "on", outcome) if to is None else edit.set((*record, "on"), outcome, to)
 
 
 def _redirect_lists(edit: Edit, place: Place, name: str, to: str | None) -> None:
@@ -176,9 +178,3 @@ def _redirect_lists(edit: Edit, place: Place, name: str, to: str | None) -> None
     ):
         if kept != old:
             edit.set(place, field, kept) if kept else edit.drop(place, field)
-
-
-def _edges_to(container: AnyNode, children: Place, name: str) -> list[tuple[Place, str]]:
-    """Return the record and outcome of every edge to a child of a state machine."""
-    below = children_of(container) if isinstance(container, StateMachine) else {}
-    return [((*children, sibling), o) for sibling, node in below.items() for o, to in node.on.items() if to == name]

@@ -109,7 +109,11 @@ def _machine(analysis: TaskAnalysis, placed: PlacedNode, node: StateMachine) -> 
             _machine_target(analysis, placed, child, label, target)
         for outcome in child.outcomes:
             if outcome not in child.node.on and child.outcomes:
-                _uncovered(analysis, child, outcome)
+                codes = [key for key in child.node.on if key.startswith(f"{outcome}.")]
+                only = f"; {listing(codes)} covers only failures with that code" if codes else ""
+                message = f"its outcome {outcome!r} isn't connected{only}"
+                fix = f"add `{outcome}: <sibling or outcome>` to its `on`"
+                analysis.add(child.path, ("on", outcome), "missing-target", message, fix)
     if not set(node.outcomes).isdisjoint(targets):  # or else it is endless, which is said by another rule
         _unused(analysis, placed.path, node.outcomes, targets, "`on` of a child")
 
@@ -132,14 +136,6 @@ def unknown_target(
     hint = nearest(target, allowed)
     message = f"{where[-1]!r} leads to {target!r}, which isn't there{hint} ({kind}: {listing(allowed)})"
     analysis.add(path, where, "unknown-target", message, suggestion(hint, ""))
-
-
-def _uncovered(analysis: TaskAnalysis, child: PlacedNode, outcome: str) -> None:
-    codes = [key for key in child.node.on if key.startswith(f"{outcome}.")]
-    only = f"; {listing(codes)} covers only failures with that code" if codes else ""
-    message = f"its outcome {outcome!r} isn't connected{only}"
-    fix = f"add `{outcome}: <sibling or outcome>` to its `on`"
-    analysis.add(child.path, ("on", outcome), "missing-target", message, fix)
 
 
 def _unused(analysis: TaskAnalysis, path: str, outcomes: Iterable[str], targets: Iterable[str], where: str) -> None:
