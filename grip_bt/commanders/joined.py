@@ -65,7 +65,10 @@ class _All(Generic[K, T]):
         self._left = len(starts)
         self._first: list[BaseException] = []
         for name, start in starts.items():
-            self._parts[name] = _started(start) if not self._first else Operation.failed(self._first[0])
+            try:
+                self._parts[name] = start() if not self._first else Operation.failed(self._first[0])
+            except Exception as error:  # noqa: BLE001 - the others must be cancelled, then the owner raises it
+                self._parts[name] = Operation.failed(error)
             if self._first or self.whole.cancel_asked:  # another one has failed while this one was being started
                 self._parts[name].cancel()
             self._parts[name].add_done_callback(partial(self._ended, self._parts[name]))
@@ -92,13 +95,6 @@ class _All(Generic[K, T]):
             self.whole.fail(self._first[0])
         elif last:
             self.whole.succeed({name: each.result() for name, each in self._parts.items()})
-
-
-def _started(start: Callable[[], Operation[T]]) -> Operation[T]:
-    try:
-        return start()
-    except Exception as error:  # noqa: BLE001 - the others must be cancelled, then the owner raises it
-        return Operation.failed(error)
 
 
 def execute_together(parts: Mapping[str, tuple[Arm, Plan]]) -> Operation[dict[str, JointState]]:

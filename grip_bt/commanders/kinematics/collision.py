@@ -65,17 +65,20 @@ class CollisionChecker:
             theirs = self._links_of(other_hand)
             self._pair([k for k in (moving if still else robot) if k not in theirs], [one])
             self._pair(held if still else [*held, *world], [one])
-        self._pair_apart(carried)
+        joint = [shape.parentJoint for shape in self._geometry.geometryObjects]
+        for one, other in combinations(carried, 2):  # what different hands hold, where they can move apart
+            if carried[one] != carried[other] and joint[one] != joint[other]:
+                self._pair([one], [other])
         self._set_pairs()
         lent = radii(chain.model, [self._geometry.geometryObjects[k] for k in (*held, *carried)])
         self.reaches = reaches(chain.model, np.maximum(chain.radii, lent))
         self._threads = min(os.cpu_count() or 1, 8)
-        self._rough = self._pool_of(self._outline)
+        self._rough = _Pool(chain.model, self._outline, self._threads)
 
     @cached_property
     def _pool(self) -> _Pool:
         """All shapes; made when an outline touches something for the first time, since it takes a millisecond."""
-        return self._pool_of(self._geometry)
+        return _Pool(self.chain.model, self._geometry, self._threads)
 
     @cached_property
     def _data(self) -> pin.GeometryData:
@@ -98,13 +101,6 @@ class CollisionChecker:
             return self.chain.hand
         links = self.scene.carriers[hand].links
         return frozenset(k for k, link in enumerate(self.chain.links) if link in links)
-
-    def _pair_apart(self, carried: dict[int, str]) -> None:
-        """Pair what different hands hold, where they can move towards each other."""
-        joint = [shape.parentJoint for shape in self._geometry.geometryObjects]
-        for one, other in combinations(carried, 2):
-            if carried[one] != carried[other] and joint[one] != joint[other]:
-                self._pair([one], [other])
 
     def free(self, q: Array) -> bool:
         """Tell whether a configuration, shape (n,), touches nothing."""
@@ -192,9 +188,6 @@ class CollisionChecker:
         columns = np.asfortranarray(configurations.T)
         threads = self._threads if columns.shape[1] >= _ENOUGH_FOR_THREADS else 1
         return np.array(pin.computeCollisionsInParallel(threads, pool, columns, True, stop_at_first), dtype=bool)
-
-    def _pool_of(self, geometry: pin.GeometryModel) -> _Pool:
-        return _Pool(self.chain.model, geometry, self._threads)
 
     def _add(self, item: SceneObject, frame: pin.Frame | None, margin: float) -> int:
         placement = pin.SE3(item.pose.matrix())

@@ -8,7 +8,6 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import IO
 
 from grip_bt.base.failures import CanceledError, PlannerLostError
 from grip_bt.base.interpreter import how_ended, python_command
@@ -141,7 +140,9 @@ class PlanningProcess:
         child.wait()
         child.stdout.close()
         self._replace(child)
-        _close(child.stdin)
+        if child.stdin is not None:
+            with suppress(BrokenPipeError):  # what it still holds can't be delivered
+                child.stdin.close()
 
     def _ended(self, number: int) -> _Job | None:
         with self._lock:
@@ -206,10 +207,3 @@ def _lost(dead: subprocess.Popen[bytes]) -> PlannerLostError:
     how = how_ended(dead.returncode)
     words = f"the planning process died twice: process {dead.pid} {how}; what it printed on stderr may tell why"
     return PlannerLostError(words, exit_status=dead.returncode)
-
-
-def _close(pipe: IO[bytes] | None) -> None:
-    """Close a pipe whose other end is gone; what it still holds can't be delivered."""
-    if pipe is not None:
-        with suppress(BrokenPipeError):
-            pipe.close()

@@ -169,23 +169,12 @@ class _Extension:
     def __init__(self, checker: CollisionChecker, edge_free: EdgeCheck, rng: np.random.Generator):
         self._checker, self._edge_free, self._rng = checker, edge_free, rng
         self._temperature = _COLD
-        self._costs: dict[tuple[int, int], float] = {}
 
     def __call__(self, tree: Tree, index: int, towards: Configuration) -> int | None:
         one = tree.at(index)
         other = stepped(one, towards, BITRRT_STEP)
-        cost = float(costs(self._checker, other[None, :])[0])
-        if not self._accepted(self._cost(tree, index), cost) or not self._edge_free(one, other):
-            return None
-        added = tree.add(other, index)
-        self._costs[id(tree), added] = cost
-        return added
-
-    def _cost(self, tree: Tree, index: int) -> float:
-        key = (id(tree), index)
-        if key not in self._costs:
-            self._costs[key] = float(costs(self._checker, tree.at(index)[None, :])[0])
-        return self._costs[key]
+        before, after = costs(self._checker, np.stack([one, other])).tolist()
+        return tree.add(other, index) if self._accepted(before, after) and self._edge_free(one, other) else None
 
     def _accepted(self, before: float, after: float) -> bool:
         """Take every step that gets no closer to things, others with a chance that falls with the rise."""
