@@ -216,7 +216,7 @@ class TaskAnalysis:
 
     def _look_up(self, placed: PlacedNode, node: Leaf | Subtask) -> None:
         if isinstance(node, Subtask):
-            manifest = self.subtasks.look(node.task).face
+            manifest, _ = self.subtasks.look(node.task)
         else:
             self.leaves.append(placed)
             manifest = self.catalog.get(node.node) if node.node in self.catalog else None

@@ -97,9 +97,9 @@ def check_subtasks(analysis: TaskAnalysis) -> None:
     """Find files that can't be run, ports that they don't have or that are missing, and outputs that nothing writes."""
     for placed in analysis.nodes:
         if isinstance(placed.node, Subtask):
-            found = analysis.subtasks.look(placed.node.task)
-            if found.code:
-                analysis.add(placed.path, "task", found.code, found.message, found.fix)
+            _, problem = analysis.subtasks.look(placed.node.task)
+            if problem is not None:
+                analysis.add(placed.path, "task", problem.code, problem.message, problem.fix)
             if placed.manifest is not None:
                 _ports(analysis, placed, placed.node, placed.manifest)
                 for port in placed.node.with_:
