@@ -51,7 +51,11 @@ def run(args: argparse.Namespace) -> int:
     if args.inverse:  # first: where it can't be written, the task stays as it is
         replace_text(Path(args.inverse), json.dumps(inverses, indent=1) + "\n")
     for name, text in files.items():
-        _write_new(Path(args.task).resolve(), name, text)
+        file = find_project(Path(args.task).resolve()).folder / name
+        if file.exists():
+            raise EditError("", f"{file} already exists; choose another file for the part")
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
     replace_text(Path(args.task), document.text)
     print(f"{args.task}: {len(inverses)} command{'s' * (len(inverses) != 1)} applied")
     return 0
@@ -77,11 +81,3 @@ def _applied(data: object, document: Document, catalog: Catalog, files: dict[str
         files[part.file] = part.text
         return apply_to_document(document, part.edit)
     return apply_to_document(document, expanded(command, document.task, catalog))
-
-
-def _write_new(task: Path, name: str, text: str) -> None:
-    file = find_project(task).folder / name
-    if file.exists():
-        raise EditError("", f"{file} already exists; choose another file for the part")
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(text, encoding="utf-8")

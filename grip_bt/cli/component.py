@@ -90,7 +90,10 @@ def _folder(what: str, args: argparse.Namespace) -> Path:
     if path.is_dir():
         _check_component(path)
         return path
-    if path.suffix[1:] not in ("srv", "action", "msg") and (path.exists() or not _names_a_type(what)):
+    if path.suffix[1:] not in ("srv", "action", "msg") and (
+        path.exists()
+        or not (re.fullmatch(r"[a-z][a-z0-9_]*/(\w+/)?[A-Z]\w*", what) is not None or what.count("/") == 2)
+    ):
         _check_folder(path, args.project)
         return path
 
@@ -116,11 +119,6 @@ def _check_component(folder: Path) -> None:
             f"{folder}: the component is called {name!r}, and a run looks for it in {home.parent / name}: rename the "
             f"folder, or write `name: {home.name}` in {FILE_NAME}"
         )
-
-
-def _names_a_type(what: str) -> bool:
-    """Tell whether words look like the name of a type, in full or as people shorten it: `std_srvs/Trigger`."""
-    return re.fullmatch(r"[a-z][a-z0-9_]*/(\w+/)?[A-Z]\w*", what) is not None or what.count("/") == 2
 
 
 def _check_folder(path: Path, project: Path) -> None:

@@ -130,11 +130,7 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps([asdict(f) for f in findings], indent=2))
     else:
         for finding in findings:
-            _show(finding)
+            print(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
+            if finding.state != "ok" and finding.remedy:
+                print(f"      {'':<12} fix: {finding.remedy}")
     return int(any(f.state != "ok" and f.needed for f in findings))
-
-
-def _show(finding: Finding) -> None:
-    print(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
-    if finding.state != "ok" and finding.remedy:
-        print(f"      {'':<12} fix: {finding.remedy}")

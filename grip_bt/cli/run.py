@@ -161,19 +161,20 @@ def exit_status(end: RunEnd) -> int:
 
 def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, RunEnd]:
     """Run in a child process; pass on what goes either way. Return the exit status, and the event `ended`."""
-    run_id: list[str] = []
     started: list[Mapping[str, Any]] = []
     prompt: Prompt | None = None
 
     def told(event: Mapping[str, Any]) -> None:
         if event["event"] == "started":
-            run_id.append(event["run"])
             started.append(event)
         if event["event"] == "progress":
             if args.control or not args.json:
                 progress(event["part"], event["detail"])
         elif args.control and event["event"] != "failed":
-            _print_line(json.dumps(event), lambda: supervisor.stop(lost=True))
+            try:
+                print(json.dumps(event), flush=True)
+            except (OSError, ValueError):
+                supervisor.stop(lost=True)
         elif prompt is not None:
             prompt.told(event)
 
@@ -191,7 +192,7 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
         print(end["message"], file=sys.stderr)
         return INVALID, end
     if not args.control:
-        _tell({**end, "run": run_id[0] if run_id else None}, args.json)
+        _tell({**end, "run": started[0]["run"] if started else None}, args.json)
         if started and not args.json:
             _tell_failures(started[0], end["message"])
     return exit_status(end), end
@@ -218,13 +219,6 @@ def _pass_on(supervisor: Supervisor) -> None:
     except (OSError, ValueError):
         pass  # closed under our feet, which is an end too
     supervisor.stop(lost=True)
-
-
-def _print_line(line: str, gone: Callable[[], None]) -> None:
-    try:
-        print(line, flush=True)
-    except (OSError, ValueError):
-        gone()
 
 
 def _in_background(action: Callable[[], None]) -> None:

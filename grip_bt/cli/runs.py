@@ -81,7 +81,8 @@ def _run_runs(args: argparse.Namespace) -> int:
 
 def _one(reader: JournalReader, args: argparse.Namespace, run: str) -> None:
     if args.to is not None:
-        _export(reader, run, args.output, args.to)
+        count = export_run(reader, run, args.output, args.to)
+        print(f"{args.output}: {count} events of run {run}")
     elif args.timing:
         _timing(reader, run, args.json)
     elif args.data:
@@ -114,11 +115,6 @@ def _prune(args: argparse.Namespace) -> int:
         count = len(pruned.runs)
         print(f"{count} run{'s' if count != 1 else ''} removed; {file} holds {held} of {allowed}")
     return 0
-
-
-def _export(reader: JournalReader, run: str, file: Path, to: str) -> None:
-    count = export_run(reader, run, file, to)
-    print(f"{file}: {count} events of run {run}")
 
 
 def _data(reader: JournalReader, run: str, as_json: bool) -> None:
@@ -192,7 +188,10 @@ def _run_replay(args: argparse.Namespace) -> int:
     with JournalReader(file) as reader:
         found = find_run(reader, args.run_name)
         if args.gui:
-            return _open_page(file, found, not args.no_browser)
+            from grip_gui import serve  # here, since runs are replayed without the page too
+
+            folder = file.resolve().parent.parent if file.parent.name == ".grip" else find_project(Path()).folder
+            return serve(folder, show_run=found, journal=file, open_browser=not args.no_browser)
         until = Until(args.until) if args.until else None
         if until is not None and reader.run(found).status != "running":
             _check_place(reader, found, until)
@@ -201,7 +200,8 @@ def _run_replay(args: argparse.Namespace) -> int:
         def show(event: Event, moment: RunSnapshot) -> None:
             print(json.dumps(asdict(event), ensure_ascii=False) if args.json else line_of(event), flush=bool(speed))
             if args.step and not (until is not None and until.reached(event)):
-                _wait_for_enter()
+                if not (line := sys.stdin.readline()) or line.strip().lower() == "q":
+                    raise EOFError
 
         try:
             moment, reached = replay(events_of(reader, found), show, None if args.step else speed or None, until)
@@ -233,19 +233,6 @@ def _check_place(reader: JournalReader, run: str, until: Until) -> None:
 def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> UnknownNameError:
     there = [f"1 to {last}"] if place.isdecimal() else sorted(paths)
     return UnknownNameError("place in the run", place, there, f"run {run}")
-
-
-def _wait_for_enter() -> None:
-    """Wait for a line; `q`, or the end of input, ends the replay."""
-    if not (line := sys.stdin.readline()) or line.strip().lower() == "q":
-        raise EOFError
-
-
-def _open_page(journal: Path, run: str, open_browser: bool) -> int:
-    from grip_gui import serve  # here, since runs are replayed without the page too
-
-    folder = journal.resolve().parent.parent if journal.parent.name == ".grip" else find_project(Path()).folder
-    return serve(folder, show_run=run, journal=journal, open_browser=open_browser)
 
 
 def add_capsule(parser: argparse.ArgumentParser) -> None:

@@ -87,7 +87,9 @@ def run_verb(arguments: Sequence[str] | None) -> int:
             return INVALID
         return complain(str(error))
     except ModuleNotFoundError as error:
-        missing = _missing_extra(error)
+        package = (error.name or "").partition(".")[0]
+        extra = _EXTRAS.get(package)
+        missing = None if extra is None else MissingPartError(f"{package!r}", f"pip install 'grip-bt[{extra}]'")
         if missing is None:
             raise
         return complain(str(missing))
@@ -137,10 +139,3 @@ _PACKAGES = {
     "analytic": ("eaik",),
 }
 _EXTRAS = {package: extra for extra, packages in _PACKAGES.items() for package in packages}
-
-
-def _missing_extra(error: ModuleNotFoundError) -> MissingPartError | None:
-    """Return in our words that a package of an extra isn't installed; None for any other module."""
-    package = (error.name or "").partition(".")[0]
-    extra = _EXTRAS.get(package)
-    return None if extra is None else MissingPartError(f"{package!r}", f"pip install 'grip-bt[{extra}]'")

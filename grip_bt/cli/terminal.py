@@ -73,22 +73,17 @@ def on_hang_up(stop: Callable[[], object]) -> None:
     """
 
     def hung_up(*_: object) -> None:
-        _let_go_of_terminal()
+        for stream in (sys.stdin, sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError, AttributeError):
+                number = stream.fileno()
+                if os.isatty(number) or _is_dead(number):
+                    null = os.open(os.devnull, os.O_RDWR)
+                    os.dup2(null, number)
+                    os.close(null)
         stop()
 
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
         signal.signal(signal.SIGHUP, hung_up)
-
-
-def _let_go_of_terminal() -> None:
-    """Have standard streams that are terminals be the null device from now on."""
-    for stream in (sys.stdin, sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError, AttributeError):
-            number = stream.fileno()
-            if os.isatty(number) or _is_dead(number):
-                null = os.open(os.devnull, os.O_RDWR)
-                os.dup2(null, number)
-                os.close(null)
 
 
 def _is_dead(number: int) -> bool:

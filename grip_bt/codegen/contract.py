@@ -259,7 +259,9 @@ def _faults(port: PortType, field: FieldSpec, sent: bool, fields_of: FieldsOf) -
 def _unlike(wanted: Type, field: FieldSpec, port: PortType, sent: bool, fields_of: FieldsOf) -> str | None:
     """Return what to write instead of a type that a field can never be; None where it may be."""
     name, own = wanted.name, VALUE_OF.get(field.type, field.type)
-    if name in ("Any", "dict", "bytes") or (name == "Pose" and field.array and _is_number(field.type)):
+    if name in ("Any", "dict", "bytes") or (
+        name == "Pose" and field.array and (field.type in INTEGER_TYPES or field.type in ("float32", "float64"))
+    ):
         return None  # a pose is 7 numbers, 4 or 3
     if field.array != (name == "list"):
         return f"write `list[{_plain(own)}]`" if field.array else f"it is one, write `{_plain(own)}`"
@@ -277,10 +279,6 @@ def _unlike(wanted: Type, field: FieldSpec, port: PortType, sent: bool, fields_o
         return None if sent else "a depth image needs the camera's geometry too; take it as `Image`"
     compared = _OWN if sent else VALUES  # of others, what goes out has fields of the same names
     return f"write `{own}`" if field.type in VALUE_OF and item.name in compared and item.name != own else None
-
-
-def _is_number(primitive: str) -> bool:
-    return primitive in INTEGER_TYPES or primitive in ("float32", "float64")
 
 
 def _kinds(primitive: str, port: PortType, sent: bool) -> tuple[str, ...]:

@@ -165,7 +165,11 @@ def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[st
     """Return the outputs of an empty answer, those that are numbers, texts, truth values or lists."""
     fields = received(component, interface)
     ports = output_ports(component, interface)
-    return {port: _default(fields[at]) for port, at in ports.items() if at in fields and _known(fields[at])}
+    return {
+        port: ([] if fields[at].array else _DEFAULTS.get(fields[at].type, 0))
+        for port, at in ports.items()
+        if at in fields and _known(fields[at])
+    }
 
 
 def default_case(component: ComponentFile, interface: InterfaceSpec) -> tuple[dict[str, Any], str | None] | None:
@@ -189,10 +193,6 @@ def default_case(component: ComponentFile, interface: InterfaceSpec) -> tuple[di
 
 def _known(field: FieldSpec) -> bool:
     return field.array or field.type in _DEFAULTS or field.type in INTEGER_TYPES
-
-
-def _default(field: FieldSpec) -> Any:
-    return [] if field.array else _DEFAULTS.get(field.type, 0)
 
 
 class NotOursError(GripError):

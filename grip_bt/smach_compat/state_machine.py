@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import traceback
 from collections.abc import Iterable
-from typing import Any, NoReturn
+from typing import Any
 
 from grip_bt.smach_compat._settings import hooks
 
@@ -267,7 +267,13 @@ class StateMachine(Container):
         try:
             outcome = state.execute(view)
         except errors_of_user_code() as error:
-            self._raise_as_user_code(label, state, error)
+            if isinstance(error, InvalidUserCodeError):
+                hooks.logerr(f"State {label!r} failed to execute.")
+                raise error
+            trace = "".join(traceback.format_exception(error))
+            raise InvalidUserCodeError(
+                f"Could not execute state {label!r} of type {type(state).__name__}: {trace}"
+            ) from error
         finally:
             lock.acquire()
         if self._current_state is not state:  # it executed its own machine; upstream stumbles below, over None
@@ -303,16 +309,6 @@ class StateMachine(Container):
         hooks.loginfo(f"State machine terminating {label!r}:{outcome!r}:{reached!r}")
         self.call_termination_cbs([label], reached)
         return reached
-
-    def _raise_as_user_code(self, label: object, state: object, error: BaseException) -> NoReturn:
-        """Raise what a state raised; all but InvalidUserCodeError wrapped into one."""
-        if isinstance(error, InvalidUserCodeError):
-            hooks.logerr(f"State {label!r} failed to execute.")
-            raise error
-        trace = "".join(traceback.format_exception(error))
-        raise InvalidUserCodeError(
-            f"Could not execute state {label!r} of type {type(state).__name__}: {trace}"
-        ) from error
 
     # --- preemption ---
 

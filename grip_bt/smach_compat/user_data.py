@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import threading
 from collections.abc import Collection, Iterable, Mapping
-from typing import Any, NoReturn
+from typing import Any
 
 from grip_bt.smach_compat._settings import hooks
 
@@ -155,25 +155,19 @@ class Remapper:
 
     def __getitem__(self, key: str) -> Any:
         if key not in self._input:
-            self._refuse_reading(key)
+            raise InvalidUserCodeError(
+                f"Reading userdata key {key!r}, but the declared inputs of this state are: {sorted(self._input)}"
+            )
         value = self._ud[self._remap(key)]
         return value if key in self._output else get_const(value)
 
     def __setitem__(self, key: str, value: object) -> None:
         if key not in self._output:
-            self._refuse_writing(key)
+            hooks.logerr(
+                f"Writing userdata key {key!r}, but the declared outputs of this state are: {sorted(self._output)}"
+            )
             return
         self._ud[self._remap(key)] = value
-
-    def _refuse_reading(self, key: str) -> NoReturn:
-        raise InvalidUserCodeError(
-            f"Reading userdata key {key!r}, but the declared inputs of this state are: {sorted(self._input)}"
-        )
-
-    def _refuse_writing(self, key: str) -> None:
-        hooks.logerr(
-            f"Writing userdata key {key!r}, but the declared outputs of this state are: {sorted(self._output)}"
-        )
 
     def __contains__(self, key: object) -> bool:
         return key in self._input and self._remap(key) in self._ud

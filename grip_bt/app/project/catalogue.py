@@ -95,7 +95,7 @@ def _hands(
             known["posture"] = {**robot.named_states.get(hand.group, {}), **taught.states(name)}
             known["finger"] = fingers
             known["tip"] = [*fingers, *links_of_groups(robot, {name: hand.group})[name]]
-            known["link"] = [*links, *_frames(robot)]
+            known["link"] = [*links, "grasp", *(f"grasp/{group}" for group in robot.grasp_frames)]
         faults = () if robot is None else faults_of_hand(project, name, robot)
         found[name] = _part_names(known, [*problems, *map(_problem, faults), *_uncontrolled(project, name)])
     return found
@@ -140,10 +140,6 @@ def _taught(project: Project) -> TaughtStates | DocumentError:
 
 def _links(robot: RobotDescription | None) -> list[str]:
     return [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
-
-
-def _frames(robot: RobotDescription) -> list[str]:
-    return ["grasp", *(f"grasp/{group}" for group in robot.grasp_frames)]
 
 
 def _part_names(known: Mapping[str, Iterable[str]], problems: list[Problem]) -> PartNames:

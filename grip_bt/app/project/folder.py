@@ -116,7 +116,10 @@ class Project:
 
     def component_folders(self) -> dict[str, Path]:
         """Return the folders of the external components by name."""
-        return {p.parent.name: p.parent for p in self._files(self.file.components, "*/component.yaml")}
+        if self.file.components is None:
+            return {}
+        files = sorted((self.folder / self.file.components).glob("*/component.yaml"))
+        return {file.parent.name: file.parent for file in files}
 
     @property
     def robot_source(self) -> str:
@@ -145,9 +148,6 @@ class Project:
         from grip_bt.commanders.scene_file import load_scene
 
         return () if self.file.scene is None else load_scene(self.folder / self.file.scene)
-
-    def _files(self, folder: str | None, pattern: str) -> list[Path]:
-        return [] if folder is None else sorted((self.folder / folder).glob(pattern))
 
 
 def find_project(path: str | Path) -> Project:

@@ -143,7 +143,8 @@ def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool)
         id of a node -> what is wrong with it. Nothing is said where the project declares no frame at all, neither by a
         robot nor by a mount: then all of them are somebody else's.
     """
-    mounted = _mounted(project, bool(links))
+    mounts = [sensor.mount for sensor in project.file.sensors.values() if sensor.mount is not None]
+    mounted = {frame for mount in mounts for frame in ((mount.frame,) if links else (mount.frame, mount.on))}
     if not robot_known or not (links or mounted):
         return {}
     fixed = {ROOT, *links, *mounted}
@@ -167,12 +168,6 @@ def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bo
         otherwise = "name one of these, or make sure that TF publishes it" if by_tf else "name one of these"
         fix = suggestion(nearest(frame, tuple(sorted(known))), otherwise)
         yield Problem(UNFIT_PROJECT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)
-
-
-def _mounted(project: Project, on_links: bool) -> set[str]:
-    """Return the frames of the sensors; without a robot also what they are mounted on, since that is all there is."""
-    mounts = [sensor.mount for sensor in project.file.sensors.values() if sensor.mount is not None]
-    return {frame for mount in mounts for frame in ((mount.frame,) if on_links else (mount.frame, mount.on))}
 
 
 def _named_by_components(project: Project) -> Iterator[tuple[ComponentFile, list[tuple[str, str]]]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
+from os.path import commonprefix
 from pathlib import Path
 
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
@@ -51,13 +52,8 @@ def find_run(reader: JournalReader, name: str) -> str:
         return name if name in ids else fitting[0]
     if name and len(fitting) > 1:
         raise AmbiguousNameError("run", name, fitting, str(reader.file), _NEAREST)
-    alike = sorted(ids, key=lambda id: -_common(id, name))
+    alike = sorted(ids, key=lambda id: -len(commonprefix([id, name])))
     raise UnknownNameError("run", name, alike[:_NEAREST], str(reader.file))
-
-
-def _common(one: str, other: str) -> int:
-    """Return how many characters two texts have in common at their beginning."""
-    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 def journal_of(place: Path | None, journal: Path | None) -> Path:

@@ -53,28 +53,10 @@ class Question:
         return f"{self.about}: {self.why}; {self.agreed}"
 
 
-def _undamaged(reader: JournalReader, run: str) -> list[Event]:
-    """Return the events of a run up to the first one that can't be read."""
-    return list(takewhile(lambda event: event.event != DAMAGED, reader.iterate(run)))
-
-
 def _recorded_options(events: Iterable[Event]) -> dict[str, Any]:
     """Return the options with which a run was started, as far as its journal has them."""
     started = next((event for event in events if event.event == "run_started"), None)
     return dict(started.data.get("options", {})) if started is not None else {}
-
-
-def _wait_for_exit(reader: JournalReader, run: str) -> None:
-    """Wait until the process of a run that was cut off has closed its parts: two mustn't move one robot.
-
-    Raises:
-        ResumeError: it doesn't end.
-    """
-    deadline = time.monotonic() + _CLOSING
-    while reader.lives(run):
-        if time.monotonic() > deadline:
-            raise ResumeError(f"run {run} was interrupted, and its process is still shutting down; stop it first")
-        time.sleep(0.05)
 
 
 def _last_task_event(events: Sequence[Event]) -> int:
@@ -284,7 +266,7 @@ def plan_resume(
     with JournalReader(journal) as reader:
         record = reader.run(find_run(reader, run))
         known = len(reader.damage)
-        events = _undamaged(reader, record.id)
+        events = list(takewhile(lambda event: event.event != DAMAGED, reader.iterate(record.id)))
         if at is None and len(reader.damage) > known:
             raise ResumeError(
                 f"run {record.id} cannot be resumed: it is damaged: {'; '.join(reader.damage[known:])}. "
@@ -293,7 +275,13 @@ def plan_resume(
         if at is None:
             resumable(record, events)
             if record.status == "died":
-                _wait_for_exit(reader, record.id)
+                deadline = time.monotonic() + _CLOSING
+                while reader.lives(record.id):
+                    if time.monotonic() > deadline:
+                        raise ResumeError(
+                            f"run {record.id} was interrupted, and its process is still shutting down; stop it first"
+                        )
+                    time.sleep(0.05)
     until = None if at is None else _event_at(record, events, at)
     file = task if task is not None else _recorded_file(record.task_path, journal)
     was, values = _recorded_options(events), dict(options.data)

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from grip_bt.base.errors import GripError, ResumeError
-from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary, MessageStore
+from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary
 from grip_bt.runtime import Event, JournalReader
 from grip_bt.runtime.observers import KEPT, SideState
 from grip_bt.runtime.value_codec import encode
@@ -84,7 +84,10 @@ def kept_parts(resources: Resources) -> dict[str, SideState]:
         library = messages.library
         parts[MESSAGES] = _KeptState(
             lambda: {name: store.revision for name, store in library.stores().items()},
-            lambda: {name: _entries(store) for name, store in library.stores().items()},
+            lambda: {
+                name: [[e.name, e.value, e.time, e.provenance] for e in (*store.entries(), *store.queue())]
+                for name, store in library.stores().items()
+            },
             partial(_set_entries, library),
         )
     if (world := resources.world) is not None:
@@ -92,10 +95,6 @@ def kept_parts(resources: Resources) -> dict[str, SideState]:
     if (fakes := resources.fakes) is not None:
         parts[FAKES] = _KeptState(lambda: encode(fakes.kept()), fakes.kept, fakes.put_back)
     return parts
-
-
-def _entries(store: MessageStore[Any]) -> list[list[Any]]:
-    return [[e.name, e.value, e.time, e.provenance] for e in (*store.entries(), *store.queue())]
 
 
 def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[Any]]]) -> None:

@@ -277,7 +277,8 @@ class Supervisor:
         path = last if last in active or not active else active[-1]
         how = self._why or how_ended(status) + (" before the task had ended" if status >= 0 else "")
         message = f"the run's process {how}"
-        trace = self._traceback()
+        self._trace.seek(0)
+        trace = self._trace.read(1 << 16).decode(errors="replace")
         if self._run is None:
             message = "before the task began" if stopped else f"{message}, and before it began"
         elif not stopped:
@@ -304,10 +305,6 @@ class Supervisor:
             "rest": rest,
             "unconfirmed": unconfirmed,
         }
-
-    def _traceback(self) -> str:
-        self._trace.seek(0)
-        return self._trace.read(1 << 16).decode(errors="replace")
 
     def _enter(self, path: str, status: str, message: str, trace: str) -> None:
 

@@ -28,7 +28,6 @@ from grip_bt.commanders.scene_state import HandMount
 from grip_bt.commanders.taught import TaughtStates
 
 from ..project.faults import TAUGHT, check, common_states, faults_of_parts
-from ..project.folder import Project
 from .parts import Opening, Resources
 from .planners import planners_in_force, settings_of
 
@@ -86,8 +85,7 @@ def commanded(
     Raises:
         UnknownNameError: the project names a group or a hand that isn't there.
     """
-    project = opening.project
-    file = project.file
+    project, file = opening.project, opening.project.file
     model, taught = RobotModel(description), TaughtStates(project.folder / TAUGHT)
     hands = {
         name: HandCommander(
@@ -97,11 +95,14 @@ def commanded(
             fingers=joints_of_fingers(description, hand.group),
             limits=limits_of_joints(description, hand.group),
             taught=taught,
-            reach=partial(_reached, model, hand.group, _arm_group_of(name, file.arms)),
+            reach=partial(
+                _reached, model, hand.group, next((arm.group for arm in file.arms.values() if arm.hand == name), "")
+            ),
         )
         for name, hand in file.hands.items()
     }
-    executors = {**executors, **_joined_executors(project, executors)}
+    joined = {name: arm.arms for name, arm in file.arms.items() if arm.arms}
+    executors = {**executors, **{n: JoinedExecutor(*(executors[each] for each in arms)) for n, arms in joined.items()}}
     hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
     groups = {name: arm.group for name, arm in file.arms.items()} | {
         name: hand.group for name, hand in file.hands.items()
@@ -151,19 +152,6 @@ def commanded(
         for arm, hand in hand_of.items()
     }
     return Resources(arms=arms, hands=hands, scene=scene)
-
-
-def _joined_executors(project: Project, executors: Mapping[str, Executor]) -> dict[str, Executor]:
-    """Return an executor for each arm that joins others, which have no faults."""
-    return {
-        name: JoinedExecutor(*(executors[part] for part in arm.arms))
-        for name, arm in project.file.arms.items()
-        if arm.arms
-    }
-
-
-def _arm_group_of(hand: str, arms: Mapping[str, ArmConfig]) -> str:
-    return next((arm.group for arm in arms.values() if arm.hand == hand), "")
 
 
 def _reached(

@@ -166,7 +166,10 @@ def hand_facts(robot: RobotDescription | None, group: str) -> HandFacts:
     """Return what a fake of a hand has: its robot's own joints, fingers and postures, or two fingers of one joint."""
     known = {} if robot is None else robot.named_states.get(group, {})
     if robot is None or not {"open", "closed"} <= set(known):
-        return _two_fingers(known)
+        shares = dict.fromkeys(known, 0.5) | {"open": 0.0, "closed": 1.0}
+        postures = {name: JointState(FINGERS, np.full(2, share)) for name, share in shares.items()}
+        thing = JointState(FINGERS, np.full(2, _GRIPPED))
+        return HandFacts(postures, {joint: (joint,) for joint in FINGERS}, thing, {"thumb": 2.0})
 
     joints, fingers = robot.group(group), joints_of_fingers(robot, group)
     begin, end = (known[name].ordered(joints) for name in ("open", "closed"))
@@ -174,10 +177,3 @@ def hand_facts(robot: RobotDescription | None, group: str) -> HandFacts:
     return HandFacts(
         known, fingers, JointState(joints, begin + _GRIPPED * (end - begin)), dict.fromkeys(tips or joints[-1:], 2.0)
     )
-
-
-def _two_fingers(known: Mapping[str, JointState]) -> HandFacts:
-    shares = dict.fromkeys(known, 0.5) | {"open": 0.0, "closed": 1.0}
-    postures = {name: JointState(FINGERS, np.full(2, share)) for name, share in shares.items()}
-    thing = JointState(FINGERS, np.full(2, _GRIPPED))
-    return HandFacts(postures, {joint: (joint,) for joint in FINGERS}, thing, {"thumb": 2.0})

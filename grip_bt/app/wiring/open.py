@@ -63,7 +63,7 @@ def open_resources(
         elif any(node.partition("/")[0] in _MOVING_NODES for node in needs):
             raise DocumentError(_NO_ROBOT, str(project.folder / "grip.yaml"))
         names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))
-        sensors = [n for n in _sensors(needs) if n in project.file.sensors and project.file.sensors[n].topics]
+        sensors = [n for n, s in sorted(project.file.sensors.items()) if f"sensor/{n}" in needs and s.topics]
         asks_ros = bool(sensors) or any(node.startswith("ros/") for node in needs)
         if robot == "fake":
             parts = _with_fakes(project, names, sensors if asks_ros else None, parts)
@@ -90,10 +90,6 @@ def _with_fakes(project: Project, names: list[str], sensors: list[str] | None, p
 _ROBOT_NODES = ("arm", "hand", "grasp", "scene", "perception")
 _MOVING_NODES = ("arm", "hand", "scene")
 _NO_ROBOT = "there is no `robot:`, and the task needs one: name one (`grip robot list`), or try it with --robot fake"
-
-
-def _sensors(needs: Collection[str]) -> list[str]:
-    return sorted(node.partition("/")[2] for node in needs if node.startswith("sensor/"))
 
 
 def _needs_robot(project: Project, node: str) -> bool:

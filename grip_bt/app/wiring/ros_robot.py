@@ -29,7 +29,7 @@ from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.moveit import MoveGroupExecutor
 from grip_bt.ros.sensing import RosCamera, unnamed_camera
 from grip_bt.ros.transforms import Transforms
-from grip_bt.task.catalog.ros_config import ControllerConfig, RosRobotConfig
+from grip_bt.task.catalog.ros_config import RosRobotConfig
 
 from ..project.faults import jerks_of_arms
 from ..project.folder import Project
@@ -66,7 +66,9 @@ class RosBackend:
         assert watchdog is not None, "it is open, and watched"
         planner = with_move_group(opening, robot.description, robot.process, stack, bus)
         states = JointStates(bus, settings.joint_states, settings.stale)
-        joints = {n: _joints(settings.controllers[n], robot.description.group(group)) for n, group in groups.items()}
+        joints = {
+            n: settings.controllers[n].joints or tuple(robot.description.group(group)) for n, group in groups.items()
+        }
         for name, names in joints.items():
             controller = settings.controllers[name]
             actions = [a for a in (controller.trajectory, controller.gripper, controller.move_group) if a is not None]
@@ -143,10 +145,6 @@ def _provide_interfaces(settings: RosRobotConfig, progress: Progress) -> None:
         words = f"{package} is being built, once; up to a minute"
         with report_if_slow(progress, "interfaces", partial(str, words)):
             ensure_package(package)
-
-
-def _joints(controller: ControllerConfig, group: Sequence[str]) -> tuple[str, ...]:
-    return controller.joints or tuple(group)
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,8 @@ def serve_world(
     check(faults_of_cameras(project, world))
     if project.file.robot is None:
         raise MissingPartError("a robot to simulate", "name one in grip.yaml: `robot: panda_allegro`")
-    groups = _groups(project)
+    arms = {name: arm.group for name, arm in project.file.arms.items() if not arm.arms}
+    groups = arms | {name: hand.group for name, hand in project.file.hands.items()}
     actions = {name: _action(project, name) for name in groups}
     with ExitStack() as stack:
         progress("starting", "the simulator")
@@ -135,12 +136,6 @@ class _PressingFingers:
     def stop(self) -> None:
         """Hold the fingers where they are."""
         self._hand.stop()
-
-
-def _groups(project: Project) -> dict[str, str]:
-    """Return arm or hand -> its group of joints; arms that join others move by the controllers of those."""
-    arms = {name: arm.group for name, arm in project.file.arms.items() if not arm.arms}
-    return arms | {name: hand.group for name, hand in project.file.hands.items()}
 
 
 def _action(project: Project, name: str) -> str:

@@ -70,7 +70,9 @@ class ActionServerWrapper:
         self._server_name, self._action_spec = server_name, action_spec
         self._succeeded_outcomes, self._aborted_outcomes = set(succeeded_outcomes), set(aborted_outcomes)
         self._preempted_outcomes = set(preempted_outcomes)
-        self._check_disjoint()
+        sets = (self._succeeded_outcomes, self._aborted_outcomes, self._preempted_outcomes)
+        if len(set().union(*sets)) != sum(map(len, sets)):
+            hooks.logerr(f"The succeeded, aborted and preempted outcomes of {self._server_name!r} overlap: {sets}")
 
         name = ros().name_of(server_name, self._node)  # type: ignore[attr-defined]  # set by with_optional_node
         self._started = False
@@ -79,11 +81,6 @@ class ActionServerWrapper:
         if settings.ros2:
             wrapped_container.register_input_keys([goal_key, result_key, feedback_key])
             self.run_server()
-
-    def _check_disjoint(self) -> None:
-        sets = (self._succeeded_outcomes, self._aborted_outcomes, self._preempted_outcomes)
-        if len(set().union(*sets)) != sum(map(len, sets)):
-            hooks.logerr(f"The succeeded, aborted and preempted outcomes of {self._server_name!r} overlap: {sets}")
 
     def run_server(self) -> None:
         """Take goals from now on; doesn't block. Harmless when it does already."""
@@ -113,7 +110,14 @@ class ActionServerWrapper:
 
     def execute_cb(self, goal: Any) -> None:
         """Execute the container for one goal, and end the goal."""
-        self._take(goal)
+        if self._expand_goal_slots:
+            for slot in fields(goal):
+                self.userdata[slot] = getattr(goal, slot)
+                if settings.ros2:
+                    self.wrapped_container.register_input_keys([slot])
+        self.userdata[self._goal_key] = goal
+        for slot, key in self._goal_slots_map.items():
+            self.userdata[key] = getattr(goal, slot)
         container = self.wrapped_container
         try:
             inputs, outputs = container.get_registered_input_keys(), container.get_registered_output_keys()
@@ -129,16 +133,6 @@ class ActionServerWrapper:
             self._action_server.end("preempted", result)
         else:
             self._action_server.end("aborted", result)
-
-    def _take(self, goal: Any) -> None:
-        if self._expand_goal_slots:
-            for slot in fields(goal):
-                self.userdata[slot] = getattr(goal, slot)
-                if settings.ros2:
-                    self.wrapped_container.register_input_keys([slot])
-        self.userdata[self._goal_key] = goal
-        for slot, key in self._goal_slots_map.items():
-            self.userdata[key] = getattr(goal, slot)
 
     def _result(self) -> object:
         result = self.userdata[self._result_key]

@@ -183,31 +183,29 @@ class SimpleActionState(RosState):
         while not self._ending:
             with self._done_cond:
                 if not self._ending and not self._feedback:
-                    self._done_cond.wait(WATCH if self._watched() else None)
+                    watched = self._exec_timeout is not None or (self._gives_up and self.preempt_requested())
+                    self._done_cond.wait(WATCH if watched else None)
                 feedback, self._feedback = self._feedback, []
             for message in feedback:  # on this thread, so that the callback may take its time
                 self._feedback_cb(ud, message)
             if not self._ending:
                 if self.preempt_requested() and canceled is None:
                     canceled = clock.now()
-                self._look_at_time(clock.now(), activated, canceled)
+                now = clock.now()
+                if self._exec_timeout is not None and now - activated > seconds(self._exec_timeout):
+                    hooks.logwarn(f"Action {self._action_name!r} timed out after {seconds(self._exec_timeout)} s.")
+                    self._action_client.cancel()
+                if self._gives_up and canceled is not None and now - canceled > seconds(self._preempt_timeout):
+                    hooks.logwarn(
+                        f"Action {self._action_name!r} didn't stop within {seconds(self._preempt_timeout)} s."
+                    )
+                    self._ending = "lost"
         self._status = self.INACTIVE
-
-    def _watched(self) -> bool:
-        return self._exec_timeout is not None or (self._gives_up and self.preempt_requested())
 
     @property
     def _gives_up(self) -> bool:
         """Whether it stops waiting for a server that doesn't obey."""
         return settings.ros2 or settings.honour_preempt_timeout
-
-    def _look_at_time(self, now: float, activated: float, canceled: float | None) -> None:
-        if self._exec_timeout is not None and now - activated > seconds(self._exec_timeout):
-            hooks.logwarn(f"Action {self._action_name!r} timed out after {seconds(self._exec_timeout)} s.")
-            self._action_client.cancel()
-        if self._gives_up and canceled is not None and now - canceled > seconds(self._preempt_timeout):
-            hooks.logwarn(f"Action {self._action_name!r} didn't stop within {seconds(self._preempt_timeout)} s.")
-            self._ending = "lost"
 
     def _goal_done_cb(self, ending: str, status: int, result: object) -> None:
         with self._done_cond:
