@@ -12,6 +12,8 @@ from grip_bt.base.yaml.tree import read_file
 from grip_bt.task import read_text, schema
 from grip_bt.task.validation import validate
 
+from .terminal import counted
+
 
 def add_check(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
@@ -37,7 +39,8 @@ def run(args: argparse.Namespace) -> int:
     for path, issues in found.items():
         for issue in issues:
             print(issue)
-        print(f"{path}: {_summary(issues)}")
+        errors = sum(issue.severity == "error" for issue in issues)
+        print(f"{path}: {counted(errors, len(issues) - errors)}")
     return int(wrong)
 
 
@@ -46,21 +49,10 @@ def _issues(path: str) -> tuple[Issue, ...]:
     try:
         document = read_text(read_file(path), path)
     except DocumentError as error:
-        return (_unreadable(error),)
+        message = error.message.rstrip(".")
+        return (Issue("", "bad-document", "error", message, "", error.line or 1, error.column or 1, error.source),)
     try:
         catalog = project_catalog(path)
     except GripError as error:
         return (Issue("", "bad-project", "error", str(error), source=path, line=1, column=1),)
     return validate(document.task, catalog, document).issues
-
-
-def _unreadable(error: DocumentError) -> Issue:
-    message = error.message.rstrip(".")
-    return Issue("", "bad-document", "error", message, "", error.line or 1, error.column or 1, error.source)
-
-
-def _summary(issues: tuple[Issue, ...]) -> str:
-    errors = sum(issue.severity == "error" for issue in issues)
-    warnings = len(issues) - errors
-    counts = [f"{n} {word}{'s' * (n > 1)}" for n, word in ((errors, "error"), (warnings, "warning")) if n]
-    return ", ".join(counts) or "ok"

@@ -79,7 +79,6 @@ class Prompt:
             self._say(_HELP if text in ("h", "help", "?") else f"{text!r} isn't a command:\n{_HELP}")
 
     def _set(self, text: str) -> None:
-
         point = breakpoint_of(text)
         self._send({"command": "break", "if": point.pop("condition"), **point})
 

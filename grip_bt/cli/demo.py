@@ -22,8 +22,6 @@ from grip_bt.task import walk
 from .run import add_run_options, exit_status, options_of, sentence
 from .terminal import on_hang_up, on_stop
 
-NAME = "reactive"
-
 
 def add_demo(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Literal
@@ -25,9 +26,6 @@ class Finding:
     """One part of the set-up.
 
     Attributes:
-        part: what was examined.
-        state: `ok`, `missing` or `broken`.
-        detail: a line for people.
         remedy: the command that mends it.
         needed: whether the demo needs it.
     """
@@ -68,22 +66,6 @@ def _version(distribution: str) -> str:
         return "(not a package)"
 
 
-def _core() -> Finding:
-    return _imports(
-        "core",
-        "all",
-        {"py_trees": "py_trees", "pydantic": "pydantic", "networkx": "networkx", "cv2": "opencv-python-headless"},
-    )
-
-
-def _motion() -> Finding:
-    return _imports("motion", "motion", {"pinocchio": "pin", "coal": "coal", "ompl.base": "ompl", "toppra": "toppra"})
-
-
-def _simulator() -> Finding:
-    return _imports("simulator", "sim", {"sapien": "sapien"})
-
-
 def _rendering() -> Finding:
     if find_spec("sapien") is None:
         return Finding("camera", "missing", "no module 'sapien'", _INSTALL.format(extra="sim"), needed=False)
@@ -93,12 +75,9 @@ def _rendering() -> Finding:
 
 
 def _ros() -> Finding:
-
     found = environment()
-    state: Literal["ok", "missing", "broken"] = "ok" if found.kind in ("wheels", "sourced") else "missing"
-    if found.kind == "mixed":
-        state = "broken"
-    return Finding("ros", state, found.detail, found.remedy)
+    states: dict[str, Literal["ok", "broken"]] = {"wheels": "ok", "sourced": "ok", "mixed": "broken"}
+    return Finding("ros", states.get(found.kind, "missing"), found.detail, found.remedy)
 
 
 def _compiler() -> Finding:
@@ -107,13 +86,19 @@ def _compiler() -> Finding:
     return Finding("compiler", "ok" if found else "missing", found or "no gcc/g++ to build ROS interfaces with", remedy)
 
 
-def _web() -> Finding:
-    return _imports("editor", "gui", {"fastapi": "fastapi", "uvicorn": "uvicorn"}, needed=False)
-
-
-_CHECKS: tuple[Callable[[], Finding], ...] = (_python, _core, _motion, _simulator, _rendering, _ros, _compiler, _web)
-
-
+_CORE = {"py_trees": "py_trees", "pydantic": "pydantic", "networkx": "networkx", "cv2": "opencv-python-headless"}
+_MOTION = {"pinocchio": "pin", "coal": "coal", "ompl.base": "ompl", "toppra": "toppra"}
+_WEB = {"fastapi": "fastapi", "uvicorn": "uvicorn"}
+_CHECKS: tuple[Callable[[], Finding], ...] = (
+    _python,
+    partial(_imports, "core", "all", _CORE),
+    partial(_imports, "motion", "motion", _MOTION),
+    partial(_imports, "simulator", "sim", {"sapien": "sapien"}),
+    _rendering,
+    _ros,
+    _compiler,
+    partial(_imports, "editor", "gui", _WEB, needed=False),
+)
 _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
 

@@ -87,18 +87,14 @@ def _nothing_to_launch(place: Path) -> str:
 def _members(args: argparse.Namespace) -> tuple[Project, list[Member], list[LaunchEvent]]:
     project = find_project(args.project)
     if args.what and is_launch_file(args.what[0]):
-        return project, *members_of_file(Path(args.what[0]), _arguments(args.what[1:]), own_reader=args.own)
+        found = {}
+        for word in args.what[1:]:
+            name, sign, value = word.partition(":=")
+            if not sign or not name:
+                raise GripError(f"{word!r} isn't an argument of a launch file: NAME:=VALUE")
+            found[name] = value
+        return project, *members_of_file(Path(args.what[0]), found, own_reader=args.own)
     return project, project_members(project, args.what), []
-
-
-def _arguments(words: Sequence[str]) -> dict[str, str]:
-    found = {}
-    for word in words:
-        name, sign, value = word.partition(":=")
-        if not sign or not name:
-            raise GripError(f"{word!r} isn't an argument of a launch file: NAME:=VALUE")
-        found[name] = value
-    return found
 
 
 def _print_members(members: Sequence[Member], as_json: bool) -> None:

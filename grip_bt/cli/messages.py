@@ -76,7 +76,7 @@ def _add_writers(actions: Any) -> None:
         parser.add_argument("--within", type=float, default=10.0, help="how long to wait for it [s] (default: 10)")
         parser.add_argument("--type", default="", help="ROS type of the messages of a new store")
         parser.add_argument("--by", default="", help="who or what it comes from, for people")
-        parser.set_defaults(run=_run_add)
+        parser.set_defaults(run=_run_request, request=_put)
     delete = actions.add_parser("delete", help="remove one message")
     _add_entry(delete)
     delete.set_defaults(run=_run_request, request=lambda server, given: server.delete(given.store, given.name))
@@ -149,13 +149,6 @@ def _run_show(args: argparse.Namespace) -> int:
     return 0
 
 
-def _run_add(args: argparse.Namespace) -> int:
-    with _server() as server:
-        value = _value(server, args)
-        _done(server.put(args.store, args.name, value, args.by or "grip messages"))
-    return 0
-
-
 def _run_request(args: argparse.Namespace) -> int:
     """Have the server do what the action asks for."""
     with _server() as server:
@@ -194,6 +187,10 @@ def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> s
     return f"{store:<14} {kind:<8} {name:<24} {words[:100]}{'...' if len(words) > 100 else ''}".rstrip()
 
 
+def _put(server: RosMessages, args: argparse.Namespace) -> Operation[None]:
+    return server.put(args.store, args.name, _value(server, args), args.by or "grip messages")
+
+
 def _value(server: RosMessages, args: argparse.Namespace) -> Any:
     """Return the one value that the command line says.
 
@@ -210,14 +207,8 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
         text, source = read_file(args.file), str(args.file)
     else:
         text, source = (sys.stdin.read() if args.value == "-" else args.value), "value"
-    type_ = args.type or _type_of(server, args.store)
+    type_ = args.type or next((e.type for e in _done(server.listing()).entries if e.store == args.store), "")
     return value_from_text(args.store, source, text, type_, ServerStates(server, _done))
-
-
-def _type_of(server: RosMessages, store: str) -> str:
-    """Return the type of a store's messages, as far as it has some."""
-    answer = _done(server.listing())
-    return next((entry.type for entry in answer.entries if entry.store == store), "")
 
 
 @contextmanager

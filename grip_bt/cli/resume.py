@@ -77,13 +77,7 @@ def check_usage(args: argparse.Namespace, error: Callable[[str], object]) -> Non
 
 
 def prepare(args: argparse.Namespace, options: RunOptions, given: frozenset[str]) -> ResumePlan:
-    """Look at the run, and ask what has to be asked.
-
-    Args:
-        args: of the command line.
-        options: of the command line.
-        given: the options' names that the command line really gave.
-    """
+    """Look at the run, and ask what has to be asked; `given` has the options that the command line really gave."""
     plan = plan_resume(
         journal_of(args.task, args.journal),
         args.resume or args.fork,

@@ -13,6 +13,8 @@ from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.description.summary import facts, told
 
+from .terminal import counted
+
 WHAT = (
     "a ready-made robot, a .urdf, .xacro or .xml (MJCF) file, a .yaml file with what `robot:` may hold, a MoveIt "
     "configuration package's folder, or a project's folder"
@@ -52,7 +54,7 @@ def _run_check(args: argparse.Namespace) -> int:
         return int(wrong > 0)
     for finding in findings:
         print(finding)
-    print(f"{args.robot}: {_summary(wrong, len(findings) - wrong)}")
+    print(f"{args.robot}: {counted(wrong, len(findings) - wrong)}")
     return int(wrong > 0)
 
 
@@ -109,8 +111,3 @@ def _pairs(args: argparse.Namespace, option: str) -> dict[str, str]:
             args.usage_error(f"--{option} takes NAME=VALUE, not {word!r}")
         pairs[name] = value
     return pairs
-
-
-def _summary(errors: int, warnings: int) -> str:
-    counts = [f"{n} {word}{'s' * (n > 1)}" for n, word in ((errors, "error"), (warnings, "warning")) if n]
-    return ", ".join(counts) or "ok"

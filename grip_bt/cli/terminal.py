@@ -54,6 +54,12 @@ def complain(words: str, status: int = INVALID) -> int:
     return status
 
 
+def counted(errors: int, warnings: int) -> str:
+    """Return how many errors and warnings there are, in words; `ok` for none."""
+    counts = [f"{n} {word}{'s' * (n > 1)}" for n, word in ((errors, "error"), (warnings, "warning")) if n]
+    return ", ".join(counts) or "ok"
+
+
 def progress(part: str, detail: str) -> None:
     """Say that a part starts, or came up: it may take a while."""
     print(f"  {part:<11} {detail}", file=sys.stderr, flush=True)

@@ -25,12 +25,7 @@ INPUT, OUTCOME, RETURNED = "input", "outcome", "returned_object"
 def check_contract(
     component: ComponentFile, interface: InterfaceSpec, fields_of: FieldsOf = lambda message: None
 ) -> None:
-    """Check that an interface keeps the contract and that a component file fits it.
-
-    Args:
-        component: what is declared.
-        interface: what it speaks.
-        fields_of: the fields of a message, for ports that are deep in one.
+    """Check that an interface keeps the contract, and that a component file fits it.
 
     Raises:
         ContractError: with everything that is wrong: which field, what was found, what is needed.
@@ -204,14 +199,7 @@ def port_type(field: FieldSpec) -> str:
 def port_problems(
     component: ComponentFile, side: Sequence[FieldSpec], sent: bool, fields_of: FieldsOf
 ) -> Iterator[str]:
-    """Yield what is wrong with the ports of one side of an interface.
-
-    Args:
-        component: what is declared.
-        side: fields of the request, or of the response.
-        sent: whether it is the request.
-        fields_of: the fields of a message.
-    """
+    """Yield what is wrong with the ports of one side of an interface, the request where it is `sent`."""
     for name, port in component.ports.items():
         field = _field_at(side, port.field or name, fields_of)
         if isinstance(field, str):
@@ -247,9 +235,15 @@ def _faults(port: PortType, field: FieldSpec, sent: bool, fields_of: FieldsOf) -
         return  # that is told already
     if (reason := _unlike(wanted, field, port, sent, fields_of)) is not None:
         yield f"the field is {field.spelling}, which can't be `{wanted}`: {reason}"
-    inner = _innermost(wanted).name
-    if port.unit is not None and not _measures(inner, port.unit):
-        yield f"`{wanted}` has nothing in {port.unit}; `unit` is for numbers{_of_values(port.unit)}"
+    innermost = wanted
+    while innermost.item is not None:
+        innermost = innermost.item
+    inner = innermost.name
+    if port.unit is not None:
+        numbers = inner not in VALUES and inner not in ("bool", "str")
+        if not (port.unit in _MEASURED[inner] if inner in _MEASURED else numbers):
+            others = "".join(f" and {value}s" for value, units in _MEASURED.items() if port.unit in units)
+            yield f"`{wanted}` has nothing in {port.unit}; `unit` is for numbers{others}"
     if port.quaternion is not None and (inner != "Pose" or "/" in field.type):
         yield "`quaternion` is the order of a Pose's rotation in an array of numbers; messages have x, y, z, w by name"
     if port.frame is not None and inner in BUILTINS:
@@ -297,20 +291,3 @@ def _kinds(primitive: str, port: PortType, sent: bool) -> tuple[str, ...]:
 def _plain(name: str) -> str:
     """Return a primitive as a port spells it; anything else as it is."""
     return name if "/" in name or name in VALUES else _kinds(name, PortType(type="Any"), True)[0]
-
-
-def _measures(name: str, unit: str) -> bool:
-    if name in _MEASURED:
-        return unit in _MEASURED[name]
-    return name not in VALUES and name not in ("bool", "str")
-
-
-def _of_values(unit: str) -> str:
-    found = [f"{value}s" for value, units in _MEASURED.items() if unit in units]
-    return f" and {' and '.join(found)}" if found else ""
-
-
-def _innermost(wanted: Type) -> Type:
-    while wanted.item is not None:
-        wanted = wanted.item
-    return wanted

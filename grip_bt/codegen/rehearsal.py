@@ -17,10 +17,7 @@ class Ending:
     """How the node ended.
 
     Attributes:
-        outcome: its label.
-        meaning: `success` or `failure`.
         code: why it failed, None otherwise.
-        message: the failure in words.
         outputs: what it wrote, by port.
         request: what the component was sent, by field.
     """

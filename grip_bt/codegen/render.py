@@ -112,8 +112,19 @@ def component_manifest(component: ComponentFile, interface: InterfaceSpec) -> Ma
     """Return the manifest of a component's node."""
     outcomes: dict[str, Meaning] = {**component.meanings(), "failure": "failure"}
     fields = {f.name: f for f in interface.request}
-    inputs = {port: _input(component, fields, port, at) for port, at in input_ports(component, interface).items()}
-    outputs = {port: _output(component, interface, port, at) for port, at in output_ports(component, interface).items()}
+    inputs = {
+        port: InputPort(
+            type=_type(component, fields, port, at),
+            doc=_doc(component, fields, port, at),
+            required=port == INPUT and not component.rules,
+        )
+        for port, at in input_ports(component, interface).items()
+    }
+    answer = received(component, interface)
+    outputs = {
+        port: OutputPort(type=_type(component, answer, port, at), doc=_doc(component, answer, port, at))
+        for port, at in output_ports(component, interface).items()
+    }
     if component.kind == "action":
         outputs[FEEDBACK] = _feedback(component, interface, tuple(outcomes))
     return Manifest(
@@ -126,19 +137,6 @@ def component_manifest(component: ComponentFile, interface: InterfaceSpec) -> Ma
         codes=CODES[component.kind],
         moves=None if component.moves else False,
     )
-
-
-def _input(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, at: str) -> InputPort:
-    return InputPort(
-        type=_type(component, fields, port, at),
-        doc=_doc(component, fields, port, at),
-        required=port == INPUT and not component.rules,
-    )
-
-
-def _output(component: ComponentFile, interface: InterfaceSpec, port: str, at: str) -> OutputPort:
-    fields = received(component, interface)
-    return OutputPort(type=_type(component, fields, port, at), doc=_doc(component, fields, port, at))
 
 
 def _feedback(component: ComponentFile, interface: InterfaceSpec, outcomes: tuple[str, ...]) -> OutputPort:
@@ -158,7 +156,10 @@ def _doc(component: ComponentFile, fields: Mapping[str, FieldSpec], port: str, a
     return said or (fields[at].doc if at in fields else "")
 
 
-_DEFAULTS: dict[str, Any] = {"bool": False, "string": "", "wstring": "", "float32": 0.0, "float64": 0.0}
+_DEFAULTS: dict[str, Any] = {
+    **dict.fromkeys(INTEGER_TYPES, 0),
+    **{"bool": False, "string": "", "wstring": "", "float32": 0.0, "float64": 0.0},
+}
 
 
 def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[str, Any]:
@@ -166,9 +167,9 @@ def default_reply(component: ComponentFile, interface: InterfaceSpec) -> dict[st
     fields = received(component, interface)
     ports = output_ports(component, interface)
     return {
-        port: ([] if fields[at].array else _DEFAULTS.get(fields[at].type, 0))
+        port: [] if fields[at].array else _DEFAULTS[fields[at].type]
         for port, at in ports.items()
-        if at in fields and _known(fields[at])
+        if at in fields and (fields[at].array or fields[at].type in _DEFAULTS)
     }
 
 
@@ -189,10 +190,6 @@ def default_case(component: ComponentFile, interface: InterfaceSpec) -> tuple[di
         except EvaluationError:
             return None
     return reply, None
-
-
-def _known(field: FieldSpec) -> bool:
-    return field.array or field.type in _DEFAULTS or field.type in INTEGER_TYPES
 
 
 class NotOursError(GripError):

@@ -108,12 +108,7 @@ _NAME, _CAMEL = "component_name", "ComponentName"
 
 
 def make_repository(folder: Path, name: str, language: Language) -> list[Path]:
-    """Write a component that works, to be changed into one's own.
-
-    Args:
-        folder: made; it isn't there yet, or is empty.
-        name: of the component: lower case, digits and underscores.
-        language: of its server.
+    """Write a component that works, to be changed into one's own, into a folder that isn't there or is empty.
 
     Returns:
         the files written, relative to the folder.

@@ -7,46 +7,23 @@ from __future__ import annotations
 
 import importlib
 import sys
+from pkgutil import iter_modules
 from types import ModuleType
 
 from grip_bt.base.errors import GripError
 
 from ._settings import Settings, configure
 
-SUBMODULES = (
-    "concurrence",
-    "container",
-    "exceptions",
-    "iterator",
-    "log",
-    "sequence",
-    "state",
-    "state_machine",
-    "user_data",
-    "util",
-)
 
-
-ROS_SUBMODULES = (
-    "action_server_wrapper",
-    "condition_state",
-    "introspection",
-    "monitor_state",
-    "node",
-    "ros_state",
-    "service_state",
-    "simple_action_state",
-    "util",
-)
+def _with_submodules(name: str, module: ModuleType) -> dict[str, ModuleType]:
+    names = [each.name for each in iter_modules(module.__path__) if not each.ispkg and each.name[0] != "_"]
+    return {name: module, **{f"{name}.{each}": getattr(module, each) for each in names}}
 
 
 def _modules(ros: bool = True) -> dict[str, ModuleType]:
-    smach = sys.modules[__package__]
-    modules = {"smach": smach, **{f"smach.{name}": getattr(smach, name) for name in SUBMODULES}}
+    modules = _with_submodules("smach", sys.modules[__package__])
     if ros:
-        smach_ros = importlib.import_module("grip_bt.smach_compat.smach_ros")
-        modules["smach_ros"] = smach_ros
-        modules.update({f"smach_ros.{name}": getattr(smach_ros, name) for name in ROS_SUBMODULES})
+        modules |= _with_submodules("smach_ros", importlib.import_module("grip_bt.smach_compat.smach_ros"))
     return modules
 
 

@@ -55,3 +55,23 @@ class OrderedSet(set[Any]):
 
     def __reduce__(self) -> tuple[object, ...]:
         return (OrderedSet, (list(self),))
+
+
+class Interface:
+    """What declares outcomes and userdata keys."""
+
+    _outcomes: OrderedSet
+    _input_keys: OrderedSet
+    _output_keys: OrderedSet
+
+    def get_registered_outcomes(self) -> tuple[str, ...]:
+        """Return the outcomes in the order of their declaration."""
+        return tuple(self._outcomes)
+
+    def get_registered_input_keys(self) -> tuple[str, ...]:
+        """Return the keys that it reads."""
+        return tuple(self._input_keys)
+
+    def get_registered_output_keys(self) -> tuple[str, ...]:
+        """Return the keys that it writes."""
+        return tuple(self._output_keys)

@@ -22,10 +22,7 @@ class Concurrence(Container):
     """A container that runs its children at the same time on one userdata.
 
     Args:
-        outcomes: what its execution may end with.
         default_outcome: the outcome where nothing below says otherwise.
-        input_keys: userdata copied in from the parent.
-        output_keys: userdata copied out to the parent.
         outcome_map: outcome -> {label: outcome of that child}; the entry with most constraints that all hold wins.
         outcome_cb: `outcome_cb({label: outcome})` returns an outcome, or nothing to leave it as it is.
         child_termination_cb: `child_termination_cb({label: outcome or None})` is called as each child ends; if what it
@@ -85,16 +82,7 @@ class Concurrence(Container):
 
     @staticmethod
     def add(label: str, state: State, remapping: Remapping | None = None) -> State:
-        """Add a child to the open concurrence; one with the same label is replaced.
-
-        Args:
-            label: its name in this container.
-            state: a state or container.
-            remapping: the state's key -> the container's key.
-
-        Returns:
-            The state.
-        """
+        """Add a child to the open concurrence; one with the same label is replaced."""
         self = Concurrence._currently_opened_container()
         self._states[label] = state
         self._remappings[label] = {} if remapping is None else remapping

@@ -20,8 +20,6 @@ class Iterator(Container):
 
     Args:
         outcomes: what its execution may end with; a list, to which the exhausted outcome is added.
-        input_keys: userdata copied in from the parent.
-        output_keys: userdata copied out to the parent.
         it: the items, or a function that returns them when an execution begins.
         it_label: the userdata key that holds the current item.
         exhausted_outcome: the outcome when no item is left.

@@ -15,10 +15,7 @@ class Sequence(StateMachine):
     """A machine whose states follow each other by `connector_outcome`, in the order in which they were added.
 
     Args:
-        outcomes: what its execution may end with.
         connector_outcome: the outcome that leads on; that of the last state falls through.
-        input_keys: userdata copied in from the parent.
-        output_keys: userdata copied out to the parent.
     """
 
     def __init__(

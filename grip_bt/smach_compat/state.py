@@ -5,20 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from ._names import OrderedSet
+from ._names import Interface, OrderedSet
 from .user_data import NOTHING
 from .util import has_smach_interface
 
 
-class State:
-    """A piece of work that ends with one of its outcomes.
-
-    Args:
-        outcomes: what `execute` may return.
-        input_keys: userdata that it reads; a list.
-        output_keys: userdata that it writes; a list.
-        io_keys: userdata that it reads and writes; a list.
-    """
+class State(Interface):
+    """A piece of work that ends with one of its outcomes."""
 
     def __init__(
         self,
@@ -40,10 +33,6 @@ class State:
         """Add outcomes."""
         self._outcomes = self._outcomes.union(new_outcomes)
 
-    def get_registered_outcomes(self) -> tuple[str, ...]:
-        """Return the outcomes in the order of their declaration."""
-        return tuple(self._outcomes)
-
     def register_io_keys(self, keys: Iterable[str]) -> None:
         """Add keys that are read and written."""
         self._input_keys = self._input_keys.union(keys)
@@ -53,17 +42,9 @@ class State:
         """Add keys that are read."""
         self._input_keys = self._input_keys.union(keys)
 
-    def get_registered_input_keys(self) -> tuple[str, ...]:
-        """Return the keys that it reads."""
-        return tuple(self._input_keys)
-
     def register_output_keys(self, keys: Iterable[str]) -> None:
         """Add keys that are written."""
         self._output_keys = self._output_keys.union(keys)
-
-    def get_registered_output_keys(self) -> tuple[str, ...]:
-        """Return the keys that it writes."""
-        return tuple(self._output_keys)
 
     # The flag is no more than a flag: nothing resets it on entry or exit, the state that obeys it does.
 

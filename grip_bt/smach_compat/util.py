@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from grip_bt.smach_compat._settings import hooks
 from grip_bt.smach_compat._settings import is_shutdown as is_shutdown
 
-from ._names import OrderedSet
+from ._names import Interface, OrderedSet
 from .user_data import NOTHING
 
 
@@ -18,14 +18,10 @@ def set_shutdown_check(cb: Callable[[], bool]) -> None:
 
 def has_smach_interface(obj: object) -> bool:
     """Tell whether an object declares outcomes, input keys and output keys."""
-    return (
-        hasattr(obj, "get_registered_input_keys")
-        and hasattr(obj, "get_registered_output_keys")
-        and hasattr(obj, "get_registered_outcomes")
-    )
+    return all(hasattr(obj, name) for name in vars(Interface) if name.startswith("get_registered"))
 
 
-class CBInterface:
+class CBInterface(Interface):
     """A function together with outcomes and keys. `io_keys` are accepted and have no effect, as upstream."""
 
     def __init__(
@@ -44,18 +40,6 @@ class CBInterface:
     def __call__(self, *args: object, **kwargs: object) -> object:
         """Call the function."""
         return self._cb(*args, **kwargs)
-
-    def get_registered_input_keys(self) -> tuple[str, ...]:
-        """Return the keys that the function reads."""
-        return tuple(self._input_keys)
-
-    def get_registered_output_keys(self) -> tuple[str, ...]:
-        """Return the keys that the function writes."""
-        return tuple(self._output_keys)
-
-    def get_registered_outcomes(self) -> tuple[str, ...]:
-        """Return what the function may return."""
-        return tuple(self._outcomes)
 
 
 class cb_interface:

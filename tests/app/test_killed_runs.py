@@ -191,15 +191,13 @@ def check(
     if killed not in ("parent", "child"):
         return
     begun = any(event.event == "enter" for event in events)
-    resumed = subprocess.run(
-        [sys.executable, "-m", "grip_bt.cli", "run", "--resume", "last", "--yes", "--json"],
-        **{"capture_output": True, "text": True, "stdin": subprocess.DEVNULL, "env": {**os.environ}, "timeout": 600},
-    )
+    status = main(["run", "--resume", "last", "--yes", "--json", "--in-process"])
+    resumed = capsys.readouterr()
     if not begun:
-        assert (resumed.returncode, "died before it began" in resumed.stderr) == (1, True), resumed.stderr
+        assert (status, "died before it began" in resumed.err) == (1, True), resumed.err
     else:
-        assert resumed.returncode == 0, (killed, resumed.stderr)
-        last: Mapping[str, Any] = json.loads(resumed.stdout.splitlines()[-1])
+        assert status == 0, (killed, resumed.err)
+        last: Mapping[str, Any] = json.loads(resumed.out.splitlines()[-1])
         assert last["status"] == "success"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import random
@@ -144,13 +145,19 @@ def _blocks(journal: Path) -> int:
 @pytest.mark.slow
 @pytest.mark.parametrize("target", ["bt", "sm"])
 @pytest.mark.parametrize("number", range(KILLS))
-def test_a_run_that_was_killed_comes_to_the_same_end(tmp_path: Path, target: str, number: int) -> None:
+def test_a_run_that_was_killed_comes_to_the_same_end(
+    tmp_path: Path, target: str, number: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "sums.yaml").write_text(TASK)
     run = kill_in_the_middle(tmp_path, "sums.yaml", random.Random(number).uniform(0.02, 0.9), "--as", target)
     with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
         before = reader.events(run)
-    done = grip("run", "--resume", "last", cwd=tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
+    if number == 0:  # as users do; the others without processes of their own, which is quicker and ends alike
+        done = grip("run", "--resume", "last", cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+    else:
+        assert main(["run", "--resume", "last", "--in-process"]) == 0, capsys.readouterr()
     with JournalReader(tmp_path / ".grip" / "runs.sqlite") as reader:
         events = reader.events(run)
         assert (reader.run(run).status, reader.run(run).outcome) == ("success", "success")
@@ -168,22 +175,26 @@ def test_a_run_that_was_killed_comes_to_the_same_end(tmp_path: Path, target: str
 
 
 @pytest.mark.slow
-def test_a_motion_that_was_under_way_is_asked_about(tmp_path: Path) -> None:
+def test_a_motion_that_was_under_way_is_asked_about(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.stdin", io.StringIO())  # nobody can be asked
     (tmp_path / "grip.yaml").write_text("grip: 1\n")
     (tmp_path / "nodes" / "move").mkdir(parents=True)
     (tmp_path / "nodes" / "move" / "manifest.yaml").write_text(MANIFEST)
     (tmp_path / "nodes" / "move" / "move.py").write_text(MOVE)
     (tmp_path / "task.yaml").write_text("grip: 1\nname: moves\nroot: {node: my/move}\n")
     run = kill_in_the_middle(tmp_path, "task.yaml", 0.1, "--durable")
-    asked = grip("run", "--resume", run, cwd=tmp_path)
-    assert asked.returncode == 1
-    assert "resuming needs your confirmation (or pass --yes):" in asked.stderr
-    assert "/: my/move was under way, and its progress is unknown; it is started again" in asked.stderr
-    told = grip("run", "--resume", run, "--set-outcome", "/=failure.dropped", "--json", cwd=tmp_path)
-    assert (told.returncode, json.loads(told.stdout)["code"]) == (3, "dropped"), told.stderr
-    again = grip("run", "--resume", run, "--yes", cwd=tmp_path)
-    assert again.returncode == 1
-    assert f"run {run} cannot be resumed: it has ended: failure" in again.stderr
+    capsys.readouterr()
+    assert main(["run", "--resume", run]) == 1
+    asked = capsys.readouterr().err
+    assert "resuming needs your confirmation (or pass --yes):" in asked
+    assert "/: my/move was under way, and its progress is unknown; it is started again" in asked
+    assert main(["run", "--resume", run, "--set-outcome", "/=failure.dropped", "--json", "--in-process"]) == 3
+    assert json.loads(capsys.readouterr().out)["code"] == "dropped"
+    assert main(["run", "--resume", run, "--yes"]) == 1
+    assert f"run {run} cannot be resumed: it has ended: failure" in capsys.readouterr().err
 
 
 @pytest.fixture
@@ -238,9 +249,9 @@ def test_a_fork_with_another_value_goes_on_with_it(forked: Path) -> None:
 
 @pytest.mark.slow
 def test_forks_are_run_often_and_summed_up(forked: Path) -> None:
-    done = grip("run", "--fork", "last", "--at", "act/first", "--times", "3", cwd=forked)
+    done = grip("run", "--fork", "last", "--at", "act/first", "--times", "2", cwd=forked)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-2:] == ["3 runs:", "    3x success"]
+    assert done.stdout.splitlines()[-2:] == ["2 runs:", "    2x success"]
 
 
 @pytest.mark.parametrize(

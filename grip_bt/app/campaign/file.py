@@ -79,12 +79,7 @@ class CampaignFile(_Config):
 
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign's file, and where it is.
-
-    Attributes:
-        path: the file.
-        file: what it says; there is at least one variant.
-    """
+    """A campaign's file, and where it is; there is at least one variant."""
 
     path: Path
     file: CampaignFile
@@ -150,21 +145,17 @@ def read_campaign(path: Path) -> Campaign:
 
 def head_of(campaign: Campaign) -> dict[str, Any]:
     """Return what results begin with: all that makes each variant what it is, as JSON data."""
-    variants = {name: dict(_settings(campaign, name)) for name in campaign.file.variants}
-    return {"name": campaign.name, "doc": campaign.file.doc, "variants": variants}
-
-
-def _settings(campaign: Campaign, variant: str) -> Mapping[str, Any]:
     said = campaign.file
-    return {
-        "task": campaign.task(variant).read_text(),
-        "robot": said.robot,
-        "success": said.success,
-        "count": dict(said.count),
-        "measure": dict(said.measure),
-        "timeout": said.timeout,
-        **said.variants[variant].model_dump(mode="json", by_alias=True, exclude={"task"}),
+    common = said.model_dump(mode="json", include={"robot", "success", "count", "measure", "timeout"})
+    variants = {
+        name: {
+            "task": campaign.task(name).read_text(),
+            **common,
+            **variant.model_dump(mode="json", by_alias=True, exclude={"task"}),
+        }
+        for name, variant in said.variants.items()
     }
+    return {"name": campaign.name, "doc": said.doc, "variants": variants}
 
 
 _FORMAT = 1
@@ -222,12 +213,7 @@ class Results:
 
 
 def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
-    """Open a file of results for more trials.
-
-    Args:
-        path: the file.
-        head: of the campaign as it is now.
-        resume: whether trials that are there are kept and not run again.
+    """Open a file of results, written under this head, for more trials; with `resume`, those that are there stay.
 
     Raises:
         CampaignError: it is there, and `resume` isn't asked; or it was made with other settings, which are named.
@@ -248,7 +234,9 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
             raise CampaignError(
                 str(path), f"{text}; results of different settings aren't mixed: start a new file with -o FILE"
             )
-    _end_torn_line(path)
+    written = path.read_bytes()
+    if not written.endswith(b"\n"):  # what a crash has left of a line
+        path.write_bytes(written[: written.rfind(b"\n") + 1])
     return results
 
 
@@ -281,10 +269,3 @@ def _append(path: Path, row: Mapping[str, object] | TrialRow) -> None:
             os.fsync(file.fileno())
     except OSError as error:
         raise NotWritableError(path, error, "give another file with -o") from error
-
-
-def _end_torn_line(path: Path) -> None:
-    """Remove what a crash has left of a line."""
-    text = path.read_bytes()
-    if not text.endswith(b"\n"):
-        path.write_bytes(text[: text.rfind(b"\n") + 1])

@@ -52,6 +52,7 @@ def _one(rows: Sequence[TrialRow]) -> dict[str, Any]:
     for row in rows:
         for name, value in {**row["counts"], **row["measures"]}.items():
             measures.setdefault(name, []).append(value)
+    unclear = [f"{name}: {why}" for row in rows for name, why in row["unclear"].items()]
     return {
         "trials": len(rows),
         "successes": good,
@@ -62,9 +63,7 @@ def _one(rows: Sequence[TrialRow]) -> dict[str, Any]:
         "wall": _times(row["wall"] for row in rows),
         "measures": {name: _measure(values) for name, values in measures.items()},
         "failures": dict(Counter(reason(row) for row in rows if not row["success"]).most_common()),
-        "unclear": dict(
-            Counter(f"{name}: {why}" for row in rows for name, why in row["unclear"].items()).most_common()
-        ),
+        "unclear": dict(Counter(unclear).most_common()),
     }
 
 
@@ -115,32 +114,20 @@ def as_text(results: Results) -> str:
     rows = [["variant", "success", "95 %", "false successes", *measures, "run's clock [s]", "wall [s]"]]
     for name, one in said["variants"].items():
         low, high = one["interval"]
-        cells = [_measure_text(one["measures"].get(measure)) for measure in measures]
         rate = f"{one['successes']} of {one['trials']} ({one['rate']:.0%})"
-        rows.append(
-            [
-                name,
-                rate,
-                f"{low:.0%} to {high:.0%}",
-                str(one["false_successes"]),
-                *cells,
-                _time_text(one["duration"]),
-                _time_text(one["wall"]),
-            ]
-        )
-    lines += _table(rows)
+        cells = [rate, f"{low:.0%} to {high:.0%}", str(one["false_successes"])]
+        cells += [_measure_text(one["measures"].get(measure)) for measure in measures]
+        rows.append([name, *cells, _time_text(one["duration"]), _time_text(one["wall"])])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    table = [f"| {' | '.join(c.ljust(w) for c, w in zip(row, widths, strict=True))} |" for row in rows]
+    lines += [table[0], f"|{'|'.join('-' * (width + 2) for width in widths)}|", *table[1:]]
     for name, compared in said["compared"].items():
         first = next(iter(said["variants"]))
         lines += ["", _comparison_text(name, first, compared)]
     for name, one in said["variants"].items():
-        if one["failures"]:
-            lines += [
-                "",
-                f"{name}, not successful:",
-                *(f"  {count:>3}x {why}" for why, count in one["failures"].items()),
-            ]
-        if one["unclear"]:
-            lines += ["", f"{name}, not computed:", *(f"  {count:>3}x {why}" for why, count in one["unclear"].items())]
+        for said_of, found in (("successful", one["failures"]), ("computed", one["unclear"])):
+            if found:
+                lines += ["", f"{name}, not {said_of}:", *(f"  {count:>3}x {why}" for why, count in found.items())]
     return "\n".join(lines)
 
 
@@ -169,31 +156,10 @@ def _time_text(times: Mapping[str, float] | None) -> str:
     return "-" if times is None else f"{times['median']:.1f} (longest {times['longest']:.1f})"
 
 
-def _table(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = [
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |" for row in rows
-    ]
-    return [lines[0], "|" + "|".join("-" * (width + 2) for width in widths) + "|", *lines[1:]]
-
-
 def as_csv(results: Results) -> str:
     """Return a line a trial, for spreadsheets and data frames."""
     extra = list(dict.fromkeys(name for row in results.rows for name in {**row["counts"], **row["measures"]}))
-    known = [
-        "variant",
-        "seed",
-        "success",
-        "contradicted",
-        "status",
-        "outcome",
-        "code",
-        "message",
-        "duration",
-        "wall",
-        "run",
-        "unconfirmed",
-    ]
+    known = "variant seed success contradicted status outcome code message duration wall run unconfirmed".split()
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow([*known, *extra, "truth"])

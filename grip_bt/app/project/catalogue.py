@@ -86,7 +86,6 @@ def _hands(
     links: list[str],
     problems: tuple[Problem, ...],
 ) -> dict[str, PartNames]:
-
     found = {}
     for name, hand in project.file.hands.items():
         known: dict[str, Iterable[str]] = {}
@@ -131,7 +130,6 @@ def _sensors(
 
 
 def _taught(project: Project) -> TaughtStates | DocumentError:
-
     try:
         return TaughtStates(project.folder / TAUGHT)
     except DocumentError as error:

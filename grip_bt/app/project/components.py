@@ -101,8 +101,6 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     """Write the folder of a component with its component file; return it.
 
     Args:
-        wish: what is known.
-        folder: folder of the project's components.
         outcomes: as `--outcomes` takes them; None asks the user, on a terminal.
         failures: outcomes that mean failure.
 

@@ -28,10 +28,7 @@ def forbid() -> None:
 
 
 def refuse(found: Iterable[str]) -> None:
-    """Refuse to go on where code that isn't GRIP's is forbidden, and there is some.
-
-    Args:
-        found: what would be imported or started, each in words; not looked at where everything may run.
+    """Refuse to go on where code that isn't GRIP's is forbidden, and some would be imported or started.
 
     Raises:
         UntrustedCodeError: there is some; it names all of it.
@@ -41,15 +38,7 @@ def refuse(found: Iterable[str]) -> None:
 
 
 def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: Collection[str] = ()) -> Iterator[str]:
-    """Yield what a run of a task would import or start that isn't GRIP's.
-
-    Args:
-        project: its project.
-        task: valid.
-        catalog: its nodes.
-        robot: `sim`, `fake` or `ros`.
-        mocked: paths of nodes that play scripts.
-    """
+    """Yield what a run of a valid task would import or start that isn't GRIP's; `mocked` nodes play scripts."""
     components = {}
     for part in resolve(task, catalog).root.walk():
         if isinstance(part.node, Foreign):

@@ -135,8 +135,6 @@ def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool)
     """Return, by node, which frames are named that nothing has, as far as files tell.
 
     Args:
-        project: whose sensors and components.
-        links: of its robot.
         robot_known: False where the robot couldn't be read: nothing is known of its links then.
 
     Returns:

@@ -36,13 +36,7 @@ _MICRO = 1e6
 
 @dataclass(frozen=True)
 class Capsule:
-    """What was written.
-
-    Attributes:
-        events: how many are in it.
-        size: of the file [bytes].
-        left_out: what isn't in it, in words; empty when everything is.
-    """
+    """What was written: how many events, how many bytes, and in words what was left out, if anything."""
 
     events: int
     size: int
@@ -50,13 +44,7 @@ class Capsule:
 
 
 def write_capsule(reader: JournalReader, run: str, file: Path, most: int | None = None) -> Capsule:
-    """Write a run as one HTML file.
-
-    Args:
-        reader: of the journal.
-        run: its id.
-        file: written anew.
-        most: only so many events, from the beginning; None for all.
+    """Write a run, or the first events of it, as one HTML file.
 
     Raises:
         UnknownNameError: there is no such run.
@@ -66,17 +54,14 @@ def write_capsule(reader: JournalReader, run: str, file: Path, most: int | None 
     events = list(islice(reader.iterate(run), most))
     task = loads(record.task_text, record.task_path or run)
     columns, left_out = columns_of(events)
-    page = _page(record, task, _catalog(record), columns, left_out)
+    # GRIP's own nodes where the task's project isn't there any more
+    catalog = project_catalog(record.task_path) if Path(record.task_path).is_file() else Catalog.builtin()
+    page = _page(record, task, catalog, columns, left_out)
     try:
         file.write_text(page, encoding="utf-8", errors="backslashreplace")
     except OSError as error:
         raise DocumentError(f"can't be written: {error.strerror}", str(file)) from None
     return Capsule(len(events), file.stat().st_size, left_out)
-
-
-def _catalog(record: RunRecord) -> Catalog:
-    """Return the nodes of the task's project, or GRIP's own where that isn't there any more."""
-    return project_catalog(record.task_path) if Path(record.task_path).is_file() else Catalog.builtin()
 
 
 def _page(record: RunRecord, task: Task, catalog: Catalog, columns: Mapping[str, object], left_out: str) -> str:

@@ -119,7 +119,8 @@ class AttemptRecorder(Observer):
             self._began, self._first = self._clock(), None
             self.attempts.append(Attempt(len(self.attempts) + 1))
         elif path == self._check and self.attempts:
-            self.attempts[-1].held = self._with("held")
+            truth = {} if self._truth is None else self._truth()
+            self.attempts[-1].held = tuple(sorted(name for name, seen in truth.items() if seen.status == "held"))
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """Take note of which object a chosen grasp is for."""
@@ -153,11 +154,6 @@ class AttemptRecorder(Observer):
         attempt.failure = failure or (self._first if self._meaning.get(outcome or "") == "failure" else None)
         attempt.duration = self._clock() - self._began
         self._on_end(attempt)
-
-    def _with(self, status: str) -> tuple[str, ...]:
-        if self._truth is None:
-            return ()
-        return tuple(sorted(n for n, t in self._truth().items() if t.status == status))
 
 
 def attempt_line(attempt: Attempt) -> str:

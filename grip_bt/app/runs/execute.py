@@ -16,12 +16,11 @@ from grip_bt.app.wiring.parts import Progress, silent
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.nodes import Leaf
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
-from grip_bt.runtime.observers import Durable, SideState
+from grip_bt.runtime.observers import Durable
 from grip_bt.task import Document, Variable, read, read_text
 from grip_bt.task.model import type_of
 from grip_bt.task.validation import validate
@@ -91,11 +90,7 @@ class Session:
 
 
 def check_task(path: str | Path, text: str | None = None) -> tuple[Project, Document, Report]:
-    """Read a task file and check it against its project's nodes.
-
-    Args:
-        path: the file.
-        text: what it was at another time, in place of what it is.
+    """Read a task file, or what its text was at another time, and check it against its project's nodes.
 
     Raises:
         DocumentError: it can't be read.
@@ -125,11 +120,6 @@ def check_inputs(document: Document, given: Mapping[str, object]) -> None:
         raise InvalidTaskError(missing, document.source)
 
 
-def _text_of(resume: ResumeRequest, path: str | Path, journal: Path | None) -> str:
-    with JournalReader(journal or find_project(path).journal) as reader:
-        return reader.run(resume.run).task_text
-
-
 @contextmanager
 def open_session(
     path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
@@ -137,9 +127,6 @@ def open_session(
     """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
 
     Args:
-        path: the task file.
-        options: how it is run.
-        progress: told of each part that came up.
         hold: file descriptor of the channel over which somebody else may hold the robot; None for nobody.
 
     Raises:
@@ -147,8 +134,11 @@ def open_session(
         UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    resume = options.resume
-    project, document, report = check_task(path, None if resume is None else _text_of(resume, path, options.journal))
+    resume, text = options.resume, None
+    if resume is not None:
+        with JournalReader(options.journal or find_project(path).journal) as reader:
+            text = reader.run(resume.run).task_text
+    project, document, report = check_task(path, text)
     check_inputs(document, options.data)
     catalog = catalogue_of(project)
     compile_task = to_machine if options.target == "sm" else to_tree
@@ -175,8 +165,7 @@ def open_session(
         kept = kept_parts(resources)
         back = RestoredState()
         if resume is not None:
-            again = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
-            log, re_execution, back = again
+            log, re_execution, back = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
             for part, seq in back.restored.items():
                 progress(part, f"restored to event {seq}")
             for part, why in back.anew.items():
@@ -200,9 +189,11 @@ def open_session(
                 **({"anew": back.anew} if back.anew else {}),
             },
         )
-        runner.keep(
-            kept, {path: changed for path, leaf in compiled.leaves.items() if (changed := _changed(leaf, kept))}
-        )
+        changed = {
+            path: tuple(part for part in changes(leaf.manifest) if part in kept)
+            for path, leaf in compiled.leaves.items()
+        }
+        runner.keep(kept, {path: parts for path, parts in changed.items() if parts})
         if options.durable:
             asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
             runner.observe(Durable(journal, asked))
@@ -217,11 +208,6 @@ def open_session(
             runner.dismiss()
     if options.journal is None:
         _keep_to_limit(project.journal, project.file.journal_limit)
-
-
-def _changed(leaf: Leaf, kept: Mapping[str, SideState]) -> tuple[str, ...]:
-    manifest = leaf.manifest
-    return tuple(part for part in changes(manifest.id, manifest.implementation) if part in kept)
 
 
 def run(path: str | Path, **options: Any) -> RunResult:
@@ -248,8 +234,6 @@ def make_room(file: Path, limit: int, give_back: bool = False) -> Pruned:
     A run that has no end stays while its process lives.
 
     Args:
-        file: the journal.
-        limit: how much it may hold [bytes].
         give_back: whether free room is given back to the disk.
 
     Raises:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import base64
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,7 @@ import numpy as np
 
 from grip_bt.base.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 from grip_bt.base.values import DepthImage, Grasp, Image, PointCloud, Pose, RgbdFrame
-from grip_bt.runtime import Event, JournalReader
+from grip_bt.runtime import Event, JournalReader, RunRecord
 
 Message = tuple[str, dict[str, Any]]
 
@@ -64,7 +66,8 @@ def messages(value: Any, nanoseconds: int) -> dict[str, Message]:
     """Return what Foxglove can draw of a value: suffix of the topic -> message; empty for anything else."""
     match value:
         case Pose():
-            return {"": _pose(value, nanoseconds)}
+            message = {"timestamp": stamp(nanoseconds), "frame_id": value.frame, "pose": _pose_fields(value)}
+            return {"": ("foxglove.PoseInFrame", message)}
         case Grasp():
             return {"": _poses([value], nanoseconds)}
         case [Grasp(), *_] if all(isinstance(grasp, Grasp) for grasp in value):
@@ -72,22 +75,19 @@ def messages(value: Any, nanoseconds: int) -> dict[str, Message]:
         case PointCloud():
             return {"": _cloud(value, nanoseconds)}
         case Image():
-            return {"": _image(value, nanoseconds)}
+            return {"": _raw(value.frame, np.ascontiguousarray(value.pixels), "rgb8", nanoseconds)}
         case DepthImage():
-            return {"": _depth(value, nanoseconds)}
+            depth = np.ascontiguousarray(value.depth, "<f4")
+            return {"": _raw(value.info.pose.frame, depth, "32FC1", nanoseconds)}
         case RgbdFrame():
-            return {"/image": _image(value.image, nanoseconds), "/depth": _depth(value.depth, nanoseconds)}
+            seen = {"/image": value.image, "/depth": value.depth}
+            return {suffix: messages(each, nanoseconds)[""] for suffix, each in seen.items()}
     return {}
 
 
 def _pose_fields(pose: Pose) -> dict[str, Any]:
     position = dict(zip("xyz", map(float, pose.position), strict=True))
     return {"position": position, "orientation": dict(zip("wxyz", map(float, pose.quaternion), strict=True))}
-
-
-def _pose(pose: Pose, nanoseconds: int) -> Message:
-    message = {"timestamp": stamp(nanoseconds), "frame_id": pose.frame, "pose": _pose_fields(pose)}
-    return "foxglove.PoseInFrame", message
 
 
 def _poses(grasps: list[Grasp], nanoseconds: int) -> Message:
@@ -128,25 +128,11 @@ def _raw(frame: str, pixels: np.ndarray[Any, Any], encoding: str, nanoseconds: i
     }
 
 
-def _image(image: Image, nanoseconds: int) -> Message:
-    return _raw(image.frame, np.ascontiguousarray(image.pixels), "rgb8", nanoseconds)
-
-
-def _depth(image: DepthImage, nanoseconds: int) -> Message:
-    return _raw(image.info.pose.frame, np.ascontiguousarray(image.depth, "<f4"), "32FC1", nanoseconds)
-
-
 COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data", "meaning")
 
 
 def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
-    """Write the events of a run to a file; return how many there were.
-
-    Args:
-        reader: of the journal.
-        run: its id.
-        file: written anew.
-        to: `jsonl`, `csv` or `mcap`.
+    """Write the events of a run to a file as `jsonl`, `csv` or `mcap`; return how many there were.
 
     Raises:
         UnknownNameError: there is no such run or format.
@@ -155,80 +141,71 @@ def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
     """
     if to not in FORMATS:
         raise UnknownNameError("format", to, FORMATS)
-    reader.run(run)
+    record, count = reader.run(run), 0
     try:
-        return FORMATS[to](reader, run, file)
+        with FORMATS[to](reader, record, file) as write:
+            for event in reader.iterate(run):
+                write(event)
+                count += 1
     except OSError as error:
         raise DocumentError(f"can't be written: {error.strerror}", str(file)) from None
+    return count
 
 
-def _jsonl(reader: JournalReader, run: str, file: Path) -> int:
-    count = 0
+_Write = Callable[[Event], object]
+
+
+@contextmanager
+def _jsonl(reader: JournalReader, record: RunRecord, file: Path) -> Iterator[_Write]:
     with file.open("w", encoding="utf-8", errors="backslashreplace") as lines:
-        for event in reader.iterate(run):
-            lines.write(json.dumps(asdict(event), ensure_ascii=False) + "\n")
-            count += 1
-    return count
+        yield lambda event: lines.write(json.dumps(asdict(event), ensure_ascii=False) + "\n")
 
 
-def _csv(reader: JournalReader, run: str, file: Path) -> int:
-    count = 0
+@contextmanager
+def _csv(reader: JournalReader, record: RunRecord, file: Path) -> Iterator[_Write]:
     with file.open("w", encoding="utf-8", newline="", errors="backslashreplace") as table:
-        writer = csv.writer(table)
-        writer.writerow(COLUMNS)
-        for event in reader.iterate(run):
-            row = asdict(event)
-            row["data"] = json.dumps(event.data, ensure_ascii=False) if event.data else ""
-            writer.writerow([row[column] for column in COLUMNS])
-            count += 1
-    return count
+        writer = csv.DictWriter(table, COLUMNS, extrasaction="ignore")
+        writer.writeheader()
+        yield lambda event: writer.writerow(
+            {**asdict(event), "data": json.dumps(event.data, ensure_ascii=False) if event.data else ""}
+        )
 
 
-_ANY = {"type": "object", "properties": {"preview": {"type": "string"}, "value": {}}}
-_EVENT = {
-    "type": "object",
-    "properties": {
-        "seq": {"type": "integer"},
-        "t": {"type": "number"},
-        "wall": {"type": "number"},
-        "path": {"type": "string"},
-        "event": {"type": "string"},
-        "outcome": {"type": ["string", "null"]},
-        "code": {"type": ["string", "null"]},
-        "data": {"type": "object"},
-        "meaning": {"type": ["string", "null"]},
-    },
-}
+_INTEGER, _TEXT_OR_NONE = {"type": "integer"}, {"type": ["string", "null"]}
+_ANY = _object(preview=_STRING, value={})
+_EVENT = _object(
+    seq=_INTEGER,
+    t=_NUMBER,
+    wall=_NUMBER,
+    path=_STRING,
+    event=_STRING,
+    outcome=_TEXT_OR_NONE,
+    code=_TEXT_OR_NONE,
+    data={"type": "object"},
+    meaning=_TEXT_OR_NONE,
+)
 _SCHEMAS = {**SCHEMAS, "grip.Event": _EVENT, "grip.Value": _ANY}
 _INFO, _WARNING, _ERROR = 2, 3, 4
 """Levels of foxglove.Log."""
 
 
-def _write_mcap(reader: JournalReader, run: str, file: Path) -> int:
-    """Write a run to an MCAP file; return how many events it has.
+@contextmanager
+def _mcap(reader: JournalReader, record: RunRecord, file: Path) -> Iterator[_Write]:
+    """Write a run to an MCAP file.
 
     Topics: `/grip/events` (everything), `/grip/log` (for people), `/grip/data/VARIABLE` (what was written). Times are
     wall times, so that a recording of ROS topics made meanwhile lies beside it.
-
-    Raises:
-        MissingPartError: the mcap library isn't installed.
     """
     try:
         from mcap.writer import Writer
     except ImportError as error:
         raise MissingPartError("the mcap library", "pip install 'grip-bt[recording]'") from error
-    count = 0
     with file.open("wb") as stream:
         writer = Writer(stream)
         writer.start(profile="", library="grip")
-        channels = _Channels(writer)
-        record = asdict(reader.run(run))
-        writer.add_metadata("run", {key: "" if value is None else str(value) for key, value in record.items()})
-        for event in reader.iterate(run):
-            _add(channels, reader, event)
-            count += 1
+        writer.add_metadata("run", {k: "" if value is None else str(value) for k, value in asdict(record).items()})
+        yield partial(_add, _Channels(writer), reader)
         writer.finish()
-    return count
 
 
 class _Channels:
@@ -262,18 +239,13 @@ def _add(channels: _Channels, reader: JournalReader, event: Event) -> None:
     channels.send("/grip/log", "foxglove.Log", nanoseconds, log)
     if event.event == "write":
         topic = f"/grip/data/{event.data['variable']}"
-        for suffix, (schema, message) in _drawn(reader, event, nanoseconds).items():
+        try:
+            found = messages(reader.value(event), nanoseconds)
+        except GripError:
+            found = {}
+        kept: dict[str, Any] = {key: event.data[key] for key in ("preview", "value") if key in event.data}
+        for suffix, (schema, message) in (found or {"": ("grip.Value", kept)}).items():
             channels.send(topic + suffix, schema, nanoseconds, message)
-
-
-def _drawn(reader: JournalReader, event: Event, nanoseconds: int) -> dict[str, tuple[str, dict[str, Any]]]:
-    """Return the messages of a write; where Foxglove has no schema for the value, or it wasn't kept, its preview."""
-    try:
-        found = messages(reader.value(event), nanoseconds)
-    except GripError:
-        found = {}
-    kept: dict[str, Any] = {key: event.data[key] for key in ("preview", "value") if key in event.data}
-    return found or {"": ("grip.Value", kept)}
 
 
 def _line(event: Event) -> tuple[str, int]:
@@ -282,14 +254,13 @@ def _line(event: Event) -> tuple[str, int]:
         key: value for key, value in event.data.items() if key in ("text", "message", "variable", "preview", "status")
     }
     text = " ".join([event.event, *([event.outcome + code] if event.outcome else []), *map(str, said.values())])
-    level = (
-        _ERROR
-        if event.event in ("error", "damaged")
-        else _WARNING
-        if event.meaning == "failure" or event.event == "interrupted"
-        else _INFO
-    )
+    poor = event.meaning == "failure" or event.event == "interrupted"
+    level = _ERROR if event.event in ("error", "damaged") else _WARNING if poor else _INFO
     return text, level
 
 
-FORMATS: dict[str, Callable[[JournalReader, str, Path], int]] = {"jsonl": _jsonl, "csv": _csv, "mcap": _write_mcap}
+FORMATS: dict[str, Callable[[JournalReader, RunRecord, Path], AbstractContextManager[_Write]]] = {
+    "jsonl": _jsonl,
+    "csv": _csv,
+    "mcap": _mcap,
+}

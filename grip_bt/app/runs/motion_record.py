@@ -45,14 +45,7 @@ def motion_file(journal: Path, run: str) -> Path:
 
 @contextmanager
 def recorded_motion(resources: Resources, clock: Clock, journal: Path, run: str) -> Iterator[None]:
-    """Record while the block runs; does nothing for a run without a robot.
-
-    Args:
-        resources: whose arms, hands and scene.
-        clock: the run's.
-        journal: beside which the file goes.
-        run: the run's id.
-    """
+    """Record beside the journal while the block runs; does nothing for a run without a robot."""
     if not resources.arms and not resources.hands:
         yield
         return

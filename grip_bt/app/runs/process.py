@@ -16,8 +16,6 @@ from grip_bt.base.errors import GripError
 if TYPE_CHECKING:
     from grip_bt.runtime.control import Control
 
-_PROGRESS = "progress"
-
 
 class _StoppedEarlyError(BaseException):
     """A stop has come while the run was being started."""
@@ -83,7 +81,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Control) -> i
     options = OPTIONS.validate_python(order["options"])
 
     def progress(part: str, detail: str) -> None:
-        control.send(_PROGRESS, part=part, detail=detail)
+        control.send("progress", part=part, detail=detail)
 
     with open_session(order["task"], options, progress, hold=channels.get("hold")) as session:
         try:

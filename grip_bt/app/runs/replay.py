@@ -94,13 +94,7 @@ class Until:
 
 
 def events_of(reader: JournalReader, run: str, follow: bool = True) -> Iterator[Event]:
-    """Yield a run's events in order; of a run that is under way, those to come too, until it has ended.
-
-    Args:
-        reader: of the journal.
-        run: its id.
-        follow: whether to wait for more of a run whose process lives.
-    """
+    """Yield a run's events in order; with `follow`, of a run whose process lives, also those to come."""
     after = 0
     while True:
         over = not follow or reader.run(run).status != "running"
@@ -122,11 +116,8 @@ def replay(
     """Show one event after the other.
 
     Args:
-        events: in order.
-        show: called with each event and the moment that it makes.
         speed: seconds of the run in a second; None for as fast as it goes.
         until: where to end; None for the end of the run.
-        sleep: waits so many seconds.
 
     Returns:
         the last moment, and whether `until` was reached.
@@ -151,13 +142,8 @@ def line_of(event: Event) -> str:
     """Return an event in a line, indented by its node's depth."""
     depth = 0 if event.path == "/" else event.path.count("/") + 1
     name = event.path.rpartition("/")[2] or "/"  # also the root of a subtask
-    return f"{event.seq:>6} {event.t:>10.3f} s  {'  ' * depth}{_glyph(event)} {name}{_words(event)}"
-
-
-def _glyph(event: Event) -> str:
-    if event.event == "exit":
-        return ENDS[event.meaning]
-    return GLYPHS.get(event.event, "•")
+    glyph = ENDS[event.meaning] if event.event == "exit" else GLYPHS.get(event.event, "•")
+    return f"{event.seq:>6} {event.t:>10.3f} s  {'  ' * depth}{glyph} {name}{_words(event)}"
 
 
 def _words(event: Event) -> str:
@@ -191,12 +177,7 @@ def _words(event: Event) -> str:
 
 
 def moment_lines(moment: RunSnapshot, record: RunRecord | None = None) -> list[str]:
-    """Return what runs, and the variables, at a moment.
-
-    Args:
-        moment: of a run.
-        record: the run, where that is its last moment.
-    """
+    """Return what runs, and the variables, at a moment; `record` is given where it is the run's last one."""
     active = moment.active()
     leaves = [path for path in active if not any(other.startswith(f"{path}/") for other in active)]
     leaves = [path for path in leaves if path != "/" or len(active) == 1]

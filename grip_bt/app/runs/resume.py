@@ -11,14 +11,7 @@ from grip_bt.base.ports import Clock
 from grip_bt.compilers import CompiledMachine, CompiledTree
 from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes.mock import MockLeaf
-from grip_bt.runtime import (
-    Event,
-    Journal,
-    JournalReader,
-    ReExecution,
-    RunLog,
-    WallClock,
-)
+from grip_bt.runtime import Event, Journal, JournalReader, ReExecution, RunLog, WallClock
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.observers import SideState
 from grip_bt.runtime.value_codec import snapshot
@@ -64,15 +57,10 @@ def start_resumed(
     seed: int,
     kept: Mapping[str, SideState],
 ) -> tuple[RunLog, ReExecution, RestoredState]:
-    """Return the log that is written on, the run that happens again first, and what became of parts beside the task.
+    """Return the log that is written on, the run that happens again first, and what became of `kept` parts.
 
     Args:
-        journal: has the run.
-        compiled: its task.
-        resume: which, and how.
         clock: of the run from then on; None for the wall's.
-        seed: of the simulation, for the log of a new run.
-        kept: parts beside the task, which are brought into the state that the journal has of them.
 
     Raises:
         ResumeError: a value that the run needs, or a part, can't be restored.
@@ -87,7 +75,10 @@ def start_resumed(
         log = journal.go_on(record.id)
     else:
         log = journal.begin(record.task_name, record.task_path, record.task_text, compiled.target, seed)
-        _copy(log, events, {"run": record.id, "at": resume.at})
+        origin = {"run": record.id, "at": resume.at}
+        for event in events:  # with the times of that run
+            data = {**event.data, "forked_from": origin} if event.event == "run_started" else event.data
+            log.note(event.t, event.path, DetailedEvent(event.event, event.outcome, event.code, dict(data) or None))
     if resume.values:
         events += _set_values(log, compiled, resume.values, events)
     parts = parts_of(compiled)
@@ -117,13 +108,6 @@ def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:
                     f"cannot resume from here: variable {variable!r}, which {event.path} wrote at event "
                     f"{event.seq}: {error}. Fork it at an event before that"
                 ) from error
-
-
-def _copy(log: RunLog, events: Iterable[Event], origin: Mapping[str, object]) -> None:
-    """Write events of another run into a new one; its times are those of that run."""
-    for event in events:
-        data = {**event.data, "forked_from": dict(origin)} if event.event == "run_started" else event.data
-        log.note(event.t, event.path, DetailedEvent(event.event, event.outcome, event.code, dict(data) or None))
 
 
 def _set_values(

@@ -7,16 +7,10 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
 
 from grip_bt.base.errors import ResumeError, UnknownNameError
 from grip_bt.compilers.resolve import Part, resolve
-from grip_bt.runtime import (
-    Event,
-    JournalReader,
-    Recording,
-    RunRecord,
-)
+from grip_bt.runtime import Event, JournalReader, Recording, RunRecord
 from grip_bt.runtime.debugger import node_path
 from grip_bt.runtime.journal_events import DAMAGED
 from grip_bt.runtime.observers import KEPT
@@ -37,13 +31,7 @@ _NODES = ("enter", "exit", "interrupted", "write")
 
 @dataclass(frozen=True)
 class Question:
-    """Something that a person has to agree to.
-
-    Attributes:
-        about: a node's path, or what else it is about.
-        why: what isn't known.
-        agreed: what is done if they do.
-    """
+    """Something that a person has to agree to: about what, what isn't known, and what is done if they do."""
 
     about: str
     why: str
@@ -51,12 +39,6 @@ class Question:
 
     def __str__(self) -> str:
         return f"{self.about}: {self.why}; {self.agreed}"
-
-
-def _recorded_options(events: Iterable[Event]) -> dict[str, Any]:
-    """Return the options with which a run was started, as far as its journal has them."""
-    started = next((event for event in events if event.event == "run_started"), None)
-    return dict(started.data.get("options", {})) if started is not None else {}
 
 
 def _last_task_event(events: Sequence[Event]) -> int:
@@ -80,12 +62,8 @@ def _died(event: Event) -> bool:
     return event.event == "error" and event.data.get("type") == "ProcessDied"
 
 
-def resumable(record: RunRecord, events: Sequence[Event]) -> None:
-    """See whether a run can be gone on with.
-
-    Raises:
-        ResumeError: it has ended, or is under way; it says what can be done.
-    """
+def _check_resumable(record: RunRecord, events: Sequence[Event]) -> None:
+    """Refuse a run that has ended, or is under way, and say what can be done."""
     errors = [event for event in events if event.event == "error"]
     if record.status == "running":
         raise ResumeError(f"run {record.id} is under way in another process; stop it first")
@@ -102,12 +80,7 @@ def resumable(record: RunRecord, events: Sequence[Event]) -> None:
 
 
 def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
-    """Return the event up to which a run is to happen again.
-
-    Args:
-        record: the run.
-        events: all of it.
-        text: a number, `NODE`, or `NODE:OUTCOME`.
+    """Return the event up to which a run is to happen again, of a number, `NODE`, or `NODE:OUTCOME`.
 
     Raises:
         UnknownNameError: the run never comes there.
@@ -121,50 +94,36 @@ def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
     if at > (last := _last_task_event(events)):
         while last > 0 and events[last - 1].event not in _NODES:
             last -= 1
-        ended = all(e.event not in _NODES for e in events[last:at])
-        if not ended:
+        if any(e.event in _NODES for e in events[last:at]):
             raise ResumeError(
                 f"run {record.id} was stopped, or broken by an error, after event {last}: --at {last} or less"
             )
     return at
 
 
-def questions(
+def _questions(
     parts: Mapping[str, Part],
     events: Sequence[Event],
     resume: ResumeRequest,
-    mocked: Iterable[str],
-    robot: str = "sim",
-    stays: str = "",
-    anew: Mapping[str, str] | None = None,
+    options: RunOptions,
+    stays: str,
+    anew: Mapping[str, str],
 ) -> list[Question]:
-    """Return what a person has to agree to before a run is gone on with.
-
-    Args:
-        parts: of the task.
-        events: that happen again.
-        resume: how.
-        mocked: nodes in whose place scripts are played.
-        robot: with which it goes on.
-        stays: a part beside the task that outlives the run's process; see `app.keeping`.
-        anew: part beside the task -> why it can't be brought back.
-    """
+    """Return what a person has to agree to; `anew` has why parts beside the task can't be brought back."""
     found = []
-    leaves = {path: part for path, part in parts.items() if part.manifest is not None and path not in set(mocked)}
+    leaves = {p: part.manifest for p, part in parts.items() if part.manifest is not None and p not in options.mocks}
     for path in Recording(events, leaves).under_way:
-        manifest = leaves[path].manifest
-        assert manifest is not None, "leaves have one"
+        manifest = leaves[path]
         if path not in resume.results and policy_of(manifest) == "ask":
             why = f"{manifest.id} was under way, and its progress is unknown"
             found.append(
                 Question(path, why, f"it is started again (or say how it ended: --set-outcome {path}=success)")
             )
-    nodes = {p: (part.manifest.id, part.manifest.implementation) for p, part in leaves.items() if part.manifest}
     if resume.at is None:
-        found += [
-            Question("the world", lost, "the run continues anyway") for lost in parts_lost(nodes, events, robot, stays)
-        ]
-    found += [Question(WORDS[part], why, ANEW) for part, why in (anew or {}).items()]
+        nodes = {path: manifest.id for path, manifest in leaves.items()}
+        lost = parts_lost(nodes, events, options.robot, stays)
+        found += [Question("the world", each, "the run continues anyway") for each in lost]
+    found += [Question(WORDS[part], why, ANEW) for part, why in anew.items()]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
     if foreign:
         found.append(Question(", ".join(foreign), "py_trees behaviours ran", "they will run again"))
@@ -202,11 +161,7 @@ Ask = Callable[[Question], bool]
 
 
 def agree(asked: Sequence[Question], ask: Ask | None) -> None:
-    """Have a person agree to everything.
-
-    Args:
-        asked: what to.
-        ask: asks them; None where nobody can be asked.
+    """Have a person agree to everything; `ask` is None where nobody can be asked.
 
     Raises:
         ResumeError: somebody doesn't agree, or can't be asked.
@@ -221,14 +176,7 @@ def agree(asked: Sequence[Question], ask: Ask | None) -> None:
 
 @dataclass(frozen=True)
 class ResumePlan:
-    """A run that can be resumed or forked.
-
-    Attributes:
-        task: its file.
-        options: with which it goes on.
-        questions: what a person has to agree to first; of a fork, what they are told.
-        notes: what they are told besides.
-    """
+    """A run that can be resumed or forked, and what a person is asked, or told, before."""
 
     task: Path
     options: RunOptions
@@ -250,14 +198,10 @@ def plan_resume(
     """Look at a run, and say how it can be resumed.
 
     Args:
-        journal: has the run.
         run: its id, the beginning of it, or `last`.
-        options: that somebody gave.
         given: names of those that they really gave; for others, those of the run are taken.
         at: the place from which a new run goes on; None for the run itself.
-        task: its file, where it is now.
         outcomes: texts such as `attempt/grasp=failure.no_ik`.
-        agreed: whether everything is agreed to.
 
     Raises:
         UnknownNameError: there is no such run, place, node or outcome.
@@ -273,7 +217,7 @@ def plan_resume(
                 f"As a new run, from any event up to {len(events)}: grip run --fork {record.id} --at {len(events)}"
             )
         if at is None:
-            resumable(record, events)
+            _check_resumable(record, events)
             if record.status == "died":
                 deadline = time.monotonic() + _CLOSING
                 while reader.lives(record.id):
@@ -284,7 +228,9 @@ def plan_resume(
                     time.sleep(0.05)
     until = None if at is None else _event_at(record, events, at)
     file = task if task is not None else _recorded_file(record.task_path, journal)
-    was, values = _recorded_options(events), dict(options.data)
+    started = next((event for event in events if event.event == "run_started"), None)
+    was = dict(started.data.get("options", {})) if started is not None else {}
+    values = dict(options.data)
     options = replace(options, **{k: was[k] for k in was.keys() - set(given) if hasattr(options, k)})
     target: Target = "sm" if record.target == "sm" else "bt"
     options = replace(options, data=was.get("data", {}), target=target, journal=journal.absolute())
@@ -301,7 +247,7 @@ def plan_resume(
         with JournalReader(journal) as reader:
             lost = unreadable(reader, happened, options.robot, stays)
     request = ResumeRequest(record.id, until, _read_results(parts, outcomes), values, agreed=agreed or bool(lost))
-    asked = questions(parts, happened, request, options.mocks, options.robot, stays, lost)
+    asked = _questions(parts, happened, request, options, stays, lost)
     notes = [f"{file} has changed since; the run continues with the recorded task"] if changed else []
     return ResumePlan(file, replace(options, resume=request), asked, notes)
 

@@ -13,6 +13,7 @@ from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary
 from grip_bt.runtime import Event, JournalReader
 from grip_bt.runtime.observers import KEPT, SideState
 from grip_bt.runtime.value_codec import encode
+from grip_bt.task.catalog import Manifest
 
 from ..wiring.parts import Resources
 
@@ -26,30 +27,17 @@ _CHANGED_BY = {
     "messages": (MESSAGES,),
 }
 """First part of a node's id -> what its work may change; nodes of projects may change everything."""
-_EVERYTHING = (SCENE, MESSAGES, WORLD, FAKES)
 
 
-def changes(node: str, implementation: str) -> tuple[str, ...]:
-    """Return which parts a node's work may change.
-
-    Args:
-        node: its id.
-        implementation: as its manifest has it.
-    """
-    if not implementation.startswith("grip_bt."):
-        return _EVERYTHING
-    return _CHANGED_BY.get(node.partition("/")[0], ())
+def changes(manifest: Manifest) -> tuple[str, ...]:
+    """Return which parts a node's work may change."""
+    if not manifest.implementation.startswith("grip_bt."):
+        return SCENE, MESSAGES, WORLD, FAKES
+    return _CHANGED_BY.get(manifest.id.partition("/")[0], ())
 
 
 class _KeptState:
-    """Implements `runtime.observers.SideState` for a part that tells by some value of its own whether it is as it was.
-
-    Args:
-        version: returns that value; a look at it takes microseconds.
-        save: returns the part's state.
-        restore: brings a state back.
-        same: compares two versions.
-    """
+    """Implements `SideState` for a part of which some value, quick to look at, tells whether it is as it was."""
 
     def __init__(
         self,
@@ -112,13 +100,11 @@ def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
     return {event.data["part"]: event for event in events if event.event == KEPT}
 
 
-def parts_lost(nodes: Mapping[str, tuple[str, str]], events: Sequence[Event], robot: str, stays: str = "") -> list[str]:
+def parts_lost(nodes: Mapping[str, str], events: Sequence[Event], robot: str, stays: str = "") -> list[str]:
     """Say what nodes that have ended may have changed and that doesn't come back when the run is resumed.
 
     Args:
-        nodes: leaf -> (id, implementation).
-        events: of the run.
-        robot: with which it goes on: `sim`, `fake` or `ros`; a real one stays as it is.
+        nodes: leaf -> id.
         stays: a part that outlives the run's process.
     """
     begun = [e.data for e in events if e.event in ("run_started", "run_resumed")]
@@ -127,10 +113,11 @@ def parts_lost(nodes: Mapping[str, tuple[str, str]], events: Sequence[Event], ro
     gone = ({SCENE, MESSAGES} - keeps - {stays}) | (set() if moved else {WORLD})
     ended = {event.path for event in events if event.event == "exit"}
     found = []
-    for part in [part for part in _LOST_WORDS if part in gone]:
-        paths = sorted(path for path, (node, _) in nodes.items() if path in ended and part in _surely(node))
-        if paths:
-            found.append(f"{', '.join(paths[:3])}{' ...' if len(paths) > 3 else ''} had ended, and {_LOST_WORDS[part]}")
+    surely = {path: node.partition("/")[0] for path, node in nodes.items() if path in ended}
+    for part, words in _LOST_WORDS.items():
+        paths = sorted(path for path, kind in surely.items() if kind in _MOVING and part in _CHANGED_BY[kind])
+        if paths and part in gone:
+            found.append(f"{', '.join(paths[:3])}{' ...' if len(paths) > 3 else ''} had ended, and {words}")
     return found
 
 
@@ -139,20 +126,14 @@ _LOST_WORDS = {
     MESSAGES: "their changes to message stores are lost",
     WORLD: "the robot and the objects it moved are back at their initial positions",
 }
-
-
-def _surely(node: str) -> tuple[str, ...]:
-    kind = node.partition("/")[0]
-    return _CHANGED_BY.get(kind, ()) if kind not in ("component", "grasp") else ()
+_MOVING = _CHANGED_BY.keys() - {"component", "grasp"}
+"""Kinds of nodes whose end says that something was changed."""
 
 
 def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
     """Return which parts can't be brought back since the journal hasn't got their states any more, and why.
 
     Args:
-        reader: of the journal.
-        events: that happen again.
-        robot: with which the run goes on.
         stays: a part that outlives the run's process.
     """
     others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}
@@ -168,12 +149,7 @@ def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays
 
 @dataclass
 class RestoredState:
-    """What became of the parts beside the task.
-
-    Attributes:
-        restored: part -> the event whose state it has.
-        anew: part it starts from its initial state -> why.
-    """
+    """What became of parts beside the task: the event whose state each has, or why it starts from its initial one."""
 
     restored: dict[str, int] = field(default_factory=dict)
     anew: dict[str, str] = field(default_factory=dict)
@@ -185,9 +161,6 @@ def restore_state(
     """Bring parts into the state that they had at the last of `events`.
 
     Args:
-        parts: that this run has.
-        reader: of the journal.
-        events: that happen again.
         agreed: whether a part that can't be brought there may begin as in a new run.
 
     Raises:

@@ -307,7 +307,6 @@ class Supervisor:
         }
 
     def _enter(self, path: str, status: str, message: str, trace: str) -> None:
-
         assert self._run is not None, "there is a run to end"
         run, file, t = self._run["run"], self._run["journal"], time.monotonic() - self._begun
         if file is None:

@@ -16,16 +16,7 @@ from .execute import check_task
 
 @dataclass(frozen=True)
 class Timing:
-    """How long the activations of a node took, on the run's clock.
-
-    Attributes:
-        path: the node.
-        count: activations that ended.
-        interrupted: activations that were halted; they aren't in the times.
-        total: of all [s].
-        median: of one [s].
-        max: of one [s].
-    """
+    """How long [s] the activations of a node took, on the run's clock, without those that were interrupted."""
 
     path: str
     count: int
@@ -80,7 +71,6 @@ class Coverage:
     """Which outcomes of a task's nodes were seen in its runs.
 
     Attributes:
-        runs: how many there were.
         seen: node -> outcome -> how often, for outcomes that were seen.
         missing: node -> outcomes that weren't.
         codes: (node, outcome) -> failure codes that were seen, with how often.
@@ -100,10 +90,6 @@ class Coverage:
 
 def coverage(reader: JournalReader, task: str) -> Coverage:
     """Look through all runs of a task, by its name, for the outcomes that its nodes have now.
-
-    Args:
-        reader: of the journal.
-        task: the task's file.
 
     Raises:
         DocumentError, InvalidTaskError: the task can't be read or is wrong.

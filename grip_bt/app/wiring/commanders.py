@@ -34,12 +34,7 @@ from .planners import planners_in_force, settings_of
 
 @dataclass(frozen=True)
 class PlannedRobot:
-    """A robot whose planner is coming up: it builds its model while the rest of the robot starts.
-
-    Attributes:
-        description: the robot.
-        process: makes the plans.
-    """
+    """A robot whose planner is coming up: it builds its model while the rest of the robot starts."""
 
     description: RobotDescription
     process: PlanningProcess
@@ -72,15 +67,7 @@ def commanded(
     ports: Mapping[str, HandPort],
     boxes: Mapping[str, tuple[Sequence[float], Pose]],
 ) -> Resources:
-    """Return the project's arms, hands and scene.
-
-    Args:
-        opening: whose arms and hands.
-        description: the robot.
-        planner: makes the plans.
-        executors: what moves each arm.
-        ports: what moves each hand.
-        boxes: of the world: name -> (edge lengths [m], pose).
+    """Return the project's arms, hands and scene; `boxes` of the world are (edge lengths [m], pose) by name.
 
     Raises:
         UnknownNameError: the project names a group or a hand that isn't there.

@@ -35,7 +35,10 @@ class FakeBackend:
         robot, taught = description_of(project), TaughtStates()
         arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
         facts = {name: hand_facts(robot, hand.group) for name, hand in file.hands.items()}
-        ports = {name: _fingers(each) for name, each in facts.items()}
+        ports = {
+            name: FakeHand(each.postures["open"], thing=each.thing, forces=each.forces, closed=each.postures["closed"])
+            for name, each in facts.items()
+        }
         palms = {arm.hand: arms[name].grasp_pose for name, arm in file.arms.items() if arm.hand is not None}
         return Resources(
             arms=arms,
@@ -105,11 +108,6 @@ def _replies(manifest: Manifest, outcomes: int) -> list[dict[str, Any]]:
 def _arm(name: str, robot: RobotDescription | None, group: str, taught: TaughtStates) -> FakeArm:
     own, states = arm_states(robot, group)
     return FakeArm(name, states=states, taught=taught, own=own)
-
-
-def _fingers(facts: HandFacts) -> FakeHand:
-    opened, closed = facts.postures["open"], facts.postures["closed"]
-    return FakeHand(opened, thing=facts.thing, forces=facts.forces, closed=closed)
 
 
 def _hand(name: str, port: FakeHand, taught: TaughtStates, facts: HandFacts) -> HandCommander:

@@ -68,7 +68,6 @@ def value_of(type_: str | Type) -> Any:
 
 
 def _message(name: str) -> Any:
-
     try:
         from grip_bt.ros.client.types import load_type
 

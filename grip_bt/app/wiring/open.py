@@ -50,9 +50,7 @@ def open_resources(
     """Start what the nodes in `needs` ask for; everything is closed again at the end, in reverse order.
 
     Args:
-        opening: whose robot, sensors and components, and how they are started.
         needs: catalogue ids of the task's leaves.
-        robot: `sim`, `fake`, or `ros` for the controllers that the project names.
         own: implementations of leaves, in which it is looked what the project's own nodes ask for.
     """
     project, asked, parts = opening.project, _parts_asked_for(own), Resources()
@@ -66,25 +64,20 @@ def open_resources(
         sensors = [n for n, s in sorted(project.file.sensors.items()) if f"sensor/{n}" in needs and s.topics]
         asks_ros = bool(sensors) or any(node.startswith("ros/") for node in needs)
         if robot == "fake":
-            parts = _with_fakes(project, names, sensors if asks_ros else None, parts)
+            if names:
+                components = fake_components(project, names)
+                fakes = replace(parts.fakes or FakeState(), components=components)
+                parts = replace(parts, components=components, fakes=fakes)
+            if asks_ros:
+                ros, made = fake_ros(project, sensors)
+                parts = replace(parts, ros=ros, sensors=made)
         elif names or asks_ros:
-            ros = load_part("ros", "ROS", "ros").open_ros(opening, names, sensors, needs, stack)
-            clock = ros.clock or parts.clock
-            parts = replace(parts, components=ros.components, sensors=ros.sensors, ros=ros.ros, clock=clock)
+            of_ros = load_part("ros", "ROS", "ros").open_ros(opening, names, sensors, needs, stack)
+            clock = of_ros.clock or parts.clock
+            parts = replace(parts, components=of_ros.components, sensors=of_ros.sensors, ros=of_ros.ros, clock=clock)
         if "messages" in asked or any(node.startswith("messages/") for node in needs):
             parts = replace(parts, messages=_open_messages(opening, stack, server=robot != "fake"))
         yield parts
-
-
-def _with_fakes(project: Project, names: list[str], sensors: list[str] | None, parts: Resources) -> Resources:
-    """Add fakes of components, and of ROS where there are sensors to be had of it."""
-    if names:
-        components = fake_components(project, names)
-        parts = replace(parts, components=components, fakes=replace(parts.fakes or FakeState(), components=components))
-    if sensors is not None:
-        ros, made = fake_ros(project, sensors)
-        parts = replace(parts, ros=ros, sensors=made)
-    return parts
 
 
 _ROBOT_NODES = ("arm", "hand", "grasp", "scene", "perception")
@@ -106,9 +99,6 @@ def _parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
     """Return which parts the files of nodes ask their context for, such as `self.context.arm("")`.
 
     What a file does by way of another one isn't seen: a task that uses it needs a node that asks for the part itself.
-
-    Args:
-        implementations: `FILE.py:NAME`, as manifests have them; those in modules are left out.
     """
     files = {Path(where) for where, _, _ in (i.rpartition(":") for i in implementations) if where.endswith(".py")}
     found: set[str] = set()
@@ -119,12 +109,7 @@ def _parts_asked_for(implementations: Iterable[str]) -> frozenset[str]:
 
 
 def _open_messages(opening: Opening, stack: ExitStack, server: bool = True) -> Messages:
-    """Return the project's named messages.
-
-    Args:
-        opening: whose.
-        stack: closes what was opened.
-        server: whether a server may be asked, where the project has one.
+    """Return the project's named messages; those of a running server only with `server`.
 
     Raises:
         DocumentError: a file of the project's folder `messages/` is wrong.
@@ -157,12 +142,7 @@ def tree_run(
     """Start what the nodes of a machine need; everything is closed at the end.
 
     Args:
-        path: a file of the project whose nodes, robot and components are meant.
         needs: catalogue ids of the nodes.
-        robot: simulated, or fake parts that do as asked.
-        seed: of the simulated world.
-        pace: simulated seconds per second; None for as fast as it goes.
-        progress: told of each part that came up.
 
     Raises:
         GripError: a part of the robot, or a component, can't be started.

@@ -32,9 +32,6 @@ def report_if_slow(progress: Progress, part: str, words: Callable[[], str], afte
     """Say what is waited for, once, where that takes its time; nothing is said after the end.
 
     Args:
-        progress: told `(part, words)`, from another thread.
-        part: which part of the run waits.
-        words: asked what to say, when it is said.
         after: how long to be silent [s].
     """
     timer = threading.Timer(after, lambda: progress(part, words()))
@@ -64,14 +61,7 @@ def load_part(module: str, what: str, extra: str) -> Any:
 
 @dataclass
 class FakeState:
-    """Where fake arms and hands are, what was taught to them, and which reply of a component is the next.
-
-    Attributes:
-        arms: by name.
-        hands: by name.
-        components: by name.
-        taught: what was taught to arms and hands.
-    """
+    """Where fake arms and hands are, what was taught to them, and which reply of a component is the next."""
 
     arms: Mapping[str, FakeArm] = field(default_factory=dict)
     hands: Mapping[str, FakeHand] = field(default_factory=dict)

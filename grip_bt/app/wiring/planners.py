@@ -66,10 +66,6 @@ def with_move_group(
     """Return a planner that has MoveIt answer for the arms that say so.
 
     Args:
-        opening: whose arms.
-        description: the robot.
-        own: who answers for the others.
-        stack: closes what was opened.
         bus: the connection to ROS; one of its own, in the user's domain, when there is none.
 
     Raises:

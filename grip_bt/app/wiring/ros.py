@@ -35,11 +35,7 @@ def open_ros(
     """Start components and sensors; return them, the connection to ROS, and the run's clock where it is `/clock`.
 
     Args:
-        opening: whose components, sensors and robot.
-        names: components to start.
-        sensors: sensors on topics to open.
         needs: catalogue ids of the task's leaves.
-        stack: closes what was started.
 
     Raises:
         GripError: a component can't be started. A sensor that can't be opened says so when it is asked.

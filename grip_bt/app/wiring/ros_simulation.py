@@ -165,7 +165,6 @@ def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any
 
 
 def _room(simulation: Simulation) -> str:
-
     boxes = simulation.spec.boxes()
     return scene_text("room", [SceneObject(box.name, Box(box.size), Pose(box.centre), fixed=True) for box in boxes])
 

@@ -15,15 +15,7 @@ from grip_bt.smach_compat.util import has_smach_interface
 
 @dataclass
 class UserCode:
-    """A callback: `cb(userdata, *values, *args, **kwargs)`; without function, calls give None.
-
-    Attributes:
-        cb: the function, or None.
-        args: further arguments.
-        kwargs: further named arguments.
-        inputs: userdata that it reads.
-        outputs: userdata that it writes.
-    """
+    """A callback with the userdata that it may touch: `cb(userdata, *values, *args, **kwargs)`; without `cb`, None."""
 
     cb: Any
     args: Iterable[Any]
@@ -42,14 +34,6 @@ def user_code(
     state: State, what: str, cb: Any, args: Iterable[object], kwargs: Mapping[str, object], keys: tuple[Any, Any]
 ) -> UserCode:
     """Take a callback: its keys are those it declares, and then the state has them too, else the state's own.
-
-    Args:
-        state: who calls it.
-        what: what it is, for the message.
-        cb: the function, or None.
-        args: further arguments.
-        kwargs: further named arguments.
-        keys: the state's input and output keys as given.
 
     Raises:
         InvalidStateError: it can't be called.
@@ -70,13 +54,6 @@ class BadAnswerError(Exception):
 
 def answer_of(state: State, what: str, cb: UserCode, ud: object, *values: object) -> str | None:
     """Call a callback that may choose its state's outcome; return that, or None when it leaves it to the state.
-
-    Args:
-        state: whose callback it is.
-        what: what it is and of whom, for the message.
-        cb: the callback.
-        ud: userdata.
-        values: what it is given.
 
     Raises:
         BadAnswerError: it raised, or chose an outcome that the state doesn't have.

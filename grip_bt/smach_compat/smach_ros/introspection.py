@@ -60,10 +60,6 @@ class IntrospectionClient:
         """Let a container begin at these states, with this userdata.
 
         Args:
-            server: the server's name.
-            path: the container's path in it.
-            initial_states: labels of its states.
-            initial_userdata: what to add to the container's userdata.
             timeout: how long to wait for the server to confirm (a duration or [s]); None: don't wait.
 
         Returns:
@@ -194,13 +190,7 @@ class ContainerProxy:
 
 
 class IntrospectionServer:
-    """Puts a container, and those inside it, on the network.
-
-    Args:
-        server_name: the prefix of its topics.
-        state: the container.
-        path: how it is called.
-    """
+    """Puts a container, and those inside it, on the network."""
 
     @with_optional_node
     def __init__(self, server_name: str, state: object, path: str):

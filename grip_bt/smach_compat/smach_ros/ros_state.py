@@ -12,12 +12,7 @@ __all__ = ["RosState"]
 
 
 class RosState(State):
-    """A state that may have a node.
-
-    Args:
-        node: an rclpy node, first or by name; none in ROS 1's style.
-        **kwargs: outcomes and keys, see `State`.
-    """
+    """A state that may have an rclpy node, first or by name; none in ROS 1's style."""
 
     @with_optional_node
     def __init__(self, *args: Any, **kwargs: Any):
