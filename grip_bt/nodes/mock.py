@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 from py_trees.common import Status
+from pydantic import BaseModel, ConfigDict, Field
 
 from grip_bt.base.values import Failure
 from grip_bt.task.catalog.manifest import Manifest
@@ -14,25 +14,20 @@ from grip_bt.task.catalog.manifest import Manifest
 from .leaf import Leaf
 
 
-@dataclass(frozen=True)
-class MockStep:
-    """How activations of a mocked node go.
+class MockStep(BaseModel):
+    """How activations of a mocked node go, as a file says it."""
 
-    Attributes:
-        outcome: what it ends with.
-        code: of the failure; empty for none.
-        message: of the failure.
-        outputs: port -> value, written at the end.
-        seconds: how long it takes on the run's clock [s].
-        times: how many activations go like this.
-    """
-
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
     outcome: str = "success"
     code: str = ""
+    """Of the failure; empty for none."""
     message: str = ""
-    outputs: Mapping[str, Any] = field(default_factory=dict)
-    seconds: float = 0.0
-    times: int = 1
+    outputs: dict[str, Any] = {}
+    """Port -> value, written at the end."""
+    seconds: Annotated[float, Field(ge=0)] = 0.0
+    """How long it takes on the run's clock [s]."""
+    times: Annotated[int, Field(ge=1)] = 1
+    """How many activations go like this."""
 
 
 class MockLeaf(Leaf):

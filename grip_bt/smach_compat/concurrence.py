@@ -248,10 +248,14 @@ class Concurrence(Container):
     # --- the outcome ---
 
     def _decide(self) -> str:
-        if self._preempt_requested and self._children_obeyed():
-            self.service_preempt()
-            if not settings.ros2:
-                return "preempted"
+        if self._preempt_requested:
+            unserviced = [state for state in self._states.values() if state.preempt_requested()]
+            for state in unserviced:
+                state.recall_preempt()
+            if not unserviced:
+                self.service_preempt()
+                if not settings.ros2:
+                    return "preempted"
         outcome = self._mapped_outcome()
         if self._outcome_cb is None:
             return outcome
@@ -260,13 +264,6 @@ class Concurrence(Container):
         except errors_of_user_code() as error:
             raise InvalidUserCodeError(f"Could not call the outcome callback: {traceback.format_exc()}") from error
         return chosen if chosen and isinstance(chosen, str) else outcome
-
-    def _children_obeyed(self) -> bool:
-        """Take back the requests that children haven't serviced; tell whether there were none."""
-        unserviced = [state for state in self._states.values() if state.preempt_requested()]
-        for state in unserviced:
-            state.recall_preempt()
-        return not unserviced
 
     def _mapped_outcome(self) -> str:
         result, best = self._default_outcome, 0

@@ -152,16 +152,10 @@ class Container(State):
             return
         if not isinstance(error, (InvalidStateError, InvalidTransitionError)):
             hooks.logerr("".join(traceback.format_exception(error)))
-        if not settings.strict_upstream_construction:
-            self._abandon()
-
-    def _abandon(self) -> None:
-        """Undo `open` and whatever was opened inside and not closed."""
-        while self.is_opened():
+        innermost = settings.strict_upstream_construction
+        while not innermost and self.is_opened():  # whatever was opened inside and not closed, too
             innermost = Container._construction_stack[-1] is self
             self._pop()
-            if innermost:
-                return
 
     @contextmanager
     def opened(self: C, **kwargs: object) -> Iterator[C]:

@@ -37,14 +37,9 @@ class Sequence(StateMachine):
         self = Sequence._currently_opened_container()
         StateMachine.add(label, state, transitions, remapping)
         previous, self._last_added_seq_label = self._last_added_seq_label, label
-        if previous is not None:
-            self._lead(previous, label)
+        connector = self._connector_outcome
+        if previous is not None and self._transitions[previous].get(connector) is None:
+            self._transitions[previous][connector] = label
+            if connector not in self._states[previous].get_registered_outcomes():
+                hooks.logerr(f"State {previous!r} of a sequence has no outcome {connector!r} to lead on with.")
         return state
-
-    def _lead(self, previous: str, label: str) -> None:
-        connector, transitions = self._connector_outcome, self._transitions[previous]
-        if transitions.get(connector) is not None:
-            return
-        transitions[connector] = label
-        if connector not in self._states[previous].get_registered_outcomes():
-            hooks.logerr(f"State {previous!r} of a sequence has no outcome {connector!r} to lead on with.")

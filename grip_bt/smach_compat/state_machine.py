@@ -94,15 +94,10 @@ class StateMachine(Container):
         self._remappings[label] = {} if remapping is None else remapping
         if constants is not None:
             self._constants[label] = constants
-        self._connect_pending(label)
-        return state
-
-    def _connect_pending(self, label: str) -> None:
-        """Lead the connector outcomes of the last `add_auto` to this label."""
-        if self._last_added_label is not None:
-            for outcome in self._connector_outcomes:
-                self._transitions[self._last_added_label][outcome] = label
+        if self._last_added_label is not None:  # by `add_auto`
+            self._transitions[self._last_added_label] |= dict.fromkeys(self._connector_outcomes, label)
         self._last_added_label, self._connector_outcomes = None, []
+        return state
 
     @staticmethod
     def add_auto(

@@ -9,7 +9,7 @@ import textwrap
 import pytest
 
 from grip_bt.app.runs.execute import run
-from grip_bt.app.wiring.fake_values import value_of
+from grip_bt.app.wiring.fake import value_of
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Ros, Sensor

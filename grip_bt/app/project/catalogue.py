@@ -46,9 +46,11 @@ def _project_parts_of(project: Project) -> ProjectParts:
         nodes[node] = (*nodes.get(node, ()), *doubts)
     if file.robot is None and not file.arms and not file.hands:
         return ProjectParts(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
-    learnt = _taught(project)
-    taught = None if isinstance(learnt, DocumentError) else learnt
-    problems = (*problems, *world, *([_problem(learnt)] if isinstance(learnt, DocumentError) else []))
+    problems, taught = (*problems, *world), None
+    try:
+        taught = TaughtStates(project.folder / TAUGHT)
+    except DocumentError as error:
+        problems = (*problems, _problem(error))
     arms, hands = _arms(project, robot, taught, problems), _hands(project, robot, taught, links, problems)
     return ProjectParts(arms, hands, nodes, packages)
 
@@ -127,13 +129,6 @@ def _sensors(
                 error = UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on")
                 found[f"sensor/{name}"] += (_problem(error),)
     return found
-
-
-def _taught(project: Project) -> TaughtStates | DocumentError:
-    try:
-        return TaughtStates(project.folder / TAUGHT)
-    except DocumentError as error:
-        return error
 
 
 def _links(robot: RobotDescription | None) -> list[str]:

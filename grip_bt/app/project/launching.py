@@ -101,8 +101,9 @@ def _start(
         extra = {"args": words} if words else {}
         element = _add(root, "node", pkg=str(start.package), exec=start.executable, **extra, **common)
     else:
-        words = " ".join(_quoted(word) for word in start.command)
-        element = _add(root, "executable", cmd=words, **common)
+        quoted = [shlex.quote(_literal(w)) if w != "{python}" else w for w in start.command]
+        command = " ".join(quoted).replace("{python}", "$(var python)")  # an argument of the launch file
+        element = _add(root, "executable", cmd=command, **common)
     for variable, value in start.env.items():
         _add(element, "env", name=variable, value=_literal(value))
 
@@ -118,12 +119,6 @@ def _include(root: ElementTree.Element, start: Start, folder: str) -> None:
     include = _add(group, "include", file=file)
     for argument, given in start.arguments.items():
         _add(include, "arg", name=argument, value=_literal(text_of(given)))
-
-
-def _quoted(word: str) -> str:
-    """Return a word of a command, quoted for a launch file; `{python}` becomes the argument `python`."""
-    made = shlex.quote(_literal(word)) if word != "{python}" else "$(var python)"
-    return made.replace("{python}", "$(var python)")
 
 
 def _literal(text: str) -> str:

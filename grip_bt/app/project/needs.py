@@ -77,17 +77,12 @@ def components_in_need(project: Project, packages: Packages | None) -> dict[str,
             )
             continue
         lacking = (*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where))
-        problems = (*_misplaced(name, file.name, where), *lacking)
-        found[f"component/{file.name}"] = problems
+        if file.name != name:  # under which a run looks for it
+            said = f"{where}: the component is called {file.name!r}, and its folder {name!r}, so a run cannot find it"
+            fix = f"rename the folder to {file.name!r}, or write `name: {name}` and add it again"
+            lacking = (Problem(UNFIT_PROJECT, said, fix), *lacking)
+        found[f"component/{file.name}"] = lacking
     return found
-
-
-def _misplaced(folder: str, name: str, where: str) -> list[Problem]:
-    """Return that a component lies in a folder of another name than its own, under which a run looks for it."""
-    if folder == name:
-        return []
-    said = f"{where}: the component is called {name!r}, and its folder {folder!r}, so a run cannot find it"
-    return [Problem(UNFIT_PROJECT, said, f"rename the folder to {name!r}, or write `name: {folder}` and add it again")]
 
 
 def _lacking(types: Iterable[str], packages: Packages | None, where: str, messages: bool = False) -> list[Problem]:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.runs.resume import RestoredState, changes, kept_parts
 from grip_bt.app.wiring.parts import Progress, silent
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.base.issue import Issue, Report
@@ -31,7 +32,6 @@ from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
 from .mocks import apply_mocks
 from .resume import ResumeRequest, policy_of, start_resumed
-from .saved_state import RestoredState, changes, kept_parts
 
 Target = Literal["bt", "sm"]
 MOST_SEED = 2**32 - 1

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.frozen import FrozenDict
@@ -18,20 +18,7 @@ from grip_bt.runtime.debugger import node_path
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import AnyNode, Leaf, Task, children_of, join
 
-
-class Step(BaseModel):
-    """How activations go, as a file says it; see `MockStep`."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-    outcome: str = "success"
-    code: str = ""
-    message: str = ""
-    outputs: dict[str, Any] = {}
-    seconds: Annotated[float, Field(ge=0)] = 0.0
-    times: Annotated[int, Field(ge=1)] = 1
-
-
-Script = str | Step | list[str | Step]
+Script = str | MockStep | list[str | MockStep]
 
 
 class _MocksFile(BaseModel):
@@ -66,15 +53,15 @@ def scripted(scripts: Mapping[str, Script]) -> dict[str, list[dict[str, Any]]]:
     return {node_path(node): [step.model_dump() for step in _steps(script)] for node, script in scripts.items()}
 
 
-def _steps(script: Script) -> list[Step]:
-    if isinstance(script, Step):
+def _steps(script: Script) -> list[MockStep]:
+    if isinstance(script, MockStep):
         return [script]
     if isinstance(script, list):
-        return [step for part in script for step in _steps(part)] or [Step()]
+        return [step for part in script for step in _steps(part)] or [MockStep()]
     steps = []
     for word in script.split(","):
         outcome, _, code = word.strip().partition(".")
-        steps.append(Step(outcome=outcome, code=code))
+        steps.append(MockStep(outcome=outcome, code=code))
     return steps
 
 
@@ -116,7 +103,7 @@ def _checked(path: str, parts: Mapping[str, Part], script: Sequence[Mapping[str,
     steps = []
     for given in script:
         try:
-            step = Step.model_validate(given)
+            step = MockStep.model_validate(given)
         except ValidationError as error:
             raise DocumentError(str(error), f"mock of {path}") from None
         if step.outcome not in part.meaning:
@@ -126,7 +113,7 @@ def _checked(path: str, parts: Mapping[str, Part], script: Sequence[Mapping[str,
         for port in step.outputs:
             if port not in ports:
                 raise UnknownNameError("output", port, ports, f"mock of {path}")
-        steps.append(MockStep(**step.model_dump()))
+        steps.append(step)
     return steps
 
 

@@ -1,23 +1,196 @@
-"""Going on with a run whose process died, or from any event of a run as another one: what it takes besides the task."""
+"""What it takes, besides the task, to go on with a run whose process died, or from an event of a run as another one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import operator
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
+from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError, ResumeError, UnknownNameError, WrongTypeError
+from grip_bt.base.message_store import Entry, LocalMessages, MessageLibrary
 from grip_bt.base.ports import Clock
 from grip_bt.compilers import CompiledMachine, CompiledTree
 from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Event, Journal, JournalReader, ReExecution, RunLog, WallClock
 from grip_bt.runtime.journal import DetailedEvent
-from grip_bt.runtime.observers import SideState
-from grip_bt.runtime.value_codec import snapshot
+from grip_bt.runtime.observers import KEPT, SideState
+from grip_bt.runtime.value_codec import encode, snapshot
 from grip_bt.task.catalog import Manifest, check_value
 
-from .saved_state import RestoredState, restore_state
+SCENE, MESSAGES, WORLD, FAKES = "scene", "messages", "world", "fakes"
+_CHANGED_BY = {
+    "arm": (WORLD, SCENE, FAKES),
+    "hand": (WORLD, SCENE, FAKES),
+    "component": (WORLD, FAKES),
+    "scene": (SCENE,),
+    "grasp": (SCENE,),
+    "messages": (MESSAGES,),
+}
+"""First part of a node's id -> what its work may change; nodes of projects may change everything."""
+
+
+def changes(manifest: Manifest) -> tuple[str, ...]:
+    """Return which parts a node's work may change."""
+    if not manifest.implementation.startswith("grip_bt."):
+        return SCENE, MESSAGES, WORLD, FAKES
+    return _CHANGED_BY.get(manifest.id.partition("/")[0], ())
+
+
+class _KeptState:
+    """Implements `SideState` for a part of which some value, quick to look at, tells whether it is as it was."""
+
+    def __init__(
+        self,
+        version: Callable[[], object],
+        save: Callable[[], object],
+        restore: Callable[[Any], None],
+        same: Callable[[object, object], bool] = operator.eq,
+    ):
+        self._version, self._save, self._restore, self._same = version, save, restore, same
+        self._last = version()
+
+    def changed(self) -> object:
+        """Return the state, where it is another one."""
+        now = self._version()
+        if self._same(now, self._last):
+            return None
+        self._last = now
+        return self._save()
+
+    def restore(self, state: object) -> None:
+        """Have the part as it was."""
+        self._restore(state)
+        self._last = self._version()
+
+
+def kept_parts(resources: Resources) -> dict[str, SideState]:
+    """Return those parts of a run that can be kept."""
+    parts: dict[str, SideState] = {}
+    if (scene := resources.scene) is not None:  # every state of it is a value
+        parts[SCENE] = _KeptState(scene.snapshot, scene.snapshot, scene.restore, operator.is_)
+    if isinstance(messages := resources.messages, LocalMessages):
+        library = messages.library
+        parts[MESSAGES] = _KeptState(
+            lambda: {name: store.revision for name, store in library.stores().items()},
+            lambda: {
+                name: [[e.name, e.value, e.time, e.provenance] for e in (*store.entries(), *store.queue())]
+                for name, store in library.stores().items()
+            },
+            partial(_set_entries, library),
+        )
+    if (world := resources.world) is not None:
+        parts[WORLD] = _KeptState(lambda: world.clock.simulated, world.kept, world.put_back)
+    if (fakes := resources.fakes) is not None:
+        parts[FAKES] = _KeptState(lambda: encode(fakes.kept()), fakes.kept, fakes.put_back)
+    return parts
+
+
+def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[Any]]]) -> None:
+    made = {name: [Entry(*entry) for entry in entries] for name, entries in state.items()}
+    for store in library.stores().values():
+        store.clear()
+    for name, entries in made.items():
+        store = library.store(name, make=True)
+        for entry in entries:
+            store.restore(entry)
+
+
+def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
+    """Return the last state of each part that a run's events tell of."""
+    return {event.data["part"]: event for event in events if event.event == KEPT}
+
+
+def parts_lost(nodes: Mapping[str, str], events: Sequence[Event], robot: str, stays: str = "") -> list[str]:
+    """Say what nodes that have ended may have changed and that doesn't come back when the run is resumed.
+
+    Args:
+        nodes: leaf -> id.
+        stays: a part that outlives the run's process.
+    """
+    begun = [e.data for e in events if e.event in ("run_started", "run_resumed")]
+    keeps = set().union(*(data.get("keeps", ()) for data in begun))
+    moved = robot == "ros" or (FAKES if robot == "fake" else WORLD) in keeps
+    gone = ({SCENE, MESSAGES} - keeps - {stays}) | (set() if moved else {WORLD})
+    ended = {event.path for event in events if event.event == "exit"}
+    found = []
+    surely = {path: node.partition("/")[0] for path, node in nodes.items() if path in ended}
+    for part, words in _LOST_WORDS.items():
+        paths = sorted(path for path, kind in surely.items() if kind in _MOVING and part in _CHANGED_BY[kind])
+        if paths and part in gone:
+            found.append(f"{', '.join(paths[:3])}{' ...' if len(paths) > 3 else ''} had ended, and {words}")
+    return found
+
+
+_LOST_WORDS = {
+    SCENE: "their changes to the planning scene are lost",
+    MESSAGES: "their changes to message stores are lost",
+    WORLD: "the robot and the objects it moved are back at their initial positions",
+}
+_MOVING = _CHANGED_BY.keys() - {"component", "grasp"}
+"""Kinds of nodes whose end says that something was changed."""
+
+
+def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
+    """Return which parts can't be brought back since the journal hasn't got their states any more, and why.
+
+    Args:
+        stays: a part that outlives the run's process.
+    """
+    others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}
+    found = {}
+    for name, event in _last_kept(events).items():
+        if name not in others:
+            try:
+                reader.value(event)
+            except GripError as error:
+                found[name] = _not_back(event, error)
+    return found
+
+
+@dataclass
+class RestoredState:
+    """What became of parts beside the task: the event whose state each has, or why it starts from its initial one."""
+
+    restored: dict[str, int] = field(default_factory=dict)
+    anew: dict[str, str] = field(default_factory=dict)
+
+
+def restore_state(
+    parts: Mapping[str, SideState], reader: JournalReader, events: Sequence[Event], agreed: bool = False
+) -> RestoredState:
+    """Bring parts into the state that they had at the last of `events`.
+
+    Args:
+        agreed: whether a part that can't be brought there may begin as in a new run.
+
+    Raises:
+        ResumeError: one can't be brought there.
+    """
+    found = RestoredState()
+    for name, event in _last_kept(events).items():
+        if name in parts:
+            try:
+                parts[name].restore(reader.value(event))
+            except (GripError, LookupError, TypeError, ValueError) as error:
+                why = _not_back(event, error)
+                if not agreed:
+                    raise ResumeError(f"{WORDS[name]} {why}; with --yes, {ANEW}") from error
+                found.anew[name] = why
+            else:
+                found.restored[name] = event.seq
+    return found
+
+
+WORDS = {SCENE: "the scene", MESSAGES: "the messages", WORLD: "the simulated world", FAKES: "the fake robot"}
+ANEW = "it starts from its initial state"
+
+
+def _not_back(event: Event, error: Exception) -> str:
+    return f"cannot be restored to its state at event {event.seq} ({event.path}): {error}"
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 
+from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, parts_lost, unreadable
 from grip_bt.base.errors import ResumeError, UnknownNameError
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.runtime import Event, JournalReader, Recording, RunRecord
@@ -21,7 +22,6 @@ from .execute import RunOptions, Target, check_task
 from .mocks import apply_mocks
 from .replay import Until, find_run
 from .resume import ResumeRequest, policy_of
-from .saved_state import ANEW, MESSAGES, WORDS, parts_lost, unreadable
 
 _CLOSING = 10.0
 """How long [s] the process of a run that was cut off may take to close its parts."""

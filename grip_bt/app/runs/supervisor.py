@@ -20,6 +20,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -86,38 +87,27 @@ class Supervisor:
         Raises:
             GripError: it can't be started; it says what the system refuses.
         """
-        try:
-            self._start()
-        except OSError as error:
-            raise GripError(f"the run's process can't be started: {error.strerror}{_advice(error.errno)}") from None
-
-    def _start(self) -> None:
-        commands, self._command_end = os.pipe()
-        self._event_end, events = os.pipe()
-        self._hold_end, hold = socket.socketpair()
-        self._report_end, report = os.pipe()
-        self._memory, self._trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
-        self._memory.truncate(LARGEST)
-        self._pulse = HeartbeatReader(self._memory.fileno())
-        channels = {
-            "commands": commands,
-            "events": events,
-            "hold": hold.fileno(),
-            "report": report,
-            "pulse": self._memory.fileno(),
-            "trace": self._trace.fileno(),
-        }
-        try:
-            self._process = subprocess.Popen(
-                python_command("-m", "grip_bt.app.runs.process", json.dumps(channels)),
-                pass_fds=list(channels.values()),
-                stdin=None if self._own_input else subprocess.DEVNULL,
-            )
-        finally:
-            os.close(commands)
-            os.close(events)
-            os.close(report)
-            hold.close()
+        with ExitStack() as stack:  # of the child's ends
+            try:
+                commands, self._command_end = os.pipe()
+                self._event_end, events = os.pipe()
+                self._hold_end, hold = socket.socketpair()
+                self._report_end, report = os.pipe()
+                for each in (commands, events, report):
+                    stack.callback(os.close, each)
+                stack.callback(hold.close)
+                self._memory, self._trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
+                self._memory.truncate(LARGEST)
+                self._pulse = HeartbeatReader(self._memory.fileno())
+                files = {"hold": hold.fileno(), "pulse": self._memory.fileno(), "trace": self._trace.fileno()}
+                channels = {"commands": commands, "events": events, "report": report, **files}
+                self._process = subprocess.Popen(
+                    python_command("-m", "grip_bt.app.runs.process", json.dumps(channels)),
+                    pass_fds=list(channels.values()),
+                    stdin=None if self._own_input else subprocess.DEVNULL,
+                )
+            except OSError as error:
+                raise GripError(f"the run's process can't be started: {error.strerror}{_advice(error.errno)}") from None
         self._send(self._order)
         self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)
         self._reader.start()

@@ -36,11 +36,7 @@ class Service(Protocol):
         """Tell whether there is a server within `timeout` [s]."""
 
     def call(self, request: object) -> Any:
-        """Return the answer.
-
-        Raises:
-            ServiceFailedError: there is none.
-        """
+        """Return the answer, or raise ServiceFailedError."""
 
 
 class ActionClient(Protocol):
@@ -50,13 +46,9 @@ class ActionClient(Protocol):
         """Tell whether there is a server within `timeout` [s]."""
 
     def send(self, goal: object, done: Callable[[str, int, object], None], feedback: Callable[[object], None]) -> None:
-        """Send a goal and return at once.
+        """Send a goal and return at once; `done(ending, status, result)` is called once.
 
-        Args:
-            goal: its message.
-            done: called once as `done(ending, status, result)`; `ending` is `succeeded`, `aborted`, `preempted`,
-                `rejected` or `lost`, `status` the number that this ROS has for it.
-            feedback: called with each feedback message.
+        `ending` is `succeeded`, `aborted`, `preempted`, `rejected` or `lost`, `status` this ROS's number for it.
         """
 
     def cancel(self) -> None:
@@ -131,11 +123,8 @@ class Ros(Protocol):
     ) -> ActionServer:
         """Return a server, not started.
 
-        Args:
-            name: of the action.
-            type_: of the action.
-            execute: called with each goal on a thread of its own; has to call `end`.
-            preempt: called when the goal being worked on was canceled or another one came.
+        It calls `execute` with each goal on a thread of its own, which has to call `end`; and `preempt` when the goal
+        being worked on was canceled or another one came.
         """
 
     def introspection(self) -> Introspection:

@@ -127,12 +127,8 @@ class ActionServerWrapper:
             hooks.logerr(f"Executing the container of {self._server_name!r} raised: {traceback.format_exc()}")
             self._action_server.end("aborted")
             return
-        if outcome in self._succeeded_outcomes:
-            self._action_server.end("succeeded", result)
-        elif outcome in self._preempted_outcomes:
-            self._action_server.end("preempted", result)
-        else:
-            self._action_server.end("aborted", result)
+        preempted = "preempted" if outcome in self._preempted_outcomes else "aborted"
+        self._action_server.end("succeeded" if outcome in self._succeeded_outcomes else preempted, result)
 
     def _result(self) -> object:
         result = self.userdata[self._result_key]

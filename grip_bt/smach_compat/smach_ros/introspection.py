@@ -10,6 +10,7 @@ from __future__ import annotations
 import pickle
 import threading
 import traceback
+from contextlib import suppress
 from typing import Any
 
 from grip_bt.base.errors import GripError
@@ -79,7 +80,9 @@ class IntrospectionClient:
 
         def hear(status: Any) -> None:
             if status.path == path and set(initial_states) <= set(status.initial_states):
-                if not data or _holds(data, messages.unpacked(status.local_data)):
+                packed = messages.unpacked(status.local_data) if data else b""
+                there = {} if packed in _NO_DATA else pickle.loads(packed)  # asked for, since there is data
+                if all(key in there and there[key] == value for key, value in data.items()):
                     confirmed.set()
 
         status = ros().subscribe(server + STATUS_TOPIC, messages.Status, hear)
@@ -228,20 +231,10 @@ def _pickled(data: dict[str, Any]) -> bytes:
     try:
         return pickle.dumps(data, 2)
     except Exception:  # noqa: BLE001 - upstream raises here, and the container logs it at each transition
-        kept = {key: value for key, value in data.items() if _can_be_pickled(value)}
+        kept = {}
+        for key, value in data.items():
+            with suppress(Exception):  # pickling calls the user's code, which may raise anything
+                pickle.dumps(value, 2)
+                kept[key] = value
         hooks.logdebug(f"Userdata that can't be pickled isn't shown: {sorted(set(data) - set(kept))}")
         return pickle.dumps(kept, 2)
-
-
-def _can_be_pickled(value: object) -> bool:
-    try:
-        pickle.dumps(value, 2)
-    except Exception:  # noqa: BLE001 - pickling calls the user's code, which may raise anything
-        return False
-    return True
-
-
-def _holds(wanted: dict[str, object], data: bytes) -> bool:
-    """Tell whether the userdata in a status has these values. Only called when unpickling was asked for."""
-    there = {} if data in _NO_DATA else pickle.loads(data)
-    return all(key in there and there[key] == value for key, value in wanted.items())
