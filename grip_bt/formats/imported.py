@@ -165,18 +165,16 @@ class Imported:
                 lines.append(f"  {item.verdict:<8}{item.line:>5}  {item.name}")
                 lines += [f"{'':>17}{issue}" for issue in item.issues]
         for name, task in self.tasks.items():
-            lines += self._task_lines(name, task)
+            nodes = [node for _, node in model.walk(task.root)]
+            types = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in self.manifests})
+            sizes = f"{len(nodes)} nodes, {len(task.data)} variables, {len(task.inputs)} inputs"
+            lines.append(f"task {name}: {sizes}, {len(task.outcomes)} outcomes")
+            lines.append(f"  node types: {listing(types)}")
         lines += [f"  {issue}" for issue in self.issues]
         if self.manifests:
             lines.append(f"  nodes whose code has to be written: {listing(m.id for m in self.manifests)}")
         lines += [f"  to do: {line}" for line in self.advice]
         return "\n".join(lines) + "\n"
-
-    def _task_lines(self, name: str, task: Task) -> list[str]:
-        nodes = [node for _, node in model.walk(task.root)]
-        types = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in self.manifests})
-        sizes = f"{len(nodes)} nodes, {len(task.data)} variables, {len(task.inputs)} inputs"
-        return [f"task {name}: {sizes}, {len(task.outcomes)} outcomes", f"  node types: {listing(types)}"]
 
 
 def generated_by(source: str) -> str:

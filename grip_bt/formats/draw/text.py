@@ -13,7 +13,9 @@ def to_dot(task: Task, view: View = "tree") -> str:
     lines = [f"digraph {_dot_text(task.name)} {{", '  node [shape=box, style=rounded, fontname="sans-serif"];']
     if view == "tree":
         lines.append("  rankdir=LR;")
-        lines.extend(_dot_tree(task))
+        for path, words, below in _tree(task):
+            lines.append(f"  {_dot_text(path)} [label={_dot_text(words)}];")
+            lines += [f"  {_dot_text(path)} -> {_dot_text(child)};" for child in below]
     else:
         lines.append("  compound=true;")
         lines.extend(_dot_flow(task.name, "/", task.root, "  "))
@@ -30,12 +32,12 @@ def _words(name: str, node: AnyNode) -> str:
     return f"{glyph} {name}".strip() + "\n" + describe(node)
 
 
-def _dot_tree(task: Task) -> Iterator[str]:
+def _tree(task: Task) -> Iterator[tuple[str, str, list[str]]]:
+    """Yield the path, the words and the children's paths of each node."""
     for path, node in walk(task.root):
         name = task.name if path == "/" else path.rpartition("/")[2]
         words = "\n".join([_words(name, node), *details(node)])
-        yield f"  {_dot_text(path)} [label={_dot_text(words)}];"
-        yield from (f"  {_dot_text(path)} -> {_dot_text(join(path, child))};" for child in children_of(node))
+        yield path, words, [join(path, child) for child in children_of(node)]
 
 
 def _dot_flow(name: str, path: str, node: AnyNode, space: str) -> Iterator[str]:
@@ -77,7 +79,10 @@ def to_mermaid(task: Task, view: View = "tree") -> str:
     """Return a task as a Mermaid flow chart."""
     ids = {path: f"n{number}" for number, (path, _) in enumerate(walk(task.root))}
     if view == "tree":
-        lines = ["flowchart LR", *_mermaid_tree(task, ids)]
+        lines = ["flowchart LR"]
+        for path, words, below in _tree(task):
+            lines.append(f"  {ids[path]}[{_mermaid_text(words)}]")
+            lines += [f"  {ids[path]} --- {ids[child]}" for child in below]
     else:
         lines = ["flowchart TB", *_mermaid_flow(task.name, "/", task.root, ids, "  ")]
     return "\n".join(lines) + "\n"
@@ -88,13 +93,6 @@ def _mermaid_text(text: str) -> str:
     for sign, entity in (("#", "#35;"), ('"', "#quot;"), ("<", "#lt;"), (">", "#gt;"), ("`", "#96;")):
         text = text.replace(sign, entity)
     return '"' + text.replace("\n", "<br/>") + '"'
-
-
-def _mermaid_tree(task: Task, ids: dict[str, str]) -> Iterator[str]:
-    for path, node in walk(task.root):
-        name = task.name if path == "/" else path.rpartition("/")[2]
-        yield f"  {ids[path]}[{_mermaid_text(chr(10).join([_words(name, node), *details(node)]))}]"
-        yield from (f"  {ids[path]} --- {ids[join(path, child)]}" for child in children_of(node))
 
 
 def _mermaid_flow(name: str, path: str, node: AnyNode, ids: dict[str, str], space: str) -> Iterator[str]:

@@ -294,7 +294,10 @@ def _container(name: str, data: Mapping[str, Any], place: str, depth: int) -> Gr
     made.initial = str(data.get("initial") or next(iter(made.children)))
     if made.concurrent:
         made.default = str(data.get("default_outcome") or made.outcomes[-1])
-        made.rules = _rules(data.get("outcome_map") or {}, place)
+        said = data.get("outcome_map") or {}
+        if not isinstance(said, Mapping) or not all(isinstance(when, Mapping) for when in said.values()):
+            raise BrokenTaskError(f"{place}: `outcome_map` is outcome -> state -> outcome")
+        made.rules = {str(o): {str(child): [str(end)] for child, end in when.items()} for o, when in said.items()}
     return made
 
 
@@ -312,9 +315,3 @@ def _child(label: str, said: Mapping[str, Any], place: str, depth: int) -> GripS
         made = GripState(label, kind, rest, [str(each) for each in outcomes])
     made.leads = {str(outcome): str(target) for outcome, target in leads.items()}
     return made
-
-
-def _rules(said: object, place: str) -> dict[str, dict[str, list[str]]]:
-    if not isinstance(said, Mapping) or not all(isinstance(when, Mapping) for when in said.values()):
-        raise BrokenTaskError(f"{place}: `outcome_map` is outcome -> state -> outcome")
-    return {str(o): {str(child): [str(end)] for child, end in when.items()} for o, when in said.items()}

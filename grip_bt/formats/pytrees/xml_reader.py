@@ -18,7 +18,7 @@ from grip_bt.formats.xml_trees import DEEPEST, MOST_NODES, Element, TreeFiles
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
-from .classes import NodeSettings, NoEquivalentError, convert_behaviour, reason_unsupported
+from .classes import NoEquivalentError, convert_behaviour, reason_unsupported
 from .xml_values import Constant, Names, Variables, from_text
 
 _POLICIES: dict[str, Callable[[], ParallelPolicy.Base]] = {
@@ -91,25 +91,18 @@ class _Reader:
             raise element.error(str(why)) from None
         if equal.remark:
             self.issues.add("changed", path, equal.remark)
-        children = self.children(element, names, path, inside)
-        return self.container(equal, children)
-
-    def container(self, equal: NodeSettings, children: dict[str, dict[str, Any]]) -> dict[str, Any]:
-        keys = dict(equal.settings)
+        children, keys = self.children(element, names, path, inside), dict(equal.settings)
         if equal.failures:
+            leaves = {name: child["node"] for name, child in children.items() if "node" in child}
+            ends = {name: self.catalog.get(id).outcomes for name, id in leaves.items()}
             keys["exits"] = {
                 f"{name}.{label}": "failure"
-                for name, child in children.items()
-                for label, means in self.ends(child).items()
+                for name in children
+                for label, means in ends.get(name, {"failure": "failure"}).items()
                 if means == "failure"
             }
         composite = keys["kind"] in ("sequence", "fallback", "parallel")
         return {**keys, "children" if composite else "child": children}
-
-    def ends(self, keys: dict[str, Any]) -> dict[str, str]:
-        if "node" in keys:
-            return dict(self.catalog.get(keys["node"]).outcomes)
-        return {"success": "success", "failure": "failure"}
 
     def sub_tree(
         self, element: Element, names: Names, inside: tuple[str, ...]
@@ -177,14 +170,8 @@ class _Reader:
             meaning = self.meaning(element, names, text)
             if not isinstance(meaning, Constant):
                 raise element.error(f"{name}={text!r} is a variable; it has to be a constant here")
-            found[name] = self.value(element, name, meaning.text, types[name])
+            found[name] = _value(element, name, meaning.text, types[name])
         return found
-
-    def value(self, element: Element, name: str, text: str, type_name: str) -> Any:
-        try:
-            return from_text(text, type_name)
-        except ValueError as error:
-            raise element.error(f"{name}: {error}") from None
 
     def leaf(self, element: Element, names: Names, path: str) -> dict[str, Any]:
         manifest = self.manifest(element)
@@ -208,28 +195,24 @@ class _Reader:
         keys: dict[str, dict[str, Any]],
     ) -> None:
         """Put one attribute of a leaf where it belongs: to a parameter, an input or an output."""
-        if isinstance(meaning, Constant):
-            if name in manifest.parameters:
-                keys["with"][name] = self.value(element, name, meaning.text, manifest.parameters[name].type)
-                return
-            if name in manifest.inputs:
-                type_name = manifest.inputs[name].type
-                value = self.value(element, name, meaning.text, type_name)
-                where = "_".join((*path.strip("/").split("/"), name)).strip("_")
-                keys["in"][name] = self.variables.constant(node_name(where), type_name, value)
-                return
-        elif name in manifest.inputs:
+        constant = isinstance(meaning, Constant)
+        if isinstance(meaning, Constant) and name in manifest.parameters:
+            keys["with"][name] = _value(element, name, meaning.text, manifest.parameters[name].type)
+        elif isinstance(meaning, Constant) and name in manifest.inputs:
+            type_name = manifest.inputs[name].type
+            where = "_".join((*path.strip("/").split("/"), name)).strip("_")
+            value = _value(element, name, meaning.text, type_name)
+            keys["in"][name] = self.variables.constant(node_name(where), type_name, value)
+        elif isinstance(meaning, str) and name in manifest.inputs:
             keys["in"][name] = meaning
             self.variables.use(meaning, manifest.inputs[name].type, written=False)
-            return
-        elif name in manifest.outputs:
+        elif isinstance(meaning, str) and name in manifest.outputs:
             keys["out"][name] = meaning
             self.variables.use(meaning, manifest.outputs[name].type, written=True)
-            return
-        there = [*manifest.parameters, *manifest.inputs, *manifest.outputs]
-        what = "a constant" if isinstance(meaning, Constant) else "a variable"
-        message = f"{manifest.id} takes no {name!r} that is {what}{nearest(name, there)} (it has: {listing(there)})"
-        raise element.error(message)
+        else:
+            there = [*manifest.parameters, *manifest.inputs, *manifest.outputs]
+            what = f"{name!r} that is {'a constant' if constant else 'a variable'}"
+            raise element.error(f"{manifest.id} takes no {what}{nearest(name, there)} (it has: {listing(there)})")
 
     def manifest(self, element: Element) -> Manifest:
         """Return the node that a tag means."""
@@ -241,3 +224,10 @@ class _Reader:
             return by_class[0]
         ids = [known.replace("/", ".") for known in self.catalog.ids()]
         raise element.error(f"no node of the catalogue is called so{nearest(element.tag, ids)}")
+
+
+def _value(element: Element, name: str, text: str, type_name: str) -> Any:
+    try:
+        return from_text(text, type_name)
+    except ValueError as error:
+        raise element.error(f"{name}: {error}") from None

@@ -25,13 +25,7 @@ def default_given(arguments: list[Any], named: dict[str, Any]) -> Any:
 
 
 def repeatable(node: ast.expr, functions: Collection[str], methods: Collection[str]) -> bool:
-    """Tell whether evaluating an expression twice is as good as once: it makes nothing and changes nothing.
-
-    Args:
-        node: the expression.
-        functions: builtin functions that change nothing.
-        methods: methods of text that change nothing.
-    """
+    """Tell whether evaluating twice is as good as once, given functions and methods that change nothing."""
     for each in ast.walk(node):
         if isinstance(each, (ast.Lambda, ast.NamedExpr, ast.Await, ast.Yield)):
             return False
@@ -51,12 +45,7 @@ def default_of(value: Any) -> Any:
 
 
 def use_default(value: Any, note: Callable[[str], None]) -> Any:
-    """Return a value, or the default that is taken for it, and note that.
-
-    Args:
-        value: what was read.
-        note: is given the words, where a default is taken.
-    """
+    """Return a value, or the default that is taken for it; `note` is given the words then."""
     found = default_of(value)
     if found is not value:
         note(assumption_text(value, found))
@@ -122,13 +111,10 @@ _PURE = {
 
 
 class Evaluation:
-    """Evaluates expressions; the interpreter calls functions and knows smach.
-
-    Attributes:
-        assuming: whether defaults of parameters are taken for what a run may find.
-    """
+    """Evaluates expressions; the interpreter calls functions and knows smach."""
 
     assuming = False
+    """Whether defaults of parameters are taken for what a run may find."""
 
     def call(self, node: ast.Call, scope: Scope) -> Any:
         """Evaluate a call; the interpreter does."""
@@ -143,8 +129,7 @@ class Evaluation:
             try:
                 result = method(node, scope)
             except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
-                result = None  # the run would raise, or knows more
-                return self.opaque(node, scope)
+                return self.opaque(node, scope)  # the run would raise, or knows more
             if result is not NotImplemented:
                 return default_of(result) if self.assuming else result
         return self.opaque(node, scope)

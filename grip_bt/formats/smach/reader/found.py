@@ -68,14 +68,10 @@ class StateInfo:
 
     Attributes:
         kind: the class of smach or smach_ros that it comes from.
-        cls: the name of its own class.
-        span: where it is made.
-        expression: source that makes it, in the module's namespace; None with `why` otherwise.
-        file: the module that `expression` is in.
+        cls: the name of its own class; `home` is that class, where it is part of the project.
+        expression: source that makes it, in the namespace of the module `file`; None with `why` otherwise.
         outcomes: None when they aren't known.
         initialised: whether its constructor has been followed.
-        home: its class, where that is part of the project.
-        parent: the container that it is in.
         attributes: what `__init__` sets on `self`.
     """
 
@@ -95,12 +91,9 @@ class StateInfo:
     parent: ContainerInfo | None = None
 
     def problem(self, verdict: Verdict, text: str, span: Span | None = None) -> None:
-        """Note what can't be imported exactly.
+        """Note what can't be imported exactly, and what to do.
 
-        Args:
-            verdict: `partial`: the task has a gap that a person can fill; `failed`: the container is left out of it.
-            text: what it is, and what to do.
-            span: where; where it is made by default.
+        A `partial` task has a gap that a person can fill; what `failed` is left out of it.
         """
         code, severity = _ISSUES[verdict]
         place = span or self.span
@@ -139,13 +132,9 @@ class ContainerInfo(StateInfo):
 
     Attributes:
         added: its children by label, in order.
-        initial: label of the first state, once known.
         settings: what its constructor was given besides outcomes and keys.
         userdata: initial values.
         entry: source of what gives the container at run time: a function, a class or a variable of the module.
-        entry_is_call: whether `entry` has to be called.
-        entry_file: where `entry` is.
-        entry_arguments: what it is called with.
         executed_in: functions that execute it, so that calling them would run the machine.
     """
 

@@ -36,11 +36,7 @@ class _Leave(Exception):
 
 
 class Interpreter(Calls):
-    """Reads the files of a project.
-
-    Attributes:
-        containers: all containers that were found, in the order in which they are made.
-    """
+    """Reads the files of a project; `containers` are all that were found, in the order in which they are made."""
 
     # --- modules ---
 
@@ -70,15 +66,15 @@ class Interpreter(Calls):
         for statement in tree.body:
             if isinstance(statement, ast.If) and _is_main(statement.test):
                 self.body(statement.body, scope.inner())
-        if self.containers or "smach" in self.project.source(file).text or self._derives(scope):
+        derived = any(isinstance(v, Class) and self.is_container(v) for v in scope.names.values())
+        if self.containers or "smach" in self.project.source(file).text or derived:
             self._rest(scope, file)
-        self._entries(scope)
+        for name, value in scope.names.items():  # what is there once the module is imported
+            if isinstance(value, ContainerInfo) and value.entry is None and value.parent is None:
+                value.entry = ast.Attribute(ast.Name("legacy", ast.Load()), name, ast.Load())
         for container in self.containers if self.steps > MOST_STEPS else ():
             container.problem("partial", "there is more code than is followed here: compare the states with the text")
         return scope
-
-    def _derives(self, scope: Scope) -> bool:
-        return any(isinstance(v, Class) and self.is_container(v) for v in scope.names.values())
 
     def _rest(self, scope: Scope, file: Path) -> None:
         """Follow the constructors, functions and methods that nothing has called, with arguments that nobody knows."""
@@ -95,12 +91,6 @@ class Interpreter(Calls):
         for value in mine:
             if isinstance(value, Class) and self.is_container(value) and not value.made:
                 self.instantiate(value, [], {}, None, Span(file, value.node.lineno, 1, value.node.lineno))
-
-    def _entries(self, scope: Scope) -> None:
-        """Note which containers are there once the module is imported."""
-        for name, value in scope.names.items():
-            if isinstance(value, ContainerInfo) and value.entry is None and value.parent is None:
-                value.entry = ast.Attribute(ast.Name("legacy", ast.Load()), name, ast.Load())
 
     # --- statements ---
 
