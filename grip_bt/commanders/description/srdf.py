@@ -196,9 +196,11 @@ def check_srdf(srdf: Srdf, tree: Tree) -> list[Finding]:
     check = _Check(srdf, tree)
     found = [*check.groups(), *check.others()]
     if not any(f.severity == "error" for f in found):
-        found += check.joints_of_groups()
-    found += check.states()
-    return found
+        for name, joints in resolve(srdf, tree).items():
+            if not joints:
+                message = f"group {name!r} has no joint that can be driven; nothing can be planned for it"
+                found.append(Finding("warning", "empty-group", message, srdf.source, srdf.groups[name].line))
+    return [*found, *check.states()]
 
 
 class _Check:
@@ -237,30 +239,21 @@ class _Check:
             message = f"disabled collisions name links that aren't there: {listing(strange)}; they are left out"
             yield self._say("warning", "unknown-link", message)
 
-    def joints_of_groups(self) -> Iterator[Finding]:
-        for name, joints in resolve(self.srdf, self.tree).items():
-            group = self.srdf.groups[name]
-            if not joints:
-                message = f"group {name!r} has no joint that can be driven; nothing can be planned for it"
-                yield self._say("warning", "empty-group", message, group)
-
     def states(self) -> Iterator[Finding]:
         for group, states in self.srdf.states.items():
             yield from self._known("group", [group], self.srdf.groups, "named states")
             for name, positions in states.items():
                 where = f"state {name!r} of group {group!r}"
                 yield from self._known("joint", positions, self.tree.joints, where)
-                yield from self._within(where, positions.items())
-
-    def _within(self, where: str, positions: Iterable[tuple[str, float]]) -> Iterator[Finding]:
-        for name, position in positions:
-            joint = self.tree.joints.get(name)
-            if joint is None or joint.type not in ("revolute", "prismatic"):
-                continue
-            if not joint.lower - 1e-6 <= position <= joint.upper + 1e-6:
-                allowed = f"{joint.lower:g} ... {joint.upper:g}"
-                message = f"{where}: joint {name!r} at {position:g} is out of its limits {allowed}; it is clamped"
-                yield self._say("warning", "out-of-limits", message)
+                for joint in (self.tree.joints[name] for name in positions if name in self.tree.joints):
+                    q = positions[joint.name]
+                    limited = joint.type in ("revolute", "prismatic")
+                    if limited and not joint.lower - 1e-6 <= q <= joint.upper + 1e-6:
+                        allowed = f"{joint.lower:g} ... {joint.upper:g}"
+                        message = (
+                            f"{where}: joint {joint.name!r} at {q:g} is out of its limits {allowed}; it is clamped"
+                        )
+                        yield self._say("warning", "out-of-limits", message)
 
     def _chain(self, group: Group, base: str, tip: str) -> Iterator[Finding]:
         where = f"a chain of group {group.name!r}"

@@ -9,7 +9,6 @@ from typing import Any
 
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 
-from .moveit_files import JointLimits
 from .moveit_package import MoveItPackage
 from .robot import RobotDescription
 from .tree import Joint, Tree
@@ -64,17 +63,16 @@ def _package(package: MoveItPackage) -> dict[str, object]:
     return {
         "folder": str(package.folder),
         "layout": package.layout,
-        "limits": {joint: _said(limits) for joint, limits in package.limits.items()},
+        "limits": {
+            joint: {name: value for name, value in asdict(limits).items() if value is not None}
+            for joint, limits in package.limits.items()
+        },
         "initial_positions": dict(package.initial_positions),
         "kinematics": dict(package.kinematics),
         "planners": {g: {"default": c.default, "planners": dict(c.planners)} for g, c in package.planners.items()},
         "controllers": [asdict(controller) for controller in package.controllers],
         "sensors": [asdict(sensor) for sensor in package.sensors],
     }
-
-
-def _said(limits: JointLimits) -> dict[str, float]:
-    return {name: value for name, value in asdict(limits).items() if value is not None}
 
 
 def told(known: dict[str, Any]) -> str:
@@ -86,7 +84,8 @@ def _lines(known: dict[str, Any]) -> Iterator[str]:
     yield f"{known['name']}, standing on {known['base_link']}"
     for group, joints in known["groups"].items():
         frame = known["grasp_frames"].get(group)
-        yield f"\ngroup {group}: {_count(len(joints), 'joint')}{', grasp frame on ' + frame if frame else ''}"
+        plural = "" if len(joints) == 1 else "s"
+        yield f"\ngroup {group}: {len(joints)} joint{plural}{', grasp frame on ' + frame if frame else ''}"
         yield from (_joint(name, known["joints"][name]) for name in joints)
         for name, state in known["states"].get(group, {}).items():
             yield f"  state {name}: {', '.join(f'{q:g}' for q in state.values())}"
@@ -104,7 +103,9 @@ def _lines(known: dict[str, Any]) -> Iterator[str]:
         yield f"joint {name} belongs to no group"
     yield f"solvers: {', '.join(known['solvers'])}"
     yield f"planners: {', '.join(known['planners'])}"
-    yield from _in_force(known["preferences"])
+    for group, fields in known["preferences"].items():
+        words = [_preferred(field, preference) for field, preference in fields.items()]
+        yield f"in force for {group}, unless grip.yaml says otherwise: {'; '.join(words)}"
     for package in known["moveit"]:
         yield from _moveit(package, set(known["planners"]))
 
@@ -115,13 +116,6 @@ def _joint(name: str, joint: dict[str, Any]) -> str:
         f"  {name}: {joint['lower']:.4g} ... {joint['upper']:.4g} {unit}, {joint['velocity']:.4g} {unit}/s, "
         f"{joint['acceleration']:.4g} {unit}/s^2"
     )
-
-
-def _in_force(preferences: dict[str, Any]) -> Iterator[str]:
-    """Say what an arm's fields are where `grip.yaml` doesn't give them."""
-    for group, fields in preferences.items():
-        words = [_preferred(field, preference) for field, preference in fields.items()]
-        yield f"in force for {group}, unless grip.yaml says otherwise: {'; '.join(words)}"
 
 
 def _preferred(field: str, preference: dict[str, Any]) -> str:
@@ -151,7 +145,3 @@ def _moveit(package: dict[str, Any], planners: set[str]) -> Iterator[str]:
         yield f"  controller {controller['name']} ({controller['type']}): {', '.join(controller['joints'])}"
     for sensor in package["sensors"]:
         yield f"  sensor {sensor['name']}: {sensor['plugin']} on {sensor['topic']}"
-
-
-def _count(number: int, word: str) -> str:
-    return f"{number} {word}{'' if number == 1 else 's'}"

@@ -122,7 +122,12 @@ def plan_free(
 
     if planner == BITRRT:
         path = bitrrt(checker, motion_free, start, goal, np.random.default_rng(seed), over)
-        return _shortened_without_cost(checker, motion_free, _found(path, planner, budget, canceled), seed)
+
+        def no_worse(one: Array, other: Array) -> bool:  # comes no closer to things than where it leaves the path
+            ends = np.stack([one, other])
+            return motion_free(one, other) and highest_cost(checker, ends) <= float(costs(checker, ends).max())
+
+        return shortened(_found(path, planner, budget, canceled), no_worse, np.random.default_rng(seed))
     if motion_free(start, goal):
         return np.stack([start, goal])
     path = _solved(checker, motion_free, start, goal, planner, seed, _Ending(over, planner, budget), parameters or {})
@@ -196,16 +201,6 @@ def _found(path: Path | None, planner: str, budget: Budget, canceled: Callable[[
             raise TimeOutError(f"{planner} found no path {budget}", planner=planner)
         raise NoPlanError(f"{planner} found no path", planner=planner)
     return path
-
-
-def _shortened_without_cost(checker: CollisionChecker, motion_free: MotionCheck, path: Path, seed: int) -> Path:
-    """Shorten a path where that comes no closer to things than where it leaves the path or joins it again."""
-
-    def no_worse(one: Array, other: Array) -> bool:
-        ends = np.stack([one, other])
-        return motion_free(one, other) and highest_cost(checker, ends) <= float(costs(checker, ends).max())
-
-    return shortened(path, no_worse, np.random.default_rng(seed))
 
 
 def _solved(
