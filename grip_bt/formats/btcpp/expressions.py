@@ -88,8 +88,12 @@ class Translator:
                 return self._joined(script)
             case s.Comparison():
                 return self._comparison(script)
-            case s.Ternary():
-                return self._chosen(script)
+            case s.Ternary(condition=asked):
+                condition, then, other = self.condition(asked), self.value(script.then), self.value(script.otherwise)
+                if (then.type, other.type) != ("bool", "bool"):
+                    raise Inexact("`?:` inside of an expression; assign it to a variable of its own")
+                yes = f"{condition.within(_AND)} and {then.within(_AND + 1)}"
+                return Value(f"{yes} or not {condition.within(_NOT)} and {other.within(_AND + 1)}", "bool", _OR)
             case s.Assignment(target=target):
                 raise Inexact(f"the assignment to {target!r} inside of an expression; make it a statement of its own")
         sign = script.sign if isinstance(script, s.Unary | s.Binary) else "?"
@@ -153,13 +157,6 @@ class Translator:
                 " within 1.2e-7 for the same"
             )
         return plain
-
-    def _chosen(self, script: s.Ternary) -> Value:
-        condition, then, other = self.condition(script.condition), self.value(script.then), self.value(script.otherwise)
-        if (then.type, other.type) != ("bool", "bool"):
-            raise Inexact("`?:` inside of an expression; assign it to a variable of its own")
-        yes = f"{condition.within(_AND)} and {then.within(_AND + 1)}"
-        return Value(f"{yes} or not {condition.within(_NOT)} and {other.within(_AND + 1)}", "bool", _OR)
 
 
 def literal(value: bool | int | float | str) -> Value:
