@@ -8,21 +8,9 @@ import sys
 import time
 from pathlib import Path
 
-from grip_bt.app.campaign import (
-    Campaign,
-    Results,
-    Trials,
-    as_csv,
-    as_text,
-    begin,
-    check,
-    head_of,
-    read,
-    read_campaign,
-    summary,
-)
-from grip_bt.app.campaign.file import TrialRow
-from grip_bt.app.campaign.report import reason
+from grip_bt.app.campaign.file import Campaign, Results, TrialRow, begin, head_of, read, read_campaign
+from grip_bt.app.campaign.report import as_csv, as_text, reason, summary
+from grip_bt.app.campaign.trials import Trials, check
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError
 

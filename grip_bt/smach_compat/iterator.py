@@ -64,7 +64,6 @@ class Iterator(Container):
         """Set the state of the open iterator.
 
         Args:
-            label: its name.
             state: a state or container; it gets the iterator's userdata itself, with no check of keys.
             loop_outcomes: what goes on with the next item; ignored where `break_outcomes` are given.
             break_outcomes: what ends the loop. With neither list, every registered outcome does.

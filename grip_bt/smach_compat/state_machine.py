@@ -284,9 +284,7 @@ class StateMachine(Container):
         target = transitions[outcome]
         if target not in states:
             return self._terminate(label, state, outcome, target)
-        self._current_label = target
-        self._current_state = states[target]
-        self._current_transitions = self._transitions[target]
+        self._set_current_state(target)
         hooks.loginfo(f"State machine transitioning '{label}':'{outcome}'-->'{target}'")
         self.call_transition_cbs()
         return None

@@ -127,8 +127,6 @@ class Remapper:
     Reading an undeclared key raises InvalidUserCodeError; writing one is logged and ignored.
 
     Args:
-        ud: the container's store, or any view with the same operators.
-        input_keys: names that may be read.
         output_keys: names that may be written; one that is in both gives the value itself, not a `Const`.
         remapping: the state's name -> the container's name, for names that differ.
     """

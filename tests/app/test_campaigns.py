@@ -14,9 +14,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from grip_bt.app.campaign import as_csv, as_text, begin, check, head_of, read, read_campaign, summary
-from grip_bt.app.campaign.file import Results
-from grip_bt.app.campaign.trials import judged
+from grip_bt.app.campaign.file import Results, begin, head_of, read, read_campaign
+from grip_bt.app.campaign.report import as_csv, as_text, summary
+from grip_bt.app.campaign.trials import check, judged
 from grip_bt.base.errors import CampaignError, DocumentError, InvalidTaskError
 from grip_bt.cli.__main__ import main
 

@@ -75,7 +75,6 @@ def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish
     """Take what runs: its type is asked of the running graph.
 
     Args:
-        name: what is served, such as `/plan_grasp`.
         within: how long to look [s].
         interfaces: folder with the package that defines the type, for one that isn't installed.
 

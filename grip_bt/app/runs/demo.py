@@ -90,12 +90,8 @@ class AttemptRecorder(Observer):
     """An observer that gathers attempts.
 
     Args:
-        attempt: path of the node that is one attempt.
         check: path of the leaf before which the referee is asked what is held.
-        clock: the run's clock.
-        truth: asks the referee, or None where there is none.
         on_end: called with each attempt that ended.
-        meaning: of the attempt node's outcomes.
     """
 
     def __init__(

@@ -71,11 +71,6 @@ def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple
     A leaf is replaced as it is, ports and all. A container or subtask becomes one leaf with its outcomes; the outputs
     of its script are variables around it.
 
-    Args:
-        task: valid.
-        catalog: its nodes.
-        mocks: node -> steps, as `read_mocks` returns them.
-
     Raises:
         UnknownNameError: there is no such node, outcome, code, output or variable; it lists those that there are.
         DocumentError: a step isn't one.

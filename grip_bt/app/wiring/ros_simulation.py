@@ -36,10 +36,6 @@ class Served:
     """What a simulated world offers.
 
     Attributes:
-        simulation: the world.
-        joints: topic on which all joints are measured.
-        controllers: arm or hand -> its action.
-        cameras: sensor -> part of it -> topic.
         mounts: sensor -> how `grip.yaml` says where its camera is.
         room: what stands in the world and never moves, as the text of a `.scene` file.
     """

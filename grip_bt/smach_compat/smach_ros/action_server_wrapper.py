@@ -22,15 +22,10 @@ class ActionServerWrapper:
     `feedback_key`, if it registers them as input keys (profile `ros2` registers them itself).
 
     Args:
-        server_name: the action's name.
-        action_spec: its type.
-        wrapped_container: what is executed.
         succeeded_outcomes: its outcomes that mean success.
         aborted_outcomes: those that mean failure, as all do that aren't listed.
         preempted_outcomes: those that mean that it stopped when it was told to.
-        goal_key: userdata for the goal.
         feedback_key: userdata whose value is sent as feedback at each transition.
-        result_key: userdata whose value is the result.
         goal_slots_map: field of the goal -> userdata.
         feedback_slots_map: has no effect, as upstream.
         result_slots_map: field of the result -> userdata.

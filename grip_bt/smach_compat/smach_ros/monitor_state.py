@@ -25,12 +25,8 @@ class MonitorState(RosState):
     at message number `max_checks`, or with `preempted`.
 
     Args:
-        topic: its name.
-        msg_type: its messages' class.
         cond_cb: the condition. It is called on the thread that executes the state, so it may take its time.
         max_checks: -1: never `valid`.
-        input_keys: userdata that the condition reads.
-        output_keys: userdata that it writes.
     """
 
     @with_optional_node

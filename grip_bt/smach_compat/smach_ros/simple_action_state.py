@@ -33,17 +33,8 @@ class SimpleActionState(RosState):
     `result_cb(userdata, status, result)`, then under `result_key`, then its fields `result_slots` to userdata.
 
     Args:
-        action_name: its name.
-        action_spec: its type, of ROS 1 (`TestAction`) or ROS 2.
         goal: the goal, if it is always the same.
-        goal_key: userdata that holds the goal.
-        goal_slots: fields of the goal that are taken from userdata of the same names.
-        goal_cb: see above; with `goal_cb_args`, `goal_cb_kwargs`.
-        result_key: userdata that gets the result.
-        result_slots: fields of the result that go to userdata of the same names.
         result_cb: see above. `result_cb_args` and `result_cb_kwargs` have no effect, as upstream.
-        input_keys: userdata that it reads besides.
-        output_keys: userdata that it writes besides.
         outcomes: further outcomes, that `result_cb` may return.
         exec_timeout: cancel the goal after this time (a duration or [s]); the outcome is `aborted`.
         preempt_timeout: how long to wait for the end of a goal that was canceled; only with the setting
