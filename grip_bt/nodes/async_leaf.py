@@ -140,12 +140,9 @@ class End:
 
 
 def finish(leaf: Leaf, result: object, labelled: bool) -> Status:
-    """End an activation with what its code has returned.
+    """End an activation with what its code has returned: an `End`; else the one output, or a mapping of several.
 
-    Args:
-        leaf: whose.
-        result: an `End`; else the one output, a mapping of several, or anything where there is none.
-        labelled: whether it has outcomes of its own, so that it has to be an `End`.
+    One that is `labelled` has outcomes of its own, so that it has to be an `End`.
 
     Raises:
         TypeError: it doesn't fit; it says what would.

@@ -49,18 +49,12 @@ class Change:
 
 
 def compare(before: RgbdFrame, after: RgbdFrame, place: ArrayLike | None, limits: Thresholds) -> Change:
-    """Classify what changed.
+    """Classify what changed between two frames of one camera around a place in world [m]; around everything for None.
 
     A pixel has changed when a colour channel differs by more than the threshold (`cv2.absdiff`) or its height does;
     the mask is opened with a 3 x 3 square, so that noise and the fringes of edges drop out. By depth, a changed pixel
     is *vacated* when it showed something above the table and shows the table now, and *appeared* when it is the other
     way round.
-
-    Args:
-        before: the first frame.
-        after: the second frame, of the same camera.
-        place: where the object stood, shape (2,) or (3,) in world [m]; None looks at everything above the table.
-        limits: thresholds.
     """
     points = before.depth.points()
     z_before = points[..., 2] - limits.table

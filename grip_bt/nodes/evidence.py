@@ -72,13 +72,9 @@ def holds(evidence: Sequence[Evidence]) -> bool:
 
 def hand_evidence(hand: Hand, limits: EvidenceLimits) -> list[Evidence]:
     """Return what the hand itself says now."""
-    return [_contact_evidence(hand, limits), fingers_evidence(hand, limits)]
-
-
-def _contact_evidence(hand: Hand, limits: EvidenceLimits) -> Evidence:
     links = sorted(link for link, pressed in hand.contacts().items() if pressed >= limits.force)
-    touching = listing(links) if links else "nothing"
-    return Evidence("contact", len(links) >= limits.links, f"{touching} touched" if links else "nothing is touched")
+    said = f"{listing(links)} touched" if links else "nothing is touched"
+    return [Evidence("contact", len(links) >= limits.links, said), fingers_evidence(hand, limits)]
 
 
 def fingers_evidence(hand: Hand, limits: EvidenceLimits) -> Evidence:
@@ -117,11 +113,7 @@ def _posture(state: JointState | None, names: tuple[str, ...], default: NDArray[
 def sight_evidence(depth: DepthImage, scene: Scene, hand: str, hulls: Hulls) -> Evidence:
     """Say whether a camera sees, where the hand holds it, what the scene has attached to the hand.
 
-    Args:
-        depth: taken with the arm where it is now.
-        scene: with the held object, as `arm/lift` attached it.
-        hand: the hand's name in the scene.
-        hulls: the robot's, see `ports.Scene.robot`.
+    The image was taken with the arm where it is now; the hulls are the robot's, see `ports.Scene.robot`.
     """
     attached = scene.attached(hand)
     if not attached:
@@ -149,11 +141,8 @@ def _corners(size: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
 def image_evidence(change: Change, min_vacated: float, max_appeared: float, min_pixels: int = _VISIBLE) -> Evidence:
     """Say whether the object has left its place, and isn't elsewhere on the table.
 
-    Args:
-        change: see `difference.compare`.
-        min_vacated: smallest fraction of the object's pixels that must be empty now.
-        max_appeared: largest area that may have appeared elsewhere, as a fraction of the object's pixels.
-        min_pixels: fewer pixels of the object before the pick are no evidence.
+    Limits: the smallest fraction of the object's pixels that must be empty now, the largest area that may have appeared
+    elsewhere, as such a fraction too, and how many pixels of the object before the pick are evidence at all.
     """
     vacated, appeared = change.vacated, change.appeared
     if change.object_pixels < min_pixels:

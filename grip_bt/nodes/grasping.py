@@ -69,17 +69,13 @@ class Rank(ArmLeaf):
 
     def update(self) -> Status:
         grasps: Sequence[Grasp] = self.read("grasps")
-        scores = self._scores(grasps)
-        order = sorted(range(len(grasps)), key=lambda k: -scores[k])
-        return self.end(grasps=[replace(grasps[k], quality=float(scores[k])) for k in order])
-
-    def _scores(self, grasps: Sequence[Grasp]) -> NDArray[np.float64]:
         here, p = self.arm.grasp_pose(), self.params
         quality = np.array([g.quality for g in grasps])
         distance = np.array([np.linalg.norm(g.pose.position - here.position) for g in grasps])
         downward = np.array([-g.pose.rotation()[2, 2] for g in grasps])
-        scores: NDArray[np.float64] = p["quality"] * quality - p["distance"] * distance + p["downward"] * downward
-        return scores
+        scores = p["quality"] * quality - p["distance"] * distance + p["downward"] * downward
+        order = sorted(range(len(grasps)), key=lambda k: -scores[k])
+        return self.end(grasps=[replace(grasps[k], quality=float(scores[k])) for k in order])
 
 
 _SAME_PLACE = 0.02
@@ -176,7 +172,7 @@ class Retreat(ArmHandLeaf):
         return (
             tolerant(self.hand.open())
             .then(lambda _: self._back(errors))
-            .then(lambda _: self._up(errors))
+            .then(lambda _: self._step(np.array([0.0, 0.0, self.params["height"]]), errors))
             .then(lambda _: Operation.finished(errors))
         )
 
@@ -195,9 +191,6 @@ class Retreat(ArmHandLeaf):
             below = Pose([*pose.position[:2], float(size[2]) / 2 + TABLE_GAP], pose.quaternion)
             scene.set_box(free_name(scene, SEEN), size.tolist(), below)
         return self._step(-self.arm.grasp_pose().rotation()[:, 2] * self.params["distance"], errors)
-
-    def _up(self, errors: list[ExpectedError]) -> Operation[object]:
-        return self._step(np.array([0.0, 0.0, self.params["height"]]), errors)
 
     def _step(self, offset: NDArray[np.float64], errors: list[ExpectedError]) -> Operation[object]:
         scene, start = self.context.scene(), self.arm.grasp_pose()

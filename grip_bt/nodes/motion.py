@@ -42,13 +42,9 @@ def without(scene: Scene, names: Sequence[str], plan: Callable[[], Operation[T]]
 
 
 def widened(scene: Scene, names: Sequence[str], by: float, plan: Callable[[], Operation[T]]) -> Operation[T]:
-    """Start an operation for which upright boxes reach further to all sides; they are as before when it ends.
+    """Start an operation for which upright boxes, not attached ones, reach `by` [m] further, but not upwards.
 
-    Args:
-        scene: with the boxes.
-        names: of boxes that aren't attached.
-        by: how much further, not upwards [m].
-        plan: starts the operation.
+    They are as before when it ends.
     """
     taken = {name: scene.solid(name) for name in names}
     for name in taken:

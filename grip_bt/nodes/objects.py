@@ -42,19 +42,14 @@ def closing_point(grasp: Grasp) -> NDArray[np.float64]:
     return grasp.pose.position + depth * grasp.pose.rotation()[:, 2]
 
 
-def _closing_points(grasp: Grasp) -> list[NDArray[np.float64]]:
-    """Return where the grasped object may be, the likeliest first: its closing point, and out to the finger tips."""
-    normal = grasp.pose.rotation()[:, 2]
-    return [closing_point(grasp), *(grasp.pose.position + depth * normal for depth in FINGER_DEPTHS)]
-
-
 def object_at(scene: Scene, grasp: Grasp, within: float = 0.03) -> str | None:
     """Return the seen object that a grasp takes, or None when there is none `within` [m] of where it closes.
 
     That is its closing point or, for a pinch with the finger tips, further out along the palm's normal.
     """
     seen = [(n, *scene.box(n)) for n in scene.names() if n.startswith(SEEN)]
-    for point in _closing_points(grasp):
+    normal = grasp.pose.rotation()[:, 2]
+    for point in (closing_point(grasp), *(grasp.pose.position + depth * normal for depth in FINGER_DEPTHS)):
         distance, name = min(
             ((_distance_to_box(point, size, pose), n) for n, size, pose in seen), default=(np.inf, None)
         )

@@ -192,13 +192,10 @@ class Place(ArmHandLeaf):
             return first_of(partial(go_straight, self.arm, way, scene, ignore) for way in ways)
 
         def leave_half_closed() -> Operation[JointState]:
-            return self.hand.open(_halfway(holding, self.hand.state())).then(lambda _: leave())
+            halfway = (holding.position + self.hand.state().ordered(holding.names)) / 2
+            return self.hand.open(JointState(holding.names, halfway)).then(lambda _: leave())
 
         return first_of([leave, leave_half_closed])
-
-
-def _halfway(one: JointState, other: JointState) -> JointState:
-    return JointState(one.names, (one.position + other.ordered(one.names)) / 2)
 
 
 def _ease(hand: Pose, spot: NDArray[np.float64]) -> float:

@@ -32,13 +32,9 @@ _FIXERS = (
 
 @dataclass(frozen=True)
 class Source:
-    """A file that can be parsed.
+    """A file that can be parsed: its text in Python 3 and its syntax, with the file's own line numbers.
 
-    Attributes:
-        path: the file.
-        text: its text, in Python 3.
-        tree: its syntax; line numbers are those of the file, since the conversion keeps lines.
-        converted: whether it is Python 2 and was converted.
+    `converted` says whether it is Python 2 and was converted, which keeps lines.
     """
 
     path: Path
@@ -62,7 +58,8 @@ def read_source(path: Path) -> Source:
         return Source(path, text, _parse(text), False)
     except (SyntaxError, ValueError) as first:
         try:
-            converted = _to_python_3(text.expandtabs(_TAB), str(path))
+            whole = text.expandtabs(_TAB)
+            converted = str(_converter().refactor_string(whole if whole.endswith("\n") else whole + "\n", str(path)))
             return Source(path, converted, _parse(converted), True)
         except Exception:  # noqa: BLE001 - the converter raises whatever it likes; the first error says what is wrong
             line = getattr(first, "lineno", None)
@@ -84,11 +81,6 @@ def _converter() -> Any:
     logging.getLogger("RefactoringTool").setLevel(logging.ERROR)
     logging.getLogger("lib2to3.main").setLevel(logging.ERROR)
     return RefactoringTool([f"lib2to3.fixes.fix_{name}" for name in _FIXERS])
-
-
-def _to_python_3(text: str, name: str) -> str:
-    whole = text if text.endswith("\n") else text + "\n"
-    return str(_converter().refactor_string(whole, name))
 
 
 def load_legacy(path: Path, ros: bool = True) -> ModuleType:

@@ -125,7 +125,8 @@ class Waker:
         with self.condition:
             self.ring()
             if self.wakes == seen:
-                self.condition.wait(self._patience(timeout))
+                left = max(0.0, self._times[0] - self._clock.now()) if self._times else timeout
+                self.condition.wait(left if timeout is None or left is None else min(timeout, left))
                 self.ring()
 
     def _clock_moved(self) -> None:
@@ -141,9 +142,3 @@ class Waker:
         if over:
             self.wakes += 1
             self.condition.notify_all()
-
-    def _patience(self, timeout: float | None) -> float | None:
-        if not self._times:
-            return timeout
-        left = max(0.0, self._times[0] - self._clock.now())
-        return left if timeout is None else min(timeout, left)

@@ -42,15 +42,12 @@ class RunEnd(TypedDict, total=False):
 
 
 class Control:
-    """One end of the protocol.
+    """One end of the protocol; `lost` says whether whoever controls the run has gone, without a stop.
 
     Args:
         commands: what to obey, such as `sys.stdin`.
         events: where to tell, such as `sys.stdout`.
         interrupt: called by a stop that comes before there is a run; it has whatever starts the run end.
-
-    Attributes:
-        lost: whether whoever controls the run has gone, without a stop.
     """
 
     def __init__(self, commands: TextIO, events: TextIO, interrupt: Callable[[], None] = lambda: None):
@@ -73,11 +70,7 @@ class Control:
             self.stop(lost=True)
 
     def stop(self, lost: bool = False) -> None:
-        """Stop the run, or the start of one.
-
-        Args:
-            lost: nobody has asked for that, but whoever controls the run has gone.
-        """
+        """Stop the run, or the start of one; it is `lost` where whoever controls it has gone without saying so."""
         with self._lock:
             first, self._stopped, runner = not self._stopped, True, self._runner
             self.lost = self.lost or (lost and first)

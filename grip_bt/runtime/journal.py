@@ -148,13 +148,7 @@ class RunLog:
 
 
 class _RunWriter:
-    """Writes the blocks of one run; goes on where another process has stopped.
-
-    Args:
-        database: in a transaction whenever `write` is called.
-        log: what to write.
-        largest: values of more bytes aren't kept.
-    """
+    """Writes the blocks of one run, in transactions; goes on where another process has stopped."""
 
     def __init__(self, database: sqlite3.Connection, log: RunLog, largest: int):
         self._database, self._log, self._largest = database, log, largest

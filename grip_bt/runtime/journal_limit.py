@@ -19,13 +19,7 @@ _HASH = re.compile(r'"hash": ?"([0-9a-f]{32})"')
 
 @dataclass(frozen=True)
 class Pruned:
-    """What was removed.
-
-    Attributes:
-        runs: ids, the oldest first.
-        before: size in use before [bytes].
-        after: and afterwards.
-    """
+    """What was removed: ids of runs, the oldest first; size in use before and afterwards [bytes]."""
 
     runs: tuple[str, ...]
     before: int

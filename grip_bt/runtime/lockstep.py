@@ -363,12 +363,7 @@ class Lockstep:
         self._changed.wait(left)
 
     def _go(self, until: float | None, wakes: int) -> None:
-        """Let the world go on up to a moment, or to the end of a motion, or until the run has something to do.
-
-        Args:
-            until: the moment [s].
-            wakes: how many there were when this was decided.
-        """
+        """Let the world go on up to a moment, or to the end of a motion, or until the run has something to do."""
         waker = self._waker
         assert waker is not None, "it has begun"
         self._going, before = True, self._now()

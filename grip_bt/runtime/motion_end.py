@@ -174,7 +174,12 @@ def _look(part: Arm | Hand, measure: Measure | None, deadline: float) -> str:
         before = part.state()
         while True:
             time.sleep(APART)
-            now = part.state() if measure is None else _waited(measure(before.names), deadline)
+            if measure is None:
+                now = part.state()
+            else:
+                measured = measure(before.names)
+                measured.wait(max(APART, deadline - time.monotonic()))
+                now = measured.result()
             moved = float(np.abs(now.ordered(before.names) - before.position).max(initial=0.0))
             moves = measure is not None and now.velocity is not None and np.abs(now.velocity).max(initial=0.0) > MOVES
             if moved <= STILL and not moves:
@@ -186,11 +191,6 @@ def _look(part: Arm | Hand, measure: Measure | None, deadline: float) -> str:
         return str(error)
     except Exception as error:  # noqa: BLE001 - of somebody's driver; what it says is all that is known
         return f"{type(error).__name__}: {error}"
-
-
-def _waited(operation: Operation[JointState], deadline: float) -> JointState:
-    operation.wait(max(APART, deadline - time.monotonic()))
-    return operation.result()
 
 
 def ended(

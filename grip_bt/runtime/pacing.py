@@ -103,10 +103,7 @@ class Pacing:
             self._waker.wait(seen, None)
 
     def hold(self, tell: Callable[[], None] = lambda: None) -> None:
-        """Pause here, in the middle of a tick, until the next command.
-
-        Args:
-            tell: called first; a command that comes while it tells counts already.
+        """Pause here, in the middle of a tick, until the next command; one that comes during `tell` counts already.
 
         Raises:
             Halted: the command is a stop.

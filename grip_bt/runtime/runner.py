@@ -95,19 +95,13 @@ class Runner:
         debugger: breakpoints and steps.
 
     Args:
-        compiled: what `to_tree` or `to_machine` made.
-        context: what leaves are offered; its clock is the run's clock.
         clock: the run's clock; it is the context's.
-        journal: where to write what happens.
-        task_path: the task's file, for the journal.
-        task_text: the document, for the journal.
-        seed: of the simulation, for the journal.
+        journal: where to write what happens, with the task's path and text, the seed, and `facts` about how it is run.
         poll: how often leaves that wake nobody are looked at [s]; None for never.
         rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
         watchdog: how long one tick may take [s] before the run ends as an error; None for ever.
         log: goes on with this run of the journal; None for a new one.
         re_execution: what happened before, which happens again first; its clock is the context's.
-        facts: about how it is run, as JSON, for the journal.
     """
 
     def __init__(

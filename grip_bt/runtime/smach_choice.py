@@ -87,14 +87,12 @@ class Choose(State):
         place: str = "/",
         codes: Collection[str] = (),
     ) -> Self:
-        """Return the state of a loop.
+        """Return the state of a loop; `place` is its path in messages.
 
         Args:
-            run: what the machine's states share.
             child: what is done.
             condition: an expression over userdata: while it is true.
             times: how often at most.
-            place: path in messages.
             codes: failure codes with outcomes of their own, such as `failure.loop_limit`.
         """
         expression = parse_expression(condition) if condition else None
@@ -163,9 +161,7 @@ class Joining(Concurrence):
 class Each(Iterator):
     """An Iterator that goes on with its items when a preempt is requested; its state sees the request.
 
-    Args:
-        run: what the machine's states share: a stop is seen before each item, and where there is none.
-        **said: as an Iterator's.
+    A stop of the run is seen before each item, and where there is none.
     """
 
     def __init__(self, run: TreeRun, **said: Any):

@@ -31,11 +31,7 @@ _OnPreempt = Literal["ask", "halt"]
 class TreeRun:
     """What the tree states of one machine share: the robot and the clock, when to tick, and the first error.
 
-    Args:
-        context: what the leaves get; one without a robot by default.
-        catalog: where the nodes of tasks are; the built-in ones by default.
-        leaf_factory: makes the leaves instead of the catalogue's implementations.
-        pacer: says when to tick; on wakes, or every 50 ms, by default.
+    By default it has no robot, the built-in catalogue, and ticks on wakes or every 50 ms.
     """
 
     def __init__(
@@ -141,8 +137,6 @@ class BehaviourTree(State):
         """Return the state of one node as a task file has it: a leaf, or a container with all below.
 
         Args:
-            node: its keys and values.
-            run: what it shares with the machine's other trees.
             variables: the variables around it that it reads or writes, with their types; the state's keys.
             outcomes: what it ends with, and whether that is a success; `success` and `failure` by default.
             place: its path in the task that it is from.

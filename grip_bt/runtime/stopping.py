@@ -133,13 +133,9 @@ LIMIT = 10.0
 
 
 class Watchdog:
-    """Looks at a run's ticks from a thread of its own, a few times within the limit.
+    """Looks at a run's ticks, of `limit` [s] at most, from a thread of its own, a few times within that.
 
-    Args:
-        pacing: knows which ticks are under way.
-        leaves: by path.
-        limit: how long a tick may take [s].
-        bark: called once with the error, a `NodeError` of a `HungError`, and where the code is, as a traceback.
+    `bark` is called once with the error, a `NodeError` of a `HungError`, and where the code is, as a traceback.
     """
 
     def __init__(

@@ -119,10 +119,13 @@ def _plain(value: Any, arrays: list[bytes], size: list[int], depth: int) -> Any:
     if type(value) is bytes:
         return {"$bytes": base64.b64encode(value).decode()}
     if type(value) is dict:
-        return _mapping({key: _plain(item, arrays, size, depth + 1) for key, item in value.items()}, arrays, size)
+        items = {key: _plain(item, arrays, size, depth + 1) for key, item in value.items()}
+        if all(type(key) is str and not key.startswith("$") for key in items):
+            return items
+        return {"$dict": [[_plain(key, arrays, size, 0), item] for key, item in items.items()]}
     if type(value) in (list, tuple, set, frozenset):
-        items = [_plain(item, arrays, size, depth + 1) for item in value]
-        return items if type(value) is list else {f"${name}": items}
+        row = [_plain(item, arrays, size, depth + 1) for item in value]
+        return row if type(value) is list else {f"${name}": row}
     return _opaque(value)
 
 
@@ -134,12 +137,6 @@ def _array(array: NDArray[Any], arrays: list[bytes], size: list[int]) -> list[An
     arrays += [content, b"\0" * padding]
     size[0] += len(content) + padding
     return [array.dtype.str, list(array.shape), offset]
-
-
-def _mapping(items: dict[Any, Any], arrays: list[bytes], size: list[int]) -> Any:
-    if all(type(key) is str and not key.startswith("$") for key in items):
-        return items
-    return {"$dict": [[_plain(key, arrays, size, 0), item] for key, item in items.items()]}
 
 
 def _opaque(value: object) -> dict[str, list[str]]:

@@ -13,13 +13,10 @@ T = TypeVar("T")
 
 
 class Workers:
-    """A small pool that starts its threads when they are needed.
+    """A small pool that starts its threads, at most `limit`, when they are needed.
 
     Code can't be interrupted: when its operation is cancelled, the operation ends at once and stays `busy` until the
     code returns. Its thread doesn't count any more and ends then, so that what hangs takes no place in the pool.
-
-    Args:
-        limit: how many threads there are at most, without those that were left to themselves.
     """
 
     def __init__(self, limit: int = 4):

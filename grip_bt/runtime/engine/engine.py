@@ -94,12 +94,9 @@ def make_ticker(node: Behaviour) -> Callable[[], object]:
 class _Compiler:
     """From nodes to closures, bottom up, a few microseconds a node.
 
-    Args:
-        fixed_methods: somebody promises that no method is replaced.
-
     Attributes:
         nodes: those compiled so far.
-        stale: whether something was found that has changed since; the node in question was ticked by its own generator.
+        stale: whether something was found that has changed since; that node was ticked by its own generator.
     """
 
     def __init__(self, fixed_methods: bool) -> None:

@@ -20,9 +20,7 @@ from .known import INVALID, VALID, F, R, S, overrides, plain_activation
 class Verdict:
     """What a parent makes of a child that yields, which matters for children that are ticked by their own generator.
 
-    Attributes:
-        leave: at these statuses of a child that yields itself, the parent leaves the child's generator for good.
-        onward: what a child that was never left has said.
+    At a status in `leave` the parent leaves the child's generator for good; one that was never left has said `onward`.
     """
 
     leave: tuple[Status, ...] = ()
