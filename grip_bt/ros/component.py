@@ -33,8 +33,6 @@ class RosComponent:
     """A service, an action or a topic; implements `grip_bt.base.ports.Component`.
 
     Args:
-        file: what the component is.
-        client: the client of what it serves.
         frames: where frames are, for ports that name one.
     """
 
@@ -139,7 +137,6 @@ class Adapter:
     """Ports of one component, as fields of its messages.
 
     Args:
-        file: what is declared.
         frames: where frames are, for those that a port names.
     """
 
@@ -218,7 +215,6 @@ def scaled(value: object, factor: float, unit: str) -> object:
 
     Args:
         value: a number, numbers, or a value that has lengths (poses, clouds) or angles (joint states).
-        factor: by what.
         unit: of which kind the numbers are, such as `mm`.
 
     Raises:

@@ -137,8 +137,6 @@ def start_components(
     `<project>/.grip/logs/<name>.log`. A component without `start` is expected to be running.
 
     Args:
-        project_folder: the project.
-        names: which components.
         domain_id: the DDS domain of us and of what we start; ROS_DOMAIN_ID, else 0, by default.
         folder: where the components are, in the project or anywhere.
         frames: where frames are, for ports that are given in one.

@@ -59,7 +59,6 @@ def to_message(value: object, cls: InterfaceType) -> Message:
     Args:
         value: a message of `cls`, a value, a dataclass, or a mapping of fields; a primitive for a message such as
             std_msgs/Float64, whose only field is `data`. Fields of a dataclass that the message lacks are left out.
-        cls: the message's class.
 
     Raises:
         ConversionError: the value doesn't fit, with the field where it doesn't.

@@ -121,7 +121,6 @@ def sweep(folder: Path = FOLDER, young: float = YOUNG) -> int:
     """Remove what dead processes of this user left; return how many segments.
 
     Args:
-        folder: where shared memory is.
         young: age below which a file is left alone [s].
     """
     removed = 0

@@ -170,7 +170,6 @@ class FrameHistory:
         """Take in a transform.
 
         Args:
-            child: the frame.
             pose: where it is in its parent (`pose.frame`).
             stamp: when it was there [s]. A stamp far back means that time began anew: what was before is forgotten.
             heard: when that was heard, on this process's steady clock [s].

@@ -37,8 +37,6 @@ class RosInterface:
     """Implements `grip_bt.base.ports.Ros` over a bus.
 
     Args:
-        bus: the connection to ROS.
-        transforms: where frames are.
         now: the time of the clock that stamps messages [s]; the wall's by default.
     """
 
@@ -140,9 +138,6 @@ class RosClock:
     """Implements `grip_bt.base.ports.Clock`: the simulator's time, 0 until it is first heard; never goes back.
 
     A simulator that starts again sends an earlier time: the clock then stands still until the simulator has caught up.
-
-    Args:
-        bus: the connection to ROS.
     """
 
     def __init__(self, bus: Bus):
@@ -201,8 +196,6 @@ class MessageSynchroniser:
     `OURS` is of another clock, of which nothing is known.
 
     Args:
-        bus: the connection to ROS.
-        topics: topic -> its ROS type.
         slop: how far the stamps may be apart [s].
         timeout: how long to wait [s]; infinite for as long as it takes.
         now: the time of the clock of stamps [s].
@@ -278,7 +271,6 @@ class Synchroniser:
     """Finds the first set of messages, one of each topic, whose stamps lie close together.
 
     Args:
-        topics: their names.
         slop: how far the stamps of a set may be apart [s].
     """
 
@@ -290,9 +282,7 @@ class Synchroniser:
         """Add a message; return the set that it completes, the one that lies closest together, or None.
 
         Args:
-            topic: where it came from.
             stamp: when it was taken [s].
-            message: handed out as it is.
         """
         self._kept[topic].append((stamp, message))
         nearest = {}

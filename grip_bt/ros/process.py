@@ -34,9 +34,6 @@ class Process:
     """A command that runs until it ends or is stopped.
 
     Args:
-        name: used in messages.
-        command: program and arguments.
-        folder: its working directory.
         env: all of its environment.
         log: file that takes what it prints; its folder is made.
     """
@@ -163,7 +160,6 @@ def command_of(start: Start, folder: Path) -> list[str]:
     """Return program and arguments.
 
     Args:
-        start: how it is started.
         folder: where relative launch files are.
 
     Raises:
@@ -212,7 +208,6 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
     """Return what to do, to be put behind an error's message; empty where the message says it.
 
     Args:
-        file: the component.
         error: why there is no server.
         alive: whether a process of ours runs that should serve it.
         said: what that process printed last.

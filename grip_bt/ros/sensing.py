@@ -39,7 +39,6 @@ def taken(
     """Take messages together until something can be made of them, at most for a time.
 
     Args:
-        ros: the connection to ROS.
         topics: topic -> its message's type.
         slop: how far their stamps may be apart [s].
         timeout: in all [s].
@@ -61,9 +60,6 @@ class TopicSensor:
     """A sensor on topics; implements `grip_bt.base.ports.Sensor`.
 
     Args:
-        name: the sensor's.
-        config: what is declared of it.
-        ros: the connection to ROS.
         process: its driver, where we started it.
     """
 
@@ -140,7 +136,6 @@ class UnavailableSensor:
 
     Args:
         what: such as `sensor left`.
-        reason: what is wrong with it.
     """
 
     process: Process | None = None
@@ -170,8 +165,6 @@ def open_sensors(
     """Start the drivers of sensors and listen to their topics; what is wrong with one is said when it is asked.
 
     Args:
-        sensors: those to open.
-        ros: the connection to ROS.
         project: the project's folder, in which drivers are started; they log into `.grip/logs/sensor-<name>.log`.
         domain_id: the DDS domain of the drivers.
     """
@@ -216,8 +209,6 @@ class RosCamera:
     """Implements `grip_bt.base.ports.Camera` over topics.
 
     Args:
-        name: the sensor's.
-        config: its topics.
         ros: the connection to ROS, which knows where the camera's frame is.
     """
 

@@ -55,9 +55,7 @@ class JointStatePublisher(_Published):
     """Publishes where joints are, stamped with the wall's time, in one message for all of them.
 
     Args:
-        bus: the connection to ROS.
         topic: such as `/joint_states`.
-        executors: which measure them.
         rate: messages a second.
     """
 
@@ -103,9 +101,7 @@ class CameraPublisher(_Published):
     Everything is in the optical frame `<name>_optical`; where that is, is for TF or the listener's own settings.
 
     Args:
-        bus: the connection to ROS.
         name: its topics are `/<name>/color/image_raw` and so on.
-        camera: takes the frames.
         rate: frames a second, at most.
     """
 
@@ -163,9 +159,7 @@ class TrajectoryActionServer:
     """Serves one action; made, used and closed from any thread.
 
     Args:
-        bus: the connection to ROS.
         action: such as `/arm_controller/follow_joint_trajectory`.
-        executor: moves the joints.
     """
 
     def __init__(self, bus: Bus, action: str, executor: Executor):
@@ -311,10 +305,8 @@ def continued(names: Sequence[str], points: Sequence[Message], state: JointState
     """Return a trajectory through given points that begins where the joints are, as fast as they move.
 
     Args:
-        names: the joints, in the order of the points.
         points: of the message; times from now, the first may be later than 0. Velocities that aren't given are those of
             a curve through the points that rests at its end.
-        state: measured.
     """
     order = [names.index(name) for name in state.names]
     late = [point for point in points if seconds(point.time_from_start) > NEAR]

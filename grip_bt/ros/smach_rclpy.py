@@ -229,7 +229,6 @@ class SmachNode(Node):
     """A node of the user's, for the user's own publishers, timers and so on; states don't need it.
 
     Args:
-        node_name: its name.
         **kwargs: see `rclpy.node.Node`.
     """
 

@@ -30,12 +30,7 @@ STALE = 10.0
 
 
 class Transforms:
-    """The frames of a run.
-
-    Args:
-        bus: the connection to ROS.
-        fixed: what never moves.
-    """
+    """The frames of a run."""
 
     def __init__(self, bus: Bus, fixed: FrameTree | None = None):
         self._bus, self._fixed = bus, fixed or FrameTree()
@@ -62,8 +57,6 @@ class Transforms:
         """Return the pose of `source` in `target`: as it is now, or as it was.
 
         Args:
-            target: the frame in which it is given.
-            source: the frame whose pose it is.
             timeout: how long to wait for the frames to be known [s].
             at: a time [s] of the stamps of TF, such as a picture's; between two transforms is interpolated. The last
                 transforms that were heard when None.

@@ -64,7 +64,6 @@ class WatchdogProcess:
     """What was told, and what is done about it.
 
     Args:
-        domain: the DDS domain.
         limit: how long it goes on after the end of the run's process [s]: half for goals to end, half for rest.
     """
 

@@ -99,7 +99,6 @@ class ActionClient(ServedClient[_Entry]):
         cancelled, also when that becomes possible only later.
 
         Args:
-            goal: a message of `type.Goal`.
             timeout: how long it may take in all [s]; `math.inf` for ever.
             wait: how long to wait for the server to appear [s].
             on_feedback: called on the bus's thread with each feedback message; the last one is the operation's

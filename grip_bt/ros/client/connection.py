@@ -62,7 +62,6 @@ class Connection:
     """A ROS node with its thread.
 
     Args:
-        name: the node's name.
         domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
         watched: whether goals that it sends, which may move something, are ended when this process has died.
 

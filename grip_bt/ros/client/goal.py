@@ -118,8 +118,6 @@ class Goal:
     """One goal. Each event returns what is to be done now, in order.
 
     Args:
-        name: the action's name, for messages.
-        patience: how long its owner waits.
         now: the time [s], of the same clock as in every event.
 
     Attributes:
@@ -229,7 +227,6 @@ class Goal:
         Args:
             stops: whether the goal will end, or has ended.
             known: whether the server knows the goal; if it doesn't, the goal may still be under way to it.
-            now: the time [s].
         """
         if self.phase in (Phase.SENT, Phase.ORPHANED_SENT) and not known:
             return self._doubt(now)

@@ -138,8 +138,6 @@ def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
 
     Args:
         error: what a call or a goal ended with; `waited` in its data marks the ones meant.
-        node: who looks at the graph.
-        type_: the class of the service or the action.
     """
     if not isinstance(error, ServerLostError) or "waited" not in error.data:
         return error
@@ -152,15 +150,7 @@ def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
 
 
 def instead(name: str, wanted: str, services: Names, actions: Names, domain: int) -> str:
-    """Return what is served instead of a name, in words to be put behind the message.
-
-    Args:
-        name: what was waited for.
-        wanted: its type.
-        services: names and types of the services that run.
-        actions: likewise of the actions.
-        domain: the DDS domain in which was looked.
-    """
+    """Return what is served instead of a name, in words to be put behind the message."""
     ours, theirs, other = (services, actions, "an action") if "/srv/" in wanted else (actions, services, "a service")
     where = f"in ROS_DOMAIN_ID {domain}"
     for served, types in theirs:
@@ -195,11 +185,8 @@ def other_topics(node: Node, name: str, wanted: str, heard: bool = False, most: 
     """Return which topics there are instead of one that nobody publishes as `wanted`, as `instead_of_topic` does.
 
     Args:
-        node: who looks at the graph.
-        name: the topic.
         wanted: its type; empty where nobody said it.
         heard: whether those are meant that somebody subscribes to.
-        most: how many are listed.
     """
     ends = node.get_subscriptions_info_by_topic if heard else node.get_publishers_info_by_topic
     names = [n for n, _ in node.get_topic_names_and_types() if not is_internal(n)]
@@ -217,12 +204,8 @@ def instead_of_topic(name: str, wanted: str, there: Names, domain: int, heard: b
     """Return which topics there are, in words to be put behind the message: those of the type, and of a name like it.
 
     Args:
-        name: what was waited for.
         wanted: its type; empty where nobody said it.
-        there: names and types of the topics that are there.
-        domain: the DDS domain in which was looked.
         heard: whether those are topics that somebody subscribes to, not publishes.
-        most: how many are listed.
     """
     done, where = "heard" if heard else "published", f"in ROS_DOMAIN_ID {domain}"
     others = sorted(((n, types) for n, types in there if n != name), key=lambda other: (-_alike(name, other[0]), other))

@@ -73,7 +73,6 @@ class ServiceClient(ServedClient[_Call]):
         """Send a request; the result is the response. A service can't be told to stop.
 
         Args:
-            request: a message of `type.Request`.
             timeout: how long it may take in all [s].
             wait: how long to wait for the server to appear [s].
             abandon: whether cancelling ends the operation at once, with the server at work for nobody; else it ends

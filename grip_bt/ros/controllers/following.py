@@ -65,11 +65,6 @@ class Following:
     Attributes:
         whole: ends as the last goal does.
         replaceable: False once the controller has refused a goal while it followed another one.
-
-    Args:
-        send: sends a goal.
-        trajectory: what is followed at first.
-        clock: its time.
     """
 
     def __init__(self, send: Send, trajectory: Trajectory, clock: Clock | None = None):

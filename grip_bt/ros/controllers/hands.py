@@ -32,10 +32,7 @@ class GripperHand:
     """Implements `grip_bt.base.ports.HandPort`.
 
     Args:
-        bus: the connection to ROS.
         action: the gripper's action, such as `/gripper_controller/gripper_cmd`.
-        joint: the joint that it moves.
-        states: where that is measured.
         wait: how long to wait for the gripper to appear [s].
     """
 

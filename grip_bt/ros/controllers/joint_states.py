@@ -70,8 +70,6 @@ class JointStates:
     """Keeps the last state of every joint.
 
     Args:
-        bus: the connection to ROS.
-        topic: where joint states are published.
         stale: a joint that wasn't heard of for so long [s] isn't known any more.
     """
 
@@ -87,7 +85,6 @@ class JointStates:
         """Return the last measured state of joints.
 
         Args:
-            names: the joints.
             stale: how long ago they may have been heard of [s]; that of these joint states by default.
 
         Raises:
@@ -120,7 +117,6 @@ class JointStates:
         """Show states of joints that are measured from now on until `enough` is True of one.
 
         Args:
-            names: the joints.
             enough: called on the bus's thread; a state's time is that of its oldest stamp, or of its arrival.
             within: how long to go on [s]; the result is False when that is over.
         """

@@ -39,7 +39,6 @@ class RosExecutor(ABC):
 
     Args:
         names: the joints that it moves, in its order.
-        states: where they are measured.
     """
 
     def __init__(self, names: Sequence[str], states: JointStates):
@@ -176,8 +175,6 @@ class Motion:
 
     Args:
         part: what moves the joints; its result is the motion's.
-        states: where they are measured.
-        names: the joints.
     """
 
     def __init__(self, part: Operation[JointState], states: JointStates, names: tuple[str, ...]):

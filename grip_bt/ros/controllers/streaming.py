@@ -96,10 +96,7 @@ class TopicMotionExecutor(RosExecutor):
     """An executor over a topic, but for how a motion is seen to.
 
     Args:
-        bus: the connection to ROS.
-        topic: the controller's.
         names: its joints, in its order.
-        states: where they are measured.
         accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
     """
 

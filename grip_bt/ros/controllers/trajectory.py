@@ -37,10 +37,7 @@ class TrajectoryExecutor(RosExecutor):
     """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint trajectory controller.
 
     Args:
-        bus: the connection to ROS.
         action: the controller's action, such as `/arm_controller/follow_joint_trajectory`.
-        names: the joints that it moves.
-        states: where they are measured.
         goal_time: how late the joints may reach the goal [s]; 0 for the controller's own setting.
         wait: how long to wait for the controller to appear [s].
     """
@@ -98,7 +95,6 @@ def follow_goal(sent: Operation[GoalEnd], judge: Callable[[GoalEnd, bool], GoalE
     """Return a goal's end as that of a motion: a server that is lost, late or refuses it has aborted the execution.
 
     Args:
-        sent: the goal.
         judge: returns an end that counts as success, given whether it was to be cancelled, and raises for others.
     """
     operation: Operation[GoalEnd] = Operation(on_cancel=sent.cancel)
@@ -122,8 +118,6 @@ def as_motion(sent: Operation[GoalEnd], server: str, result: InterfaceType) -> O
     cancel, and the controller gave this one up for it.
 
     Args:
-        sent: the goal.
-        server: name of its action.
         result: class of its result, whose constants name the error codes.
     """
     name = _names_of(result)
@@ -162,8 +156,6 @@ class ControllerManager:
     """Asks a controller manager.
 
     Args:
-        bus: the connection to ROS.
-        name: of its node.
         wait: how long to wait for it to appear [s].
     """
 

@@ -186,7 +186,6 @@ def ensure_package(package: str, cache: Path | None = None) -> list[Path]:
     """Make a package importable: as it is installed, else built from its definition, which takes some seconds once.
 
     Args:
-        package: one of `DEPENDENCIES`.
         cache: where built packages are kept; the user's cache by default.
 
     Returns:

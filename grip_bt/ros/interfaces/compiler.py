@@ -58,11 +58,6 @@ def compile_sources(generated: Generated, prefixes: Sequence[Path], jobs: int) -
     Sources of one kind are compiled some together, since most of the time goes into headers that all of them include;
     where a compiler refuses that (two interfaces of one name), one by one.
 
-    Args:
-        generated: what is compiled.
-        prefixes: where the packages are that are needed.
-        jobs: how many compilers run at once.
-
     Raises:
         MissingPartError: no compiler.
         InterfaceBuildError: the compiler failed.

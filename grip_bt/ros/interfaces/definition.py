@@ -244,8 +244,6 @@ def check_package(package: Package, prefixes: Sequence[Path], beside: Set[str] =
     """Read every interface of a package and check that it can be built.
 
     Args:
-        package: whose.
-        prefixes: where other packages are installed.
         beside: names of the packages that are built with it.
 
     Raises:
@@ -277,10 +275,7 @@ def _check_type(
     """Check that the message type of a field exists.
 
     Args:
-        spec: the interface.
-        field: of it.
         own: names of the messages of its own package.
-        prefixes: where other packages are installed.
         unasked: packages of the same folder for which package.xml doesn't ask.
 
     Raises:

@@ -67,11 +67,6 @@ class Generated:
 def generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
     """Generate all sources of `package` below `folder`.
 
-    Args:
-        package: whose.
-        folder: where they come.
-        prefixes: where the packages are that it needs.
-
     Raises:
         DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.

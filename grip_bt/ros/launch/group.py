@@ -106,10 +106,8 @@ class ProcessGroup:
 
     Args:
         members: the processes, in the order in which they are started; each waits until those before it are ready.
-        logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
         on_change: told of every change, and, as `says` of `launch`, of the events.
-        events: what happens beside processes.
     """
 
     def __init__(

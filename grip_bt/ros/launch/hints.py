@@ -61,8 +61,6 @@ def form(tag: str, yaml: bool, given: bool = False) -> str:
     """Return how an element is written, or an empty string where nobody knows.
 
     Args:
-        tag: the element's.
-        yaml: whether as YAML, not as XML.
         given: whether it is an argument that an `include` is given, which has a value and no default.
     """
     pairs = _FORMS.get(tag, ())
@@ -81,11 +79,8 @@ def about_attributes(
     """Return which attributes an element hasn't, what to write instead of each, and which it has.
 
     Args:
-        tag: the element's.
-        names: those that it hasn't.
         allowed: those that are understood.
         inner: tags of the elements that can stand in it.
-        yaml: whether the file is YAML.
     """
 
     def instead(name: str) -> str:
@@ -104,10 +99,8 @@ def about_tag(tag: str, allowed: Collection[str], outside: Sequence[str], yaml: 
     """Return what to write instead of an element that can't stand where it does.
 
     Args:
-        tag: the element's.
         allowed: the tags that can stand there.
         outside: tags of the elements in which it can stand.
-        yaml: whether the file is YAML.
     """
     meant = next((other for other in _TAGS.get(tag, (tag,)) if other in allowed), None)
     if meant is not None:

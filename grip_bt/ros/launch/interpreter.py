@@ -51,8 +51,6 @@ def read_launch_file(
     """Read an XML or YAML launch file and return the processes that it asks for.
 
     Args:
-        path: the file.
-        arguments: values of its arguments.
         prefixes: where packages are; the usual places by default.
         env: what its processes inherit; nothing by default.
 

@@ -33,8 +33,6 @@ def members_of_file(
     With ROS's tools there is one, which sees to all others; without them, one for each node and executable.
 
     Args:
-        path: the file.
-        arguments: values of its arguments.
         domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
         own_reader: whether our own reader is used also where ROS's tools are.
 
@@ -70,8 +68,6 @@ class Follower:
     """Copies new lines of the logs of a group.
 
     Args:
-        group: whose.
-        names: of its members.
         output: where lines go, as `[name] line`.
     """
 

@@ -73,8 +73,6 @@ def truth(text: str, context: LaunchContext, what: str = "a condition") -> bool:
     """Return the truth value that a text, after substitution, spells.
 
     Args:
-        text: as it is written.
-        context: where.
         what: of what it is the value, for the error.
 
     Raises:

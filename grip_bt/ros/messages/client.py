@@ -27,8 +27,6 @@ class RosMessages:
     Standard stores take and give GRIP's values; all stores take messages of any type, and others give them.
 
     Args:
-        bus: the connection to ROS.
-        prefix: name space of the server.
         timeout: how long one request may take [s].
         wait: how long to wait for the server to appear [s].
     """
@@ -100,7 +98,6 @@ class RosMessages:
         """Wait for the next message of a topic and return it, so that it can be put; for scripts, it blocks.
 
         Args:
-            topic: its full name.
             type_: its ROS type; empty for what it is published as.
             within: how long to wait [s].
 

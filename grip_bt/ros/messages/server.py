@@ -35,10 +35,8 @@ class MessageServer:
     """Serves the messages of a project.
 
     Args:
-        bus: the connection to ROS.
         folder: holds the project's files of messages; None for none.
         archive: where `save` keeps everything, and what is read at the start when it is there; None for nowhere.
-        prefix: name space of the services.
 
     Raises:
         DocumentError: a file of the folder is wrong.

@@ -163,7 +163,6 @@ class ServerStates(Mapping[str, JointState]):
     """A server's joint states, asked for when a trajectory names them.
 
     Args:
-        messages: the client of the server.
         done: waits for an answer, and returns it.
     """
 
@@ -190,8 +189,6 @@ def value_from_text(
     """Return what a text says: the value of a standard store, or a message.
 
     Args:
-        store: where it goes.
-        name: of the value, for messages.
         text: YAML; see `grip_bt.base.message_store.yaml.value_of`.
         type_: the ROS type of its message, where the store isn't a standard one.
         states: what the way-points of a trajectory can name.

@@ -50,7 +50,6 @@ class MoveGroup:
     """The services and actions of one move_group.
 
     Args:
-        bus: the connection to ROS.
         namespace: of its node; empty for the root, else such as `/left`.
         wait: how long a call waits for it to appear [s].
 
@@ -236,10 +235,7 @@ class MoveGroupExecutor(RosExecutor):
     """Implements `grip_bt.base.ports.Executor` over move_group's action ExecuteTrajectory.
 
     Args:
-        bus: the connection to ROS.
         action: such as `/execute_trajectory`.
-        names: the joints that it moves.
-        states: where they are measured.
         wait: how long to wait for move_group to appear [s].
     """
 

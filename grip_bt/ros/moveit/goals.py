@@ -61,7 +61,6 @@ def at_pose(pose: Pose, free: str, mount: ArmMapping, frame: str) -> list[Messag
     Args:
         pose: of the grasp frame, in world.
         free: what of it doesn't matter: `none`, `x`, `y`, `z` or `orientation`.
-        mount: the arm.
         frame: MoveIt's name of world.
     """
     if free == "orientation":
@@ -189,8 +188,6 @@ class ArmMapping:
         """Return the mount of a group of the robot.
 
         Args:
-            robot: whose arm.
-            group: the arm's group.
             hand_group: group of the hand that it carries; empty for none.
             moveit_group: MoveIt's name of the arm's group; the same as ours by default.
 
@@ -213,7 +210,6 @@ def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Message
     """Return the message that adds or replaces an object.
 
     Args:
-        name: of the object.
         solid: its shape; hulls become triangles, maps of cells the surface of their cells.
         pose: where its own axes are in `frame`.
         frame: a link or another frame that MoveIt knows.

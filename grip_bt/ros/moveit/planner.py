@@ -58,7 +58,6 @@ class MoveGroupPlanner:
     don't reach MoveIt, which has settings of its own for them; speed, acceleration, time and attempts do.
 
     Args:
-        move_group: who plans.
         robot: what it plans for; its base link is MoveIt's frame of world.
         arms: group of ours -> how it is called in MoveIt, and where its hand sits.
         hands: hand, as the scene knows it -> the mount of the arm that carries it.
@@ -165,7 +164,6 @@ class MoveGroupPlanner:
         """Return joint positions at which the grasp frame is at `pose`; ends with NoIkError when there are none.
 
         Args:
-            situation: whose arm.
             start: all joints; where the search begins, and where the hand's are.
             pose: in world.
             collisions: whether they must touch nothing in the scene that was shown.

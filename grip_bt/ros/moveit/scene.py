@@ -28,7 +28,6 @@ class PlanningSceneSync:
     What others put into move_group's scene is left alone; what was sent is taken out again by `clear`.
 
     Args:
-        move_group: whose scene.
         robot: whose base link is world, and whose links may be allowed to touch.
         mounts: hand, as the scene knows it -> where it sits.
     """
