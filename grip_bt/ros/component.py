@@ -175,7 +175,7 @@ class Adapter:
             raw = getattr(raw, name)
         if declared is None:
             return raw
-        if _is_pose_in_numbers(declared, raw):
+        if declared.type == "Pose" and not hasattr(raw, "get_fields_and_field_types"):
             value: object = _pose_from_numbers(raw, declared)
         else:
             value = from_message(raw, declared.type)
@@ -188,7 +188,8 @@ class Adapter:
             value = scaled(value, 1.0 / UNITS[port.unit], port.unit)
             value = nearest_whole(value) if kind.base in WHOLE else value
         if isinstance(value, Pose) and kind.array:
-            return _numbers_from_pose(value, port)
+            rotation = value.quaternion if port.quaternion == "wxyz" else np.roll(value.quaternion, -1)
+            return [*map(float, value.position), *map(float, rotation)]
         return value
 
     def _inwards(self, value: object, port: PortType, raw: object) -> object:
@@ -263,10 +264,6 @@ def _put(fields: dict[str, Any], path: list[str], value: object) -> None:
     fields[path[-1]] = value
 
 
-def _is_pose_in_numbers(port: PortType, raw: object) -> bool:
-    return port.type == "Pose" and not hasattr(raw, "get_fields_and_field_types")
-
-
 def _pose_from_numbers(raw: object, port: PortType) -> Pose:
     numbers = np.asarray(raw, dtype=float).reshape(-1)
     if len(numbers) not in (3, 4, 7):
@@ -279,11 +276,6 @@ def _pose_from_numbers(raw: object, port: PortType) -> Pose:
         return Pose(position, rotation, port.frame or ROOT)
     except ValueError as error:
         raise ConversionError("", str(error)) from None
-
-
-def _numbers_from_pose(pose: Pose, port: PortType) -> list[float]:
-    rotation = pose.quaternion if port.quaternion == "wxyz" else np.roll(pose.quaternion, -1)
-    return [*map(float, pose.position), *map(float, rotation)]
 
 
 def _names_a_frame(raw: object) -> bool:

@@ -15,12 +15,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
 from grip_bt.base.values.pose import quaternion_of
-from grip_bt.task.catalog.ros_config import CameraTopics, Mount, SensorConfig
+from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 ROOT = "world"
 
@@ -52,7 +53,10 @@ class FrameTree:
                 continue
             children.add(child.attrib["link"])
             if joint.attrib.get("type") == "fixed":
-                poses[child.attrib["link"]] = _origin(joint, parent.attrib["link"])
+                origin = joint.find("origin")
+                given = {} if origin is None else origin.attrib
+                xyz, rpy = ([float(v) for v in given.get(name, "0 0 0").split()] for name in ("xyz", "rpy"))
+                poses[child.attrib["link"]] = Pose(xyz, quaternion_of(*rpy), parent.attrib["link"])
         for link in robot.findall("link"):
             if link.attrib["name"] not in children and link.attrib["name"] != root:
                 poses[link.attrib["name"]] = Pose(frame=root)
@@ -104,7 +108,8 @@ def mounted_frames(sensors: Mapping[str, SensorConfig | CameraTopics]) -> tuple[
     for name, config in sensors.items():
         if config.mount is not None:
             try:
-                poses[config.mount.frame] = _mount_pose(config.mount)
+                mount = config.mount
+                poses[mount.frame] = Pose(mount.position, mount.quaternion, mount.on)
             except ValueError as error:
                 broken[name] = f"mount: {error}"
     return poses, broken
@@ -135,18 +140,6 @@ def frame_of(value: object) -> str | None:
     if isinstance(value, Grasp):
         return value.pose.frame
     return getattr(value, "frame", None)
-
-
-def _origin(joint: ET.Element, parent: str) -> Pose:
-    origin = joint.find("origin")
-    given = {} if origin is None else origin.attrib
-    xyz = [float(v) for v in given.get("xyz", "0 0 0").split()]
-    roll, pitch, yaw = (float(v) for v in given.get("rpy", "0 0 0").split())
-    return Pose(xyz, quaternion_of(roll, pitch, yaw), parent)
-
-
-def _mount_pose(mount: Mount) -> Pose:
-    return Pose(mount.position, mount.quaternion, mount.on)
 
 
 KEPT = 10.0
@@ -221,12 +214,5 @@ def _at(track: _Track, time: float) -> Pose | None:
 def between(one: Pose, other: Pose, part: float) -> Pose:
     """Return the pose that lies at `part`, in [0, 1], of the way between two in the same frame."""
     position = (1 - part) * one.position + part * other.position
-    q, r = one.quaternion, other.quaternion
-    cosine = float(q @ r)
-    if cosine < 0:  # both signs are the same orientation; this one turns less
-        r, cosine = -r, -cosine
-    angle = np.arccos(min(cosine, 1.0))
-    if angle < 1e-6:  # the limit of what follows
-        return Pose(position, (1 - part) * q + part * r, one.frame)
-    mixed = (np.sin((1 - part) * angle) * q + np.sin(part * angle) * r) / np.sin(angle)
-    return Pose(position, mixed, one.frame)
+    turns = Slerp([0, 1], Rotation.from_quat(np.roll([one.quaternion, other.quaternion], -1, axis=1)))
+    return Pose(position, np.roll(turns(part).as_quat(), 1), one.frame)

@@ -167,7 +167,11 @@ def command_of(start: Start, folder: Path) -> list[str]:
     """
     if start.launch is not None:
         file = launch_file_of(start.package, start.launch) if start.package else _beside(folder, start.launch)
-        return launch_command(file, {name: text_of(value) for name, value in start.arguments.items()})
+        given = [f"{name}:={text_of(value)}" for name, value in start.arguments.items()]
+        ros2 = shutil.which("ros2")
+        if ros2 is not None:
+            return [ros2, "launch", str(file), *given]
+        return python_command("-m", "grip_bt.cli", "launch", str(file), *given)
     if start.executable is not None:
         return [str(executable_of(str(start.package), start.executable)), *start.args]
     return [word.replace("{python}", sys.executable) for word in start.command]
@@ -180,15 +184,6 @@ def _beside(folder: Path, name: str) -> Path:
     known = [path.relative_to(folder).as_posix() for path in sorted(folder.glob("**/*launch*")) if path.is_file()]
     has = listing(known)
     raise PackageError(f"there is no launch file {name!r} in {folder}{nearest(name, known)} (available: {has})")
-
-
-def launch_command(file: Path, arguments: dict[str, str]) -> list[str]:
-    """Return what runs a launch file: ROS's own `ros2 launch` where there is one, else `grip launch`."""
-    given = [f"{name}:={value}" for name, value in arguments.items()]
-    ros2 = shutil.which("ros2")
-    if ros2 is not None:
-        return [ros2, "launch", str(file), *given]
-    return python_command("-m", "grip_bt.cli", "launch", str(file), *given)
 
 
 def text_of(value: str | bool | int | float) -> str:
@@ -214,7 +209,9 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
     """
     starts = file.start is not None and file.start.run
     if isinstance(error, IncompatibleServerError):
-        return _about_type(file, str(error.data.get("serves", "")))
+        serves = str(error.data.get("serves", "")) or file.interface
+        meant = f"`interface: {serves}` in component.yaml of {file.name}, then `grip component add` again"
+        return "" if serves == file.interface else f". If that is meant: {meant}"
     if "waited" not in error.data:
         return _about_end(file, said) if starts else ""
     if not starts:
@@ -228,14 +225,6 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
             "time (`timeouts: {ready: SECONDS}`)?"
         )
     return ""
-
-
-def _about_type(file: ComponentFile, serves: str) -> str:
-    if not serves or serves == file.interface:
-        return ""
-    return (
-        f". If that is meant: `interface: {serves}` in component.yaml of {file.name}, then `grip component add` again"
-    )
 
 
 def _about_end(file: ComponentFile, said: str) -> str:

@@ -105,7 +105,8 @@ class TopicSensor:
 
     def _values(self, messages: Mapping[str, Message]) -> Steps[Mapping[str, object]]:
         found = {}
-        info = self._camera_info(messages)
+        infos = [t.topic for t in self.config.topics.values() if t.type == "CameraInfo"]
+        info = from_message(messages[infos[0]], "CameraInfo") if infos else None
         for port, topic in self.config.topics.items():
             try:
                 value = _value(messages[topic.topic], topic.type, info)
@@ -113,10 +114,6 @@ class TopicSensor:
                 raise SensorError(f"sensor {self.name}: {topic.topic}: {error}") from None
             found[port] = yield from self._placed(value, messages[topic.topic])
         return found
-
-    def _camera_info(self, messages: Mapping[str, Message]) -> CameraInfo | None:
-        infos = [t.topic for t in self.config.topics.values() if t.type == "CameraInfo"]
-        return from_message(messages[infos[0]], "CameraInfo") if infos else None
 
     def _placed(self, value: object, message: Message) -> Steps[object]:
         """Bring a value into the frame that is asked for, from where its own was when the message was stamped."""

@@ -7,7 +7,7 @@ import signal
 import threading
 from collections.abc import Callable
 from types import FrameType
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from action_msgs.msg import GoalStatus
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
@@ -28,9 +28,9 @@ def ended(operation: Operation[T]) -> T:
     return operation.result()
 
 
-class _Work:
-    def __init__(self, handle: ServerGoalHandle, future: Future):
-        self.handle, self.future = handle, future
+class _Work(NamedTuple):
+    handle: ServerGoalHandle
+    future: Future
 
 
 class SimpleServer:

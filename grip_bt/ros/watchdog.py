@@ -45,14 +45,7 @@ class Watchdog:
         assert self._process.stdin is not None
         self._end = self._process.stdin.fileno()
         os.set_blocking(self._end, False)
-        self._is_ready = False
-
-    def ready(self, within: float) -> bool:
-        """Block until it can do its work, at most `within` [s]; return whether it can."""
-        assert self._process.stdout is not None
-        if not self._is_ready and select.select([self._process.stdout], [], [], within)[0]:
-            self._is_ready = bool(self._process.stdout.read(1))
-        return self._is_ready
+        self._ready = False
 
     def wait_ready(self, within: float) -> None:
         """Block until it can do its work, at most `within` [s].
@@ -60,7 +53,10 @@ class Watchdog:
         Raises:
             GripError: it can't.
         """
-        if not self.ready(within):
+        assert self._process.stdout is not None
+        if not self._ready and select.select([self._process.stdout], [], [], within)[0]:
+            self._ready = bool(self._process.stdout.read(1))
+        if not self._ready:
             raise GripError(
                 "the watchdog, which ends goals when this process is killed, did not start; run `grip doctor`"
             )

@@ -321,16 +321,16 @@ def test_an_error_code_is_a_failure_with_a_name_and_moveits_words(planning, robo
 
 
 def test_every_code_of_moveit_has_a_meaning():
-    from grip_bt.ros.client.types import load_type
+    from grip_bt.ros.client.types import constant_name, load_type
     from grip_bt.ros.interfaces.build import ensure_package
-    from grip_bt.ros.moveit.client import FAILURES, name_of
+    from grip_bt.ros.moveit.client import FAILURES
 
     ensure_package("moveit_msgs")
     codes = load_type("moveit_msgs/msg/MoveItErrorCodes")
     names = {n for n in dir(type(codes)) if n.isupper() and isinstance(getattr(codes, n), int)}
     assert {"SUCCESS", "NO_IK_SOLUTION"} < names
     assert FAILURES.keys() == names - {"SUCCESS"}
-    assert name_of(codes(val=-31)) == "NO_IK_SOLUTION"
+    assert constant_name(codes(), -31) == "NO_IK_SOLUTION"
 
 
 def test_a_plan_under_way_is_cancelled_and_the_next_one_is_made(planning, robot, scene):

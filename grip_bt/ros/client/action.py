@@ -197,7 +197,9 @@ class ActionClient(ServedClient[_Entry]):
                         entry.result.cancel()  # that request, or its answer, was dropped on the way
                     _, results, _ = self._services
                     entry.result = results.call_async(self.type.Impl.GetResultService.Request(goal_id=entry.uuid))
-                    self._later(entry, entry.result, self._resulted)
+                    self._later(
+                        entry, entry.result, lambda e, got: self._do(e, e.machine.result(got.status, got.result))
+                    )
                 case RequestCancel():
                     _, _, cancels = self._services
                     asked = CancelGoal.Request()
@@ -263,9 +265,6 @@ class ActionClient(ServedClient[_Entry]):
             entry.on_accepted()
         self._do(entry, entry.machine.accepted(now) if response.accepted else entry.machine.rejected())
         self._advance(now)
-
-    def _resulted(self, entry: _Entry, response: Message) -> None:
-        self._do(entry, entry.machine.result(response.status, response.result))
 
     def _cancel_answered(self, entry: _Entry, response: Message) -> None:
         # Its return code is 0 also for a goal that the server refused to cancel; the list is what counts. "Terminated"

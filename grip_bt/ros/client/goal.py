@@ -229,22 +229,17 @@ class Goal:
             known: whether the server knows the goal; if it doesn't, the goal may still be under way to it.
         """
         if self.phase in (Phase.SENT, Phase.ORPHANED_SENT) and not known:
-            return self._doubt(now)
+            if self.phase is Phase.ORPHANED_SENT:  # given up when it hasn't been known for long; asked on until then
+                self._unknown_since = now if self._unknown_since is None else self._unknown_since
+                if now >= self._unknown_since + NEVER_CAME:
+                    self.phase = Phase.OVER
+            return []
         self._asked, self.refused = None, not stops
         if self.phase is Phase.SENT:
             self.phase = Phase.CANCELING
             return [RequestResult()]
         if self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT):
             self.phase = Phase.OVER
-        return []
-
-    def _doubt(self, now: float) -> list[Command]:
-        """Give up an orphaned goal that the server hasn't known for long; ask on until then."""
-        if self.phase is Phase.ORPHANED_SENT:
-            if self._unknown_since is None:
-                self._unknown_since = now
-            if now >= self._unknown_since + NEVER_CAME:
-                self.phase = Phase.OVER
         return []
 
     # --- the owner, and time ---

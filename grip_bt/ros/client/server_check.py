@@ -106,7 +106,8 @@ def _check_endpoint(service: InterfaceType, name: str, endpoint: TopicEndpointIn
         )
     ours, theirs = type_hash(service, part), str(endpoint.topic_type_hash)
     if ours is not None and theirs != ours:
-        half = _half(service, part)
+        halves = {"_SendGoal": "goal", "_GetResult": "result", "_FeedbackMessage": "feedback"}
+        half = next((words for suffix, words in halves.items() if service.__name__.endswith(suffix)), part.lower())
         raise IncompatibleServerError(
             f"{name}: {_node(endpoint)} uses a different definition of the {half} of {_readable(wanted)} "
             f"({theirs[7:15]}..., ours is {ours[7:15]}...); build both from the same file",
@@ -145,12 +146,6 @@ def _node(endpoint: TopicEndpointInfo) -> str:
     """Name a server's node; names travel more slowly than endpoints."""
     name = endpoint.node_name
     return f"node {name!r}" if name and name != "_NODE_NAME_UNKNOWN_" else "a node"
-
-
-def _half(service: InterfaceType, part: str) -> str:
-    """Name what differs: the request of a service; the goal, the result or the feedback of an action."""
-    names = {"_SendGoal": "goal", "_GetResult": "result", "_FeedbackMessage": "feedback"}
-    return next((words for suffix, words in names.items() if service.__name__.endswith(suffix)), part.lower())
 
 
 def _readable(dds_type: str) -> str:

@@ -101,6 +101,12 @@ def type_name(cls: type) -> str:
     return f"{package}/{kind}/{cls.__name__}"
 
 
+def constant_name(message: Message, value: int) -> str:
+    """Return the name of the constant of a message's type that has a value; empty where none has."""
+    names = (name for name in dir(type(type(message))) if name.isupper())
+    return next((name for name in names if getattr(message, name, None) == value), "")
+
+
 _CODES = {"float": "f", "double": "d", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H"}
 _CODES |= {"int32": "i", "uint32": "I", "int64": "q", "uint64": "Q"}
 WHOLE = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))

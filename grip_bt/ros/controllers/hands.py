@@ -70,7 +70,7 @@ class GripperHand:
         goal.command.max_effort = float(torque_limit or 0.0)
         self._force = 0.0
         sent = self._client.send(goal, duration + LATE, self._wait)
-        part = as_motion(self._stalls_are_ends(sent), self._action, self._type.Result).then(self._ended)
+        part = as_motion(sent.then(_stalls_are_ends), self._action).then(self._ended)
         self._motion = Motion(part, self._states, self.joint_names)
         return self._motion.whole
 
@@ -85,15 +85,6 @@ class GripperHand:
         if self._motion is not None:
             self._motion.whole.cancel()
 
-    def _stalls_are_ends(self, sent: Operation[GoalEnd]) -> Operation[GoalEnd]:
-        """Take a goal that was given up because the fingers were stopped for one that is over."""
-
-        def judge(ended: GoalEnd) -> Operation[GoalEnd]:
-            stalled = ended.status == "aborted" and ended.result.stalled
-            return Operation.finished(GoalEnd("succeeded", ended.result) if stalled else ended)
-
-        return sent.then(judge)
-
     def _ended(self, ended: GoalEnd) -> Operation[JointState]:
         result = ended.result
         force = abs(result.effort) or UNKNOWN_FORCE if result.stalled and not result.reached_goal else 0.0
@@ -103,6 +94,12 @@ class GripperHand:
             return Operation.finished(state)
 
         return measured(self._states, self.joint_names).then(note)
+
+
+def _stalls_are_ends(ended: GoalEnd) -> Operation[GoalEnd]:
+    """Take a goal that was given up because the fingers were stopped for one that is over."""
+    stalled = ended.status == "aborted" and ended.result.stalled
+    return Operation.finished(GoalEnd("succeeded", ended.result) if stalled else ended)
 
 
 STOPPED_SHORT = 0.05

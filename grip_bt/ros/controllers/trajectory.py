@@ -25,7 +25,7 @@ from grip_bt.ros.controllers.motion import RosExecutor
 from grip_bt.ros.convert_geometry import trajectory_to_message
 from grip_bt.ros.interfaces.build import ensure_package
 
-from ..client.types import InterfaceType, Message, load_type
+from ..client.types import Message, constant_name, load_type
 
 T = TypeVar("T")
 ACTION = "control_msgs/action/FollowJointTrajectory"
@@ -88,7 +88,7 @@ class TrajectoryExecutor(RosExecutor):
         goal.goal_time_tolerance.sec = int(self._goal_time)
         goal.goal_time_tolerance.nanosec = round(self._goal_time % 1 * 1e9)
         sent = self._client.send(goal, ahead + trajectory.duration + LATE, self._wait, on_accepted=accepted)
-        return as_motion(sent, self._action, self._type.Result)
+        return as_motion(sent, self._action)
 
 
 def follow_goal(sent: Operation[GoalEnd], judge: Callable[[GoalEnd, bool], GoalEnd]) -> Operation[GoalEnd]:
@@ -111,16 +111,12 @@ def follow_goal(sent: Operation[GoalEnd], judge: Callable[[GoalEnd, bool], GoalE
     return operation
 
 
-def as_motion(sent: Operation[GoalEnd], server: str, result: InterfaceType) -> Operation[GoalEnd]:
+def as_motion(sent: Operation[GoalEnd], server: str) -> Operation[GoalEnd]:
     """Return a controller's goal as a motion: all but success and cancelling is an aborted execution.
 
     A motion that was cancelled, and then given up, is a cancelled one: a newer goal has overtaken the request to
     cancel, and the controller gave this one up for it.
-
-    Args:
-        result: class of its result, whose constants name the error codes.
     """
-    name = _names_of(result)
 
     def judge(ended: GoalEnd, cancel_asked: bool) -> GoalEnd:
         if ended.status == "canceled" or (cancel_asked and ended.status == "aborted"):
@@ -129,17 +125,11 @@ def as_motion(sent: Operation[GoalEnd], server: str, result: InterfaceType) -> O
         if ended.status == "succeeded" and code == 0:
             return ended
         said = getattr(ended.result, "error_string", "")
-        reason = f"{server}: the controller aborted the motion: {name(code)}{f' ({said})' if said else ''}"
+        name = constant_name(ended.result, code).lower() or f"code {code}"
+        reason = f"{server}: the controller aborted the motion: {name}{f' ({said})' if said else ''}"
         raise ExecutionAbortedError(reason, controller_code=code, controller_says=said)
 
     return follow_goal(sent, judge)
-
-
-def _names_of(result: InterfaceType) -> Callable[[int], str]:
-    constants = {
-        getattr(result, n): n.lower() for n in dir(type(result)) if n.isupper() and isinstance(getattr(result, n), int)
-    }
-    return lambda code: constants.get(code, f"code {code}")
 
 
 STRICT = 2

@@ -117,7 +117,7 @@ class MessageServer:
         file = Path(request.file) if request.file else self._archive
         if file is None:
             raise ExpectedError("this server belongs to no project; name a file")
-        response.count = save(self._raw, file, _encode)
+        response.count = save(self._raw, file, lambda raw: json.dumps(raw.type).encode() + b"\n" + raw.data)
 
     # --- stores ---
 
@@ -160,10 +160,6 @@ class MessageServer:
         if data:
             made.data = array("B", entry.value.data)  # bytes are a thousand times slower
         return made
-
-
-def _encode(raw: RawMessage) -> bytes:
-    return json.dumps(raw.type).encode() + b"\n" + raw.data
 
 
 def _decode(content: bytes) -> RawMessage:

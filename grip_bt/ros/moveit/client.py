@@ -5,8 +5,7 @@ MoveIt's error codes are the failures that tasks know; each keeps MoveIt's own n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
 
 from grip_bt.base.failures import (
     BadReplyError,
@@ -34,13 +33,12 @@ from grip_bt.base.values import Trajectory
 from ..client.bus import Bus
 from ..client.goal import GoalEnd
 from ..client.service import ServiceClient
-from ..client.types import Message, load_type
+from ..client.types import Message, constant_name, load_type
 from ..controllers import JointStates, RosExecutor
 from ..controllers.trajectory import LATE, follow_goal
 from ..convert_geometry import trajectory_to_message
 from ..interfaces.build import ensure_package
 
-T = TypeVar("T")
 ANSWER = 10.0
 """How long move_group may take beyond the time that it was given [s]: to simplify a path, to time it, to answer."""
 _ALLOWED_COLLISIONS = 128
@@ -84,19 +82,19 @@ class MoveGroup:
         goal.planning_options.planning_scene_diff.is_diff = True
         goal.planning_options.planning_scene_diff.robot_state.is_diff = True
         sent = self._plan.send(goal, timeout + ANSWER, self._wait, moves=False)
-        return self._named(sent, "planning", _ended)
+        return self._named(sent.then(_ended), "planning")
 
     def plan_by_service(self, request: Message, timeout: float) -> Operation[Message]:
         """Plan by the service `plan_kinematic_path`, which can't be cancelled; the result is its response."""
         type_ = load_type("moveit_msgs/srv/GetMotionPlan")
         client = self._bus.service(type_, f"{self._namespace}/plan_kinematic_path")
         asked = client.call(type_.Request(motion_plan_request=request), timeout + ANSWER, self._wait)
-        return self._named(asked, "planning", lambda answer: answer.motion_plan_response)
+        return self._named(asked.then(lambda a: Operation.finished(a.motion_plan_response)), "planning")
 
     def cartesian(self, request: Message) -> Operation[Message]:
         """Plan straight lines; the result is the response, whose `fraction` may be less than 1."""
         client = self._service("GetCartesianPath", "compute_cartesian_path")
-        return self._named(client.call(request, ANSWER, self._wait), "planning of a straight line", _as_it_is)
+        return self._named(client.call(request, ANSWER, self._wait), "planning of a straight line")
 
     def inverse(self, request: Message) -> Operation[Message]:
         """Look for joint positions that reach a pose; the result is the `RobotState`.
@@ -106,21 +104,19 @@ class MoveGroup:
         """
         client = self._service("GetPositionIK", "compute_ik")
         asked = client.call(client.type.Request(ik_request=request), ANSWER, self._wait)
-        return self._named(asked, "inverse kinematics", _as_it_is).then(
-            lambda answer: Operation.finished(answer.solution)
-        )
+        return self._named(asked, "inverse kinematics").then(lambda answer: Operation.finished(answer.solution))
 
     def apply(self, scene: Message) -> Operation[Message]:
         """Apply a `PlanningScene`, or a difference; the result is the response."""
         asked = self._scene.call(self._scene.type.Request(scene=scene), ANSWER, self._wait)
-        return self._named(asked, "the scene", _as_it_is)
+        return self._named(asked, "the scene")
 
     def allowed_collisions(self) -> Operation[Message]:
         """Return the matrix of allowed collisions as it is now."""
         client = self._service("GetPlanningScene", "get_planning_scene")
         request = client.type.Request()
         request.components.components = _ALLOWED_COLLISIONS
-        return self._named(client.call(request, ANSWER, self._wait), "the scene", _as_it_is).then(
+        return self._named(client.call(request, ANSWER, self._wait), "the scene").then(
             lambda answer: Operation.finished(answer.scene.allowed_collision_matrix)
         )
 
@@ -128,13 +124,13 @@ class MoveGroup:
         cls = load_type(f"moveit_msgs/srv/{type_}")
         return self._bus.service(cls, f"{self._namespace}/{name}")
 
-    def _named(self, asked: Operation[T], what: str, part: Callable[[T], Message]) -> Operation[Message]:
+    def _named(self, asked: Operation[Message], what: str) -> Operation[Message]:
         """End as `asked` does, with what MoveIt's error code means, and with PlannerLostError when nobody answers."""
         where = f"{self.name}: {what}"
 
         def steps() -> Steps[Message]:
             try:
-                answer = part((yield asked))
+                answer = yield asked
             except (ServerLostError, ServerTimeOutError) as error:
                 raise PlannerLostError(f"{where}: {error.message}", cause=error.code) from None
             except GoalRejectedError as error:
@@ -148,11 +144,7 @@ class MoveGroup:
         return run_steps(steps())
 
 
-def _as_it_is(answer: Message) -> Message:
-    return answer
-
-
-def _ended(end: GoalEnd) -> Message:
+def _ended(end: GoalEnd) -> Operation[Message]:
     """Return the result of a goal; one that was cancelled, or aborted without a reason, has none to speak of.
 
     Raises:
@@ -163,7 +155,7 @@ def _ended(end: GoalEnd) -> Message:
         raise CanceledError("planning was cancelled")
     if end.status == "aborted" and int(end.result.error_code.val) == SUCCESS:
         raise BadReplyError("move_group aborted the goal, and says that it succeeded")
-    return end.result
+    return Operation.finished(end.result)
 
 
 SUCCESS = 1
@@ -214,21 +206,11 @@ def failure(code: Message, what: str) -> ExpectedError | None:
     value = int(code.val)
     if value == SUCCESS:
         return None
-    name = name_of(code)
+    name = constant_name(code, value) or f"CODE_{value}"
     kind, meaning = FAILURES.get(name, (NoPlanError, f"code {value}, which this version doesn't know"))
     said = str(getattr(code, "message", "")).strip()
     words = f"{what}: {meaning}{f' ({said})' if said else ''}"
     return kind(words, moveit=name.lower(), moveit_code=value, moveit_says=said)
-
-
-def name_of(code: Message) -> str:
-    """Return the name of an error code's value, such as `NO_IK_SOLUTION`; `CODE_<n>` for one without a name."""
-    constants = {
-        getattr(code, name): name
-        for name in dir(type(type(code)))
-        if name.isupper() and isinstance(getattr(code, name, None), int)
-    }
-    return constants.get(int(code.val), f"CODE_{int(code.val)}")
 
 
 class MoveGroupExecutor(RosExecutor):

@@ -16,6 +16,7 @@ from shape_msgs.msg import MeshTriangle, SolidPrimitive
 from grip_bt.base.failures import GoalRejectedError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.values.goals import PathConstraint
+from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.description.robot import RobotDescription
 
@@ -74,8 +75,8 @@ def at_pose(pose: Pose, free: str, mount: ArmMapping, frame: str) -> list[Messag
         tolerance[along] = ANY
         return [_posed(pose, (tolerance[0], tolerance[1], tolerance[2]), mount, frame)]
     angles = np.arange(TURNS) * 2 * np.pi / TURNS
-    turned = (pose @ _turn(free, angle) for angle in angles)
-    return [_posed(one, (TURN, TURN, TURN), mount, frame) for one in turned]
+    turns = (Pose(np.zeros(3), quaternion_of(*np.eye(3)["xyz".index(free)] * angle)) for angle in angles)
+    return [_posed(pose @ turn, (TURN, TURN, TURN), mount, frame) for turn in turns]
 
 
 def on_the_way(constraint: PathConstraint, mount: ArmMapping, frame: str) -> Message:
@@ -89,7 +90,8 @@ def on_the_way(constraint: PathConstraint, mount: ArmMapping, frame: str) -> Mes
     if constraint.orientation is not None:
         orientations.append(_kept_orientation(constraint, mount, frame))
     if constraint.box is not None:
-        positions.append(_in_box(constraint.box, constraint.size, mount, frame))
+        box = SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(map(float, constraint.size)))
+        positions.append(_within(box, constraint.box, mount, frame))
     return _constraints(positions, orientations)
 
 
@@ -123,10 +125,6 @@ def _at_point(pose: Pose, mount: ArmMapping, frame: str) -> Message:
     return _within(ball, pose, mount, frame)
 
 
-def _in_box(pose: Pose, size: tuple[float, float, float], mount: ArmMapping, frame: str) -> Message:
-    return _within(SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(map(float, size))), pose, mount, frame)
-
-
 def _within(shape: SolidPrimitive, pose: Pose, mount: ArmMapping, frame: str) -> Message:
     x, y, z = map(float, mount.frame.position)
     region = load_type("moveit_msgs/msg/BoundingVolume")(primitives=[shape], primitive_poses=[pose_to_message(pose)])
@@ -157,12 +155,6 @@ def _oriented(link: Pose, tolerance: tuple[float, float, float], mount: ArmMappi
 def _constraints(positions: list[Message], orientations: list[Message]) -> Message:
     kind = load_type("moveit_msgs/msg/Constraints")
     return kind(position_constraints=positions, orientation_constraints=orientations)
-
-
-def _turn(axis: str, angle: float) -> Pose:
-    quaternion = np.zeros(4)
-    quaternion[0], quaternion[1 + "xyz".index(axis)] = np.cos(angle / 2), np.sin(angle / 2)
-    return Pose(np.zeros(3), quaternion)
 
 
 @dataclass(frozen=True)
