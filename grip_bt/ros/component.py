@@ -195,7 +195,9 @@ class Adapter:
     def _inwards(self, value: object, port: PortType, raw: object) -> object:
         if port.unit is not None:
             value = scaled(value, UNITS[port.unit], port.unit)
-        if port.frame is not None and not _names_a_frame(raw):
+        first = raw[0] if isinstance(raw, (list, tuple)) and raw else raw
+        header = getattr(first, "header", None) or getattr(getattr(first, "pose", None), "header", None)
+        if port.frame is not None and not getattr(header, "frame_id", ""):
             value = _labelled(value, port.frame)
         return value
 
@@ -276,12 +278,6 @@ def _pose_from_numbers(raw: object, port: PortType) -> Pose:
         return Pose(position, rotation, port.frame or ROOT)
     except ValueError as error:
         raise ConversionError("", str(error)) from None
-
-
-def _names_a_frame(raw: object) -> bool:
-    first = raw[0] if isinstance(raw, (list, tuple)) and raw else raw
-    header = getattr(first, "header", None) or getattr(getattr(first, "pose", None), "header", None)
-    return bool(getattr(header, "frame_id", ""))
 
 
 def _labelled(value: object, frame: str) -> object:

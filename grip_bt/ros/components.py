@@ -156,9 +156,11 @@ def start_components(
             raise UnknownNameError("component", name, folders, str(project / folder))
     files = {name: load_component(folders[name]) for name in wanted}
     started = time.monotonic()
-    built = {name: _build(folders[name], project, begun) for name in wanted}
+    cache = project / ".grip" / "interfaces"
+    bring = {name: folder for name in wanted if (folder := folders[name] / INTERFACES).is_dir()}
+    built = {name: build_interfaces(folder, cache, begun=begun) for name, folder in bring.items()}
     _check_one_definition(built, folders)
-    overlays = {name: [b.prefix for b in packages] for name, packages in built.items()}
+    overlays = {name: [b.prefix for b in built.get(name, ())] for name in wanted}
     fresh = any(not b.cached for packages in built.values() for b in packages)
     seconds = time.monotonic() - started if fresh else 0.0
     for prefix in dict.fromkeys(p for prefixes in overlays.values() for p in prefixes):
@@ -177,12 +179,6 @@ def start_components(
         components.close()
         raise
     return components
-
-
-def _build(folder: Path, project: Path, begun: Callable[[str], None]) -> list[Built]:
-    if not (folder / INTERFACES).is_dir():
-        return []
-    return build_interfaces(folder / INTERFACES, project / ".grip" / "interfaces", begun=begun)
 
 
 def _watchdog(bus: Bus, files: Iterable[ComponentFile]) -> Watchdog | None:

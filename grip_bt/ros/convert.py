@@ -108,7 +108,10 @@ def from_message(message: Any, declared: Any = Any) -> Any:
         wanted = next(a for a in arguments if a is not type(None))
         return from_message(message, wanted)
     if origin is list or origin is tuple:
-        return origin(_elements(message, arguments[0] if arguments else Any))
+        if isinstance(message, str) or not hasattr(message, "__len__"):
+            raise ConversionError("", f"a sequence expected, got {_describe(message)}")
+        inner = arguments[0] if arguments else Any
+        return origin(_each(message, lambda item: from_message(item, inner)))
     if origin is np.ndarray:
         return np.asarray(message)
     if wanted in (bool, int, float, str):
@@ -133,12 +136,6 @@ def _field(kind: FieldType, value: object) -> Any:
     if isinstance(value, (str, Mapping)) or not isinstance(value, Sequence):
         raise ConversionError("", f"a list of {kind.base} expected, got {_describe(value)}")
     return _each(value, lambda item: to_message(item, cls))
-
-
-def _elements(message: Any, wanted: Any) -> list[object]:
-    if isinstance(message, str) or not hasattr(message, "__len__"):
-        raise ConversionError("", f"a sequence expected, got {_describe(message)}")
-    return _each(message, lambda item: from_message(item, wanted))
 
 
 def _each(items: Iterable[object], turn: Callable[[Any], object]) -> list[object]:

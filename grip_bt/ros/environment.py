@@ -60,7 +60,8 @@ def environment(env: Mapping[str, str] | None = None, wheels: Path | None | Lite
     """
     env = os.environ if env is None else env
     found = _wheels() if wheels == "look" else wheels
-    sourced = _sourced(env)
+    prefixes = [Path(p) for p in env.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]  # overlays hold no ROS
+    sourced = [p for p in prefixes if p != Path(sys.prefix) and (p / "share" / "rclpy").is_dir()]
     if found and sourced:
         return RosEnvironment("mixed", f"ROS 2 wheels in {found} and a sourced ROS in {sourced[0]}", _MIXED_REMEDY)
     if found:
@@ -103,12 +104,6 @@ def _wheels() -> Path | None:
         return None
     folder = Path(spec.origin).parent
     return folder if folder.is_relative_to(sys.prefix) else None
-
-
-def _sourced(env: Mapping[str, str]) -> list[Path]:
-    """Return the prefixes of the shell's ROS that hold a ROS of their own, which overlays of ours don't."""
-    prefixes = [Path(p) for p in env.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
-    return [p for p in prefixes if p != Path(sys.prefix) and (p / "share" / "rclpy").is_dir()]
 
 
 FOLDER = Path("/dev/shm")

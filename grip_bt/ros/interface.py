@@ -174,10 +174,7 @@ class RosClock:
         self.close()
 
     def _received(self, received: Received) -> None:
-        self._hear(received.message)
-
-    def _hear(self, message: Message) -> None:
-        time = seconds(message.clock)
+        time = seconds(received.message.clock)
         self._started.set()
         if time > self._time:
             self._time = time

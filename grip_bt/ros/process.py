@@ -125,8 +125,9 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
         domain_id: the DDS domain; this process's by default.
     """
     env = {k: v for k, v in os.environ.items() if k not in _OURS}
-    libraries = [p for p in _split(env.get("LD_LIBRARY_PATH")) if not _is_wheels_folder(p)]
-    _join(env, "LD_LIBRARY_PATH", libraries)
+    folders = [Path(p) for p in _split(env.get("LD_LIBRARY_PATH"))]
+    bundled = [p for p in folders if p == Path(sys.prefix) / "lib" or (p.name[:4], p.suffix) == ("ros_", ".libs")]
+    _join(env, "LD_LIBRARY_PATH", [str(p) for p in folders if p not in bundled])
     for variable, folders in child_paths(overlays).items():
         rest = [p for p in _split(env.get(variable)) if Path(p) not in folders]
         _join(env, variable, [*map(str, folders), *rest])
@@ -137,12 +138,6 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
         env |= dict.fromkeys(PROFILE_VARIABLES, str(DDS_PROFILE))
     env["PYTHONUNBUFFERED"] = "1"  # or the last words of a process that dies are lost
     return env
-
-
-def _is_wheels_folder(path: str) -> bool:
-    folder = Path(path)
-    bundled = folder.name.startswith("ros_") and folder.suffix == ".libs"
-    return folder == Path(sys.prefix) / "lib" or bundled
 
 
 def _split(text: str | None) -> list[str]:

@@ -172,7 +172,12 @@ def open_sensors(
             opened[name] = UnavailableSensor(f"sensor {name}", broken[name])
             continue
         try:
-            opened[name] = TopicSensor(name, config, ros, _driver(name, config, project, domain_id))
+            driver = None
+            if config.driver is not None and config.driver.run:
+                command, log = command_of(config.driver, project), project / ".grip" / "logs" / f"sensor-{name}.log"
+                env = child_environment((), domain_id) | dict(config.driver.env)
+                driver = Process(f"sensor {name}", command, project, env, log)
+            opened[name] = TopicSensor(name, config, ros, driver)
         except (GripError, OSError) as error:
             opened[name] = UnavailableSensor(f"sensor {name}", str(error))
     return opened
@@ -181,14 +186,6 @@ def open_sensors(
 def close_sensors(sensors: Mapping[str, TopicSensor | UnavailableSensor]) -> None:
     """End all drivers, together."""
     stop_all([s.process for s in sensors.values() if s.process is not None])
-
-
-def _driver(name: str, config: SensorConfig, project: Path, domain_id: int | None) -> Process | None:
-    if config.driver is None or not config.driver.run:
-        return None
-    command = command_of(config.driver, project)
-    env = child_environment((), domain_id) | dict(config.driver.env)
-    return Process(f"sensor {name}", command, project, env, project / ".grip" / "logs" / f"sensor-{name}.log")
 
 
 def _value(message: Message, type_: str, info: CameraInfo | None) -> object:

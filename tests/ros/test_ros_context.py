@@ -133,13 +133,14 @@ def test_a_run_that_waits_for_simulated_time_in_vain_is_told_what_is_published(b
 
 
 def test_simulated_time_never_goes_back_and_wakes_who_waits(bus):
+    from grip_bt.ros.client.topic import Received
     from grip_bt.ros.interface import RosClock
 
     clock = RosClock(bus)
     woken = []
     clock.on_advance(lambda: woken.append(clock.now()))
     for second in (2.0, 1.0, 3.0):
-        clock._hear(_stamp(second))
+        clock._received(Received(_stamp(second), 0.0))
     assert woken == [2.0, 3.0]
 
 

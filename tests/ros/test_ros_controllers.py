@@ -128,7 +128,7 @@ def test_a_cancelled_motion_that_a_newer_goal_has_overtaken_ends_as_cancelled(me
     given_up = FollowJointTrajectory.Result(error_code=FollowJointTrajectory.Result.INVALID_GOAL)
     for cancelled, error in ((True, CanceledError), (False, ExecutionAbortedError)):
         sent = Operation(on_cancel=lambda: None)
-        motion = as_motion(sent, "/arm", FollowJointTrajectory.Result)
+        motion = as_motion(sent, "/arm")
         if cancelled:
             motion.cancel()
         sent.succeed(GoalEnd("aborted", given_up))

@@ -94,7 +94,8 @@ class Connection:
         self._timer.cancel()
         self._thread = threading.Thread(target=self._spin, name=f"ros-{name}", daemon=True)
         self._thread.start()
-        self._at_exit = _closer(weakref.ref(self))
+        closing = weakref.WeakMethod(self.close)
+        self._at_exit = lambda: (close := closing()) and close()  # doesn't keep the connection alive until then
         atexit.register(self._at_exit)
 
     # --- for everybody ---
@@ -128,8 +129,14 @@ class Connection:
 
         if threading.current_thread() is self._thread:
             run()
-        else:
-            self._hand_over(operation, run)
+            return operation
+        with self._lock:
+            if not self._closing:
+                self._posted.add(operation)
+                self._queue.append(run)
+                self._executor.create_task(lambda: self._queue.popleft()())  # it takes its newest task first
+                return operation
+        operation.fail(CanceledError("the connection to ROS was closed"))
         return operation
 
     def start(self, operation: Operation[Any], work: Callable[[], None]) -> None:
@@ -154,18 +161,6 @@ class Connection:
         posted = self.post(work)
         posted.wait(within)
         return posted.result()
-
-    def _hand_over(self, operation: Operation[Any], run: Callable[[], None]) -> None:
-        with self._lock:
-            if not self._closing:
-                self._posted.add(operation)
-                self._queue.append(run)
-                self._executor.create_task(self._run_next)  # the executor takes its newest task first
-                return
-        operation.fail(CanceledError("the connection to ROS was closed"))
-
-    def _run_next(self) -> None:
-        self._queue.popleft()()
 
     def close(self, timeout: float = 5.0) -> None:
         """End all calls, join the thread, leave the ROS graph. Harmless when repeated, and in a forked child."""
@@ -238,14 +233,3 @@ class Connection:
                 return
             except Exception:  # noqa: BLE001 - a callback that raises must not end the connection for everybody else
                 _log.exception("a callback on the ROS thread raised")
-
-
-def _closer(reference: weakref.ref[Connection]) -> Callable[[], None]:
-    """Return what closes the connection at exit, without keeping it alive until then."""
-
-    def close() -> None:
-        connection = reference()
-        if connection is not None:
-            connection.close()
-
-    return close

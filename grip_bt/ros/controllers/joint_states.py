@@ -175,24 +175,23 @@ class JointStates:
         with self._lock:
             for i, name in enumerate(message.name):
                 if i < len(message.position):
+                    lag, since = now - stamp, now
+                    before = self._joints.get(name)
+                    if before is not None and now - before.lag_since <= LAG_KEPT and lag >= before.lag:
+                        lag, since = before.lag, before.lag_since
                     self._joints[name] = _Joint(
                         message.position[i],
                         message.velocity[i] if i < len(message.velocity) else None,
                         message.effort[i] if i < len(message.effort) else None,
                         stamp,
                         now,
-                        *self._lag(name, now, stamp),
+                        lag,
+                        since,
                     )
             self._waits = [wait for wait in self._waits if not wait.operation.done()]
             waits = list(self._waits)
         for wait in waits:
             self._show(wait, now)
-
-    def _lag(self, name: str, now: float, stamp: float) -> tuple[float, float]:
-        before = self._joints.get(name)
-        if before is None or now - before.lag_since > LAG_KEPT or now - stamp < before.lag:
-            return now - stamp, now
-        return before.lag, before.lag_since
 
     def _give_up(self, wait: _Wait, left: float) -> None:
         """End a wait with what was heard, or why nothing was; where that may still come, when `left` [s] has passed."""

@@ -28,8 +28,8 @@ from ..convert_geometry import trajectory_to_message
 from .joint_states import JointStates
 from .motion import START_TOLERANCE, RosExecutor, settle
 
-RATE = 100.0
-"""Set-points a second."""
+PERIOD = 0.01
+"""How often a set-point is sent [s]."""
 BEHIND = 0.5
 """How far joints, or what is heard of them, may be behind the set-points [s] and still count as on their way."""
 
@@ -98,6 +98,7 @@ class TopicMotionExecutor(RosExecutor):
     Args:
         names: its joints, in its order.
         accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
+        jerks: joint -> limit, for braking with set-points; any where it names none.
     """
 
     message: str
@@ -110,9 +111,10 @@ class TopicMotionExecutor(RosExecutor):
         names: Sequence[str],
         states: JointStates,
         accelerations: Mapping[str, float] | None = None,
+        jerks: Mapping[str, float] | None = None,
     ):
         super().__init__(names, states)
-        self._accelerations = accelerations or {}
+        self._accelerations, self._jerks = accelerations or {}, jerks or {}
         self._topic, self._writer, self._watchdog = topic, bus.writer(self.message, topic), bus.watchdog
         self._current: StreamedMotion | None = None
 
@@ -158,29 +160,11 @@ class TopicMotionExecutor(RosExecutor):
 
 
 class StreamedExecutor(TopicMotionExecutor):
-    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint group position controller.
-
-    Args: as of `TopicMotionExecutor`, and
-        rate: set-points a second.
-        jerks: joint -> limit, for braking too; any where it names none.
-    """
+    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint group position controller."""
 
     steerable = True
 
     message = "std_msgs/msg/Float64MultiArray"
-
-    def __init__(
-        self,
-        bus: Bus,
-        topic: str,
-        names: Sequence[str],
-        states: JointStates,
-        accelerations: Mapping[str, float] | None = None,
-        rate: float = RATE,
-        jerks: Mapping[str, float] | None = None,
-    ):
-        super().__init__(bus, topic, names, states, accelerations)
-        self._period, self._message, self._jerks = 1.0 / rate, load_type(self.message), jerks or {}
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
@@ -201,9 +185,9 @@ class StreamedExecutor(TopicMotionExecutor):
         first.result()
         way.begin()
         while not way.ended():
-            if way.stop.wait(self._period):
+            if way.stop.wait(PERIOD):
                 break
-            way.sent = way.passed() + self._period
+            way.sent = way.passed() + PERIOD
             self._publish(way.at(way.sent)[order].tolist(), 0)
         else:
             last, way.sent = way.trajectory.positions[-1][order], way.trajectory.duration
@@ -225,7 +209,7 @@ class StreamedExecutor(TopicMotionExecutor):
         jerks = jerks_of(way.trajectory.names, self._jerks)
         ramp = stop_ramp(way.trajectory, way.sent, self._limits(way.trajectory), jerks)
         began, passed = time.monotonic(), 0.0
-        while passed < ramp.duration and not way.dropped.wait(self._period):
+        while passed < ramp.duration and not way.dropped.wait(PERIOD):
             passed = time.monotonic() - began
             self._publish(ramp.at(passed)[order].tolist(), 0)
         settle(self.state, ramp.positions[-1][order], way.dropped)  # set-points may still be on their way
@@ -241,7 +225,7 @@ class StreamedExecutor(TopicMotionExecutor):
         return measured if off > START_TOLERANCE else None
 
     def _publish(self, positions: Sequence[float], subscribers: int) -> Operation[None]:
-        return self._writer.publish(self._message(data=array("d", positions)), subscribers)
+        return self._writer.publish(load_type(self.message)(data=array("d", positions)), subscribers)
 
 
 END_TOLERANCE = 0.05

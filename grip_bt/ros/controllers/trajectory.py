@@ -38,26 +38,17 @@ class TrajectoryExecutor(RosExecutor):
 
     Args:
         action: the controller's action, such as `/arm_controller/follow_joint_trajectory`.
-        goal_time: how late the joints may reach the goal [s]; 0 for the controller's own setting.
         wait: how long to wait for the controller to appear [s].
     """
 
     steerable = True
 
-    def __init__(
-        self,
-        bus: Bus,
-        action: str,
-        names: Sequence[str],
-        states: JointStates,
-        goal_time: float = 0.0,
-        wait: float = 5.0,
-    ):
+    def __init__(self, bus: Bus, action: str, names: Sequence[str], states: JointStates, wait: float = 5.0):
         super().__init__(names, states)
         ensure_package("control_msgs")
         self._type = load_type(ACTION)
         self._client, self._wait = bus.action(self._type, action), wait
-        self._action, self._goal_time = action, goal_time
+        self._action = action
         self._following: Following | None = None
         self._fixed = False
 
@@ -85,8 +76,6 @@ class TrajectoryExecutor(RosExecutor):
 
     def _sent(self, trajectory: Trajectory, ahead: float, accepted: Callable[[], None]) -> Operation[GoalEnd]:
         goal = self._type.Goal(trajectory=trajectory_to_message(trajectory, ahead))
-        goal.goal_time_tolerance.sec = int(self._goal_time)
-        goal.goal_time_tolerance.nanosec = round(self._goal_time % 1 * 1e9)
         sent = self._client.send(goal, ahead + trajectory.duration + LATE, self._wait, on_accepted=accepted)
         return as_motion(sent, self._action)
 

@@ -17,8 +17,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -136,8 +135,14 @@ def _build(package: Package, prefix: Path, prefixes: Sequence[Path]) -> bool:
     if prefix.is_dir():
         return True
     compilers()
-    _make_writable(prefix.parent)
-    with _locked(prefix.with_name(prefix.name + ".lock")):
+    try:
+        prefix.parent.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=prefix.parent).close()
+    except OSError as error:
+        advice = "built interfaces are kept there; set XDG_CACHE_HOME to a folder of yours"
+        raise NotWritableError(prefix.parent, error, advice) from error
+    with prefix.with_name(prefix.name + ".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
         if prefix.is_dir():
             return True
         with tempfile.TemporaryDirectory(prefix=f".{package.name}-", dir=prefix.parent) as work:
@@ -148,22 +153,6 @@ def _build(package: Package, prefix: Path, prefixes: Sequence[Path]) -> bool:
             install_package(generated, objects, target, prefixes)
             shutil.move(target, prefix)
     return False
-
-
-def _make_writable(cache: Path) -> None:
-    try:
-        cache.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=cache).close()
-    except OSError as error:
-        advice = "built interfaces are kept there; set XDG_CACHE_HOME to a folder of yours"
-        raise NotWritableError(cache, error, advice) from error
-
-
-@contextmanager
-def _locked(file: Path) -> Iterator[None]:
-    with file.open("w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
 
 
 FOLDER = Path(__file__).parents[1] / "definitions"

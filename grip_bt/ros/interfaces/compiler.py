@@ -90,7 +90,14 @@ def install_package(
         generated.folder / "rosidl_generator_py" / generated.package.name, module, ignore=shutil.ignore_patterns("*.c")
     )
     _link(generated, objects, target, module, prefixes)
-    _install_init(generated.package.name, module)
+    libraries = "".join(f'    "lib{generated.package.name}__{kind}.so",\n' for kind in _LIBRARIES)
+    (module / "__init__.py").write_text(
+        "import ctypes\nfrom pathlib import Path\n\n"
+        "_lib = Path(__file__).resolve().parents[3]\n"
+        f"_names = (\n{libraries})\n"
+        "_loaded = [ctypes.CDLL(str(_lib / name), mode=ctypes.RTLD_GLOBAL) for name in _names]\n",
+        encoding="utf-8",
+    )
     _install_share(generated, target)
 
 
@@ -188,17 +195,6 @@ def _link(
     needed += [*of_dependencies("rosidl_generator_c"), *of_dependencies("rosidl_generator_py")]
     extension = module / f"{name}_s__rosidl_typesupport_c{suffix}"
     link(extension, objects["extension"], "-Wl,-rpath,$ORIGIN/../../..", *needed)
-
-
-def _install_init(name: str, module: Path) -> None:
-    libraries = "".join(f'    "lib{name}__{kind}.so",\n' for kind in _LIBRARIES)
-    (module / "__init__.py").write_text(
-        "import ctypes\nfrom pathlib import Path\n\n"
-        "_lib = Path(__file__).resolve().parents[3]\n"
-        f"_names = (\n{libraries})\n"
-        "_loaded = [ctypes.CDLL(str(_lib / name), mode=ctypes.RTLD_GLOBAL) for name in _names]\n",
-        encoding="utf-8",
-    )
 
 
 def _install_share(generated: Generated, target: Path) -> None:

@@ -6,7 +6,7 @@ import contextlib
 import io
 import keyword
 import re
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Sequence, Set
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any, cast
@@ -40,7 +40,8 @@ def read_interface(source: str | Path, prefixes: Sequence[Path] = ()) -> Interfa
     path = Path(source)
     if path.suffix[1:] not in KINDS:
         path = _installed_file(str(source), prefixes)
-    package = _package_of(path.resolve())
+    folder = path.resolve().parent.parent
+    package = read_package(folder).name if (folder / "package.xml").is_file() else folder.name
     return parse_interface(read_text(path), package, path.suffix[1:], path.stem, str(path))
 
 
@@ -113,11 +114,6 @@ def _meant(parts: Sequence[str], prefixes: Sequence[Path]) -> str:
     share = share_folder(parts[0], search_path(prefixes))
     kinds = [kind for kind in KINDS if share is not None and (share / kind / f"{parts[-1]}.{kind}").is_file()]
     return f"{parts[0]}/{kinds[0]}/{parts[-1]}" if kinds else ""
-
-
-def _package_of(path: Path) -> str:
-    folder = path.parent.parent
-    return read_package(folder).name if (folder / "package.xml").is_file() else folder.name
 
 
 def _parser() -> Any:
@@ -254,19 +250,13 @@ def check_package(package: Package, prefixes: Sequence[Path], beside: Set[str] =
     for file in package.files:
         path = package.folder / file
         specs.append(parse_interface(read_text(path), package.name, file.suffix[1:], file.stem, str(path)))
-        for field in _fields(specs[-1]):
-            _check_name(specs[-1], field)
-            _check_type(specs[-1], field, own, prefixes, beside - package.depends)
+        spec = specs[-1]
+        for field in (*spec.request, *spec.response, *spec.feedback):
+            if language := _RESERVED.get(field.name):
+                told = f"it is a keyword of {language}; rename it, for example to '{field.name}_value'"
+                raise _wrong(spec, field, told)
+            _check_type(spec, field, own, prefixes, beside - package.depends)
     _check_circles([spec for spec in specs if spec.kind == "msg"])
-
-
-def _fields(spec: InterfaceSpec) -> Iterator[FieldSpec]:
-    yield from (*spec.request, *spec.response, *spec.feedback)
-
-
-def _check_name(spec: InterfaceSpec, field: FieldSpec) -> None:
-    if language := _RESERVED.get(field.name):
-        raise _wrong(spec, field, f"it is a keyword of {language}; rename it, for example to '{field.name}_value'")
 
 
 def _check_type(

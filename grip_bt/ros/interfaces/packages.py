@@ -156,7 +156,9 @@ def activate(root: Path | str) -> list[Path]:
             sys.path.insert(0, str(folder))
             added.append(folder)
         libraries += sorted((prefix / "lib").glob("lib*__rosidl_*.so"))
-        _prepend("AMENT_PREFIX_PATH", prefix)
+        present = [p for p in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
+        if str(prefix) not in present:
+            os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join([str(prefix), *present])
     importlib.invalidate_caches()
     _load(Path(root), libraries)
     return added
@@ -186,12 +188,6 @@ def _load(root: Path, libraries: Sequence[Path]) -> None:
         if len(failed) == len(todo):
             raise OverlayError(root, f"its libraries don't load: {error}")
         todo = failed
-
-
-def _prepend(variable: str, path: Path) -> None:
-    present = [p for p in os.environ.get(variable, "").split(os.pathsep) if p]
-    if str(path) not in present:
-        os.environ[variable] = os.pathsep.join([str(path), *present])
 
 
 KINDS = ("msg", "srv", "action")

@@ -64,7 +64,8 @@ def pack(store: str, value: object) -> RawMessage:
     if store not in MESSAGES:
         raise BadRequestError(f"store {store!r}: a ROS message is expected, not a {type(value).__name__}")
     try:
-        message = _message(store, value)
+        cls = load_type(MESSAGES[store])
+        message = _robot_pose(cls, value) if store == "robot_poses" else to_message(value, cls)
     except ConversionError as error:
         raise BadRequestError(f"store {store!r}: {error}") from None
     return RawMessage(MESSAGES[store], bytes(serialize_message(message)))
@@ -100,13 +101,6 @@ def unpack(store: str, raw: RawMessage) -> Any:
     if store == "grasps":
         return _grasp(message)
     return from_message(message, STANDARD[store])
-
-
-def _message(store: str, value: object) -> Message:
-    cls = load_type(MESSAGES[store])
-    if store == "robot_poses":
-        return _robot_pose(cls, value)
-    return to_message(value, cls)
 
 
 def _robot_pose(cls: InterfaceType, value: object) -> Message:

@@ -88,8 +88,10 @@ class PlanningSceneSync:
         diff = load_type("moveit_msgs/msg/PlanningScene")(is_diff=True)
         diff.robot_state.is_diff = True
         for item in [*gone, *(before[item.name] for item in changed if item.name in before)]:
-            if item.hand:
-                diff.robot_state.attached_collision_objects.append(self._detached(item))
+            if item.hand:  # MoveIt puts what is taken off a hand into the world, to be replaced or removed
+                off = load_type("moveit_msgs/msg/AttachedCollisionObject")(link_name=self._mounts[item.hand].link)
+                off.object.id, off.object.operation = item.name, REMOVE
+                diff.robot_state.attached_collision_objects.append(off)
         for item in changed:
             if item.hand:
                 diff.robot_state.attached_collision_objects.append(self._attached(item))
@@ -110,13 +112,6 @@ class PlanningSceneSync:
             object=collision_object(item.name, item.shape, mount.frame @ item.pose, mount.link),
             touch_links=list(mount.hand_links),
         )
-
-    def _detached(self, item: SceneObject) -> Message:
-        """Return what takes an object off its hand; MoveIt puts it into the world then, to be replaced or removed."""
-        kind = load_type("moveit_msgs/msg/AttachedCollisionObject")
-        message = kind(link_name=self._mounts[item.hand].link)
-        message.object.id, message.object.operation = item.name, REMOVE
-        return message
 
 
 def with_allowed(baseline: Message, pairs: Iterable[tuple[str, str]], names: Iterable[str]) -> Message:
