@@ -46,31 +46,25 @@ class ProjectFolder:
         ]
 
     def task_file(self, path: str) -> Path:
-        """Return the file at a path that came from outside.
-
-        Args:
-            path: relative to the project folder, with `/`.
+        """Return the file at a path that came from outside, relative to the project folder.
 
         Raises:
             OutsideProjectError: the path is absolute, climbs, follows a link outwards, or isn't a YAML file.
             DocumentError: there is no such file.
         """
-        file = self._place(path)
+        file = self.settings_file(path)
         if not file.is_file():
             raise DocumentError("there is no such task file in the project", path)
         return file
 
     def new_task_file(self, path: str) -> Path:
-        """Return where a new task file goes, at a path that came from outside.
-
-        Args:
-            path: relative to the project folder, below `tasks/`.
+        """Return where a new task file goes, at a path below `tasks/` that came from outside.
 
         Raises:
             OutsideProjectError: the path leads elsewhere, or isn't one of a task file.
             DocumentError: something is there.
         """
-        file = self._place(path)
+        file = self.settings_file(path)
         if PurePosixPath(path).parts[0] != "tasks" or file.name.endswith(".layout.yaml"):
             raise OutsideProjectError(path, "isn't a place for a task")
         if file.exists():
@@ -78,17 +72,11 @@ class ProjectFolder:
         return file
 
     def settings_file(self, path: str) -> Path:
-        """Return where a settings file is or goes, at a path that came from outside.
-
-        Args:
-            path: relative to the project folder.
+        """Return where a YAML file is or goes, at a path that came from outside, relative to the project folder.
 
         Raises:
             OutsideProjectError: the path leads elsewhere, or isn't one of a YAML file.
         """
-        return self._place(path)
-
-    def _place(self, path: str) -> Path:
         pure = PurePosixPath(path)
         if "\0" in path or "\\" in path or pure.is_absolute() or ".." in pure.parts:
             raise OutsideProjectError(path, "isn't a path inside the project")

@@ -103,9 +103,8 @@ def create_app(
     app = FastAPI(title="GRIP editor", lifespan=lifespan, docs_url=None, redoc_url=None, openapi_url=None)
     app.state.token = token or token_urlsafe(24)
     app.add_middleware(Gate, token=app.state.token)
-    app.add_exception_handler(GripError, _teach)
-    app.add_exception_handler(RequestValidationError, _refuse_malformed)
-    app.add_exception_handler(HTTPException, _refuse)
+    for refused in (GripError, RequestValidationError, HTTPException):
+        app.add_exception_handler(refused, _refuse)
     edits, window = DocumentStore(folder, desk.follow_edit), RosClientProcess(folder.folder)
     runner = CommandRunner(folder)
     app.include_router(make_edit_router(edits, desk.notify))
@@ -116,25 +115,20 @@ def create_app(
     return app
 
 
-async def _teach(request: Request, error: Exception) -> JSONResponse:
-    status, kind = next((found for cause, found in _REFUSALS.items() if isinstance(error, cause)), (400, ""))
-    log.warning("%s %s: %s", request.method, request.url.path, error)
-    return JSONResponse(ErrorBody(detail=str(error), kind=kind).model_dump(), status_code=status)
-
-
-async def _refuse_malformed(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RequestValidationError)
-    why = "; ".join(f"{'.'.join(str(part) for part in e['loc'])}: {e['msg']}" for e in error.errors()[:5])
-    log.warning("%s %s refused: %s", request.method, request.url.path, why)
-    return JSONResponse({"detail": f"malformed request: {why}"}, status_code=422)
-
-
 async def _refuse(request: Request, error: Exception) -> JSONResponse:
-    """Tell of what the framework itself refuses, such as a body that isn't text."""
-    assert isinstance(error, HTTPException)
+    """Tell why a request isn't answered, also of what the framework itself refuses, such as a body that isn't text."""
+    kind, headers = "", None
+    if isinstance(error, RequestValidationError):
+        faults = (f"{'.'.join(str(part) for part in e['loc'])}: {e['msg']}" for e in error.errors()[:5])
+        status, why = 422, f"malformed request: {'; '.join(faults)}"
+    elif isinstance(error, HTTPException):
+        status, why, headers = error.status_code, error.detail, error.headers
+    else:
+        status, kind = next((found for cause, found in _REFUSALS.items() if isinstance(error, cause)), (400, ""))
+        why = str(error)
     if request.url.path.startswith("/api/"):
-        log.warning("%s %s refused: %s", request.method, request.url.path, error.detail)
-    return JSONResponse({"detail": error.detail}, status_code=error.status_code, headers=error.headers)
+        log.warning("%s %s refused: %s", request.method, request.url.path, why)
+    return JSONResponse(ErrorBody(detail=why, kind=kind).model_dump(), status_code=status, headers=headers)
 
 
 HOST = "127.0.0.1"

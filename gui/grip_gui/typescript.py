@@ -71,11 +71,5 @@ def _type(spec: dict[str, Any]) -> str:
     return _SCALARS.get(str(kind), "unknown")
 
 
-def main() -> None:
-    """Write the types."""
-    TARGET.parent.mkdir(parents=True, exist_ok=True)
-    TARGET.write_text(typescript(), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    TARGET.write_text(typescript(), encoding="utf-8")

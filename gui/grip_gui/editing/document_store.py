@@ -23,7 +23,7 @@ class DocumentStore:
     """The task files that pages have opened.
 
     Args:
-        folder: the project; no path leads out of it.
+        folder: no path leads out of it.
         followed: told of each edit's file and steps, for what else speaks of its nodes; in the thread of the edit.
     """
 
@@ -73,11 +73,7 @@ class DocumentStore:
         return self._sheets[path]
 
     def create(self, path: str, text: str | None = None) -> None:
-        """Make a new task file.
-
-        Args:
-            path: relative to the project folder.
-            text: what it holds; None for a task that does nothing yet.
+        """Make a new task file; without a text it does nothing yet.
 
         Raises:
             OutsideProjectError: the path leads elsewhere, or isn't one of a task file.

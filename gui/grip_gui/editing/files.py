@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import logging
-from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.files import replace_bytes
 from grip_bt.base.yaml.tree import read_file
+from grip_gui.wire.editing import Change
 
 
 class StaleEditError(GripError):
@@ -65,7 +65,7 @@ class TextFile:
             self._mark = _BOM if file.read(3) == _BOM else b""
         return text
 
-    def change(self) -> str:
+    def change(self) -> Change:
         """Return how the file has changed since it was known: `changed`, `deleted`, or nothing."""
         digest = self._digest()
         if digest == self.known:
@@ -105,21 +105,8 @@ def _digest(data: bytes) -> str:
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Unsaved:
-    """A text that was never saved.
-
-    Attributes:
-        text: the text.
-        known: the state of the task's file that it was made from.
-    """
-
-    text: str
-    known: str
-
-
 class Recovery:
-    """The unsaved text of one task file.
+    """The text of one task file that was never saved, and what was known of the file when it was made.
 
     Args:
         folder: where such texts are kept.
@@ -130,21 +117,21 @@ class Recovery:
         digest = blake2b(name.encode(), digest_size=8).hexdigest()
         self._file = TextFile(folder / f"{Path(name).stem}-{digest}.json", name)
 
-    def find(self) -> Unsaved | None:
-        """Return what was left behind; None where nothing was."""
+    def find(self) -> tuple[str, str] | None:
+        """Return the text that was left behind, and what it knew of the file; None where nothing was."""
         if not self._file.path.exists():
             return None
         try:
             data = json.loads(self._file.read())
-            return Unsaved(str(data["text"]), str(data["known"]))
+            return str(data["text"]), str(data["known"])
         except (DocumentError, ValueError, KeyError, TypeError) as error:
             log.warning("the unsaved text of %s can't be read: %s", self._file.name, error)
             return None
 
-    def keep(self, unsaved: Unsaved) -> None:
+    def keep(self, text: str, known: str) -> None:
         """Keep a text; that it can't be kept keeps nobody from editing."""
         try:
-            self._file.write(json.dumps({"known": unsaved.known, "text": unsaved.text}))
+            self._file.write(json.dumps({"known": known, "text": text}))
         except DocumentError as error:
             log.warning("unsaved changes aren't kept: %s", error)
 

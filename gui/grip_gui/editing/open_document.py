@@ -13,7 +13,7 @@ from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Edited, Group, History, Patch, command_of, path_after, rewrite
 from grip_bt.task.edit.history import history_path, load_history, save_history
 from grip_bt.task.edit.steps import Step
-from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError, Unsaved
+from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError
 from grip_gui.editing.layout import Layout, read_layout, write_layout
 
 log = logging.getLogger(__name__)
@@ -35,16 +35,11 @@ class _AppliedEdit:
 
 
 class OpenDocument:
-    """A task file that is open.
+    """A task file that is open, with the file of its layout, and where what isn't saved is kept.
 
     A text that isn't a task is kept beside the last good task (`draft`) until it is one again; it is saved as it
     is, and nothing drawn is changed meanwhile. `revision` grows with whatever changes what a page shows. `followed`
     is told what each edit did.
-
-    Args:
-        file: the task's file.
-        layout: the file of its layout.
-        recovery: where what isn't saved is kept.
 
     Raises:
         DocumentError: the file can't be read.
@@ -71,15 +66,15 @@ class OpenDocument:
         self._saved_layout = write_layout(self.layout)
         left = recovery.find()  # by a server that died; where the file has changed since, a save asks first
         if left is not None:
-            self._put_text(left.text, RECOVERED)
-            self.file.known = left.known
+            self._put_text(left[0], RECOVERED)
+            self.file.known = left[1]
 
     def keep_unsaved(self) -> None:
         """Keep a copy of what isn't saved, or forget the copy of what is."""
         if self.text == self._saved and not self.file.change():
             self._recovery.forget()
         else:
-            self._recovery.keep(Unsaved(self.text, self.file.known))
+            self._recovery.keep(self.text, self.file.known)
 
     def _begin(self, text: str) -> None:
         """Go on with the history that was kept beside the file; begin a new one where there is none."""
@@ -129,12 +124,7 @@ class OpenDocument:
     # --- edits ------------------------------------------------------------------------------------------------------
 
     def do(self, command: AnyCommand, base: int, meaning: Meaning | None = None) -> Edited:
-        """Carry out a command that was made on the state `base`.
-
-        Args:
-            command: what to do.
-            base: the revision that it was made on.
-            meaning: what the command comes to in the document as it is now; itself by default.
+        """Carry out a command, or what it comes to in the document as it is now, that was made on the revision `base`.
 
         Raises:
             EditError: it can't be carried out.
@@ -249,8 +239,7 @@ class OpenDocument:
     def _since(self, base: int) -> Iterable[tuple[Step, ...]]:
         if base == self.revision:
             return ()
-        oldest = self._past[0].revision if self._past else self.revision + 1
-        if not oldest - 1 <= base < self.revision:
+        if not self._past or not self._past[0].revision - 1 <= base < self.revision:
             raise StaleEditError(f"{self.file.name}: revision {base} is unknown here; the page now shows the newest")
         return [past.steps for past in self._past if past.revision > base]
 
@@ -287,10 +276,7 @@ class OpenDocument:
     # --- the file ---------------------------------------------------------------------------------------------------
 
     def save(self, over: bool = False) -> None:
-        """Write the file, and the layout's file.
-
-        Args:
-            over: also where somebody else has changed the file since.
+        """Write the file, and the layout's file; with `over` also where somebody else has changed the file since.
 
         Raises:
             ChangedOnDiskError: somebody else has.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import types
 from collections.abc import Iterable
+from contextlib import suppress
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from annotated_types import MinLen
@@ -22,25 +23,15 @@ _CHILDREN: dict[str, FieldType] = {"initial": "child", "default": "child", "case
 
 
 def catalog_view(catalog: Catalog, tasks: Iterable[str] = (), error: str = "") -> CatalogView:
-    """Return everything that a task can be made of.
+    """Return everything that a task can be made of; `error` says why nodes are missing.
 
-    Args:
-        catalog: the nodes that exist.
-        tasks: the project's task files; those that can't be read aren't offered.
-        error: why nodes are missing.
+    Task files that can't be read aren't offered.
     """
-    return CatalogView(
-        nodes=[_node(manifest) for manifest in catalog],
-        tasks=[face for file in tasks if (face := _subtask(catalog, file)) is not None],
-        error=error,
-    )
-
-
-def _subtask(catalog: Catalog, file: str) -> NodeFace | None:
-    try:
-        return _node(manifest_of_task(file, catalog.tasks.read(file)))
-    except SubtaskError:
-        return None
+    faces = []
+    for file in tasks:
+        with suppress(SubtaskError):
+            faces.append(_node(manifest_of_task(file, catalog.tasks.read(file))))
+    return CatalogView(nodes=[_node(manifest) for manifest in catalog], tasks=faces, error=error)
 
 
 def _node(manifest: Manifest) -> NodeFace:

@@ -42,12 +42,7 @@ T = TypeVar("T")
 
 
 def make_edit_router(desk: DocumentStore, notify: Callable[[], None]) -> APIRouter:
-    """Return the routes below `/api` that read and change documents.
-
-    Args:
-        desk: the open files.
-        notify: tells the pages that something has changed; called in the event loop.
-    """
+    """Return the routes below `/api` that read and change documents; `notify`, in the event loop, tells the pages."""
     api = APIRouter(prefix="/api")
     _add_questions(api, desk)
     _add_wishes(api, desk, notify)
@@ -134,11 +129,10 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
 
     @api.post("/document/text")
     async def text(request: TextRequest, since: int | None = None) -> Response:
-        return await change(
-            request.path,
-            lambda opened: opened.write(request.text, opened.revision if request.over else request.base),
-            since,
-        )
+        def write(opened: OpenDocument) -> None:
+            opened.write(request.text, opened.revision if request.over else request.base)
+
+        return await change(request.path, write, since)
 
     @api.post("/document/step")
     async def step(request: StepRequest, since: int | None = None) -> Response:

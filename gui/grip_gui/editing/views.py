@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import get_args
 
 from grip_bt.base.errors import DocumentError, EditError, GripError
 from grip_bt.task import read_text, walk
@@ -21,7 +20,6 @@ from grip_gui.view.documents import (
     view_of_document,
 )
 from grip_gui.wire.editing import (
-    Change,
     CommentView,
     DocumentView,
     ExpressionRequest,
@@ -41,22 +39,24 @@ SHOWN = 200
 def document_view(folder: ProjectFolder, opened: OpenDocument, since: int | None = None) -> DocumentView:
     """Return a document as it is now.
 
-    Args:
-        folder: the project.
-        opened: the open file.
-        since: the revision that the page has; it is told what has moved, and asks for the problems by themselves,
-            which take longer than all the rest.
+    A page that has the revision `since` is told what has moved, and asks for the problems by themselves, which take
+    longer than all the rest.
     """
-    change = opened.file.change()
-    assert change in get_args(Change)
+    history = opened.history
+    moments = history.moments[-SHOWN:] if history else ()
     return DocumentView(
         path=opened.file.name,
         revision=opened.revision,
         text=opened.text,
         saved=opened.saved,
         draft=opened.draft is not None,
-        change=change,
-        history=_history(opened),
+        change=opened.file.change(),
+        history=HistoryView(
+            at=history.at.number if history else 0,
+            moments=[HistoryEntry(number=m.number, parent=m.parent, title=m.title) for m in moments],
+            can_undo=opened.can_undo,
+            can_redo=opened.can_redo,
+        ),
         layout=LayoutView(**{view: dict(spots) for view, spots in opened.layout.pinned.items()}),
         task=_task(folder, opened, checked=since is None),
         moved={} if since is None else opened.moved_since(since),
@@ -72,17 +72,6 @@ def problems_view(folder: ProjectFolder, opened: OpenDocument) -> Callable[[], P
         return lambda: ProblemsView(revision=revision, problems=[fault])
     document = history.document
     return lambda: ProblemsView(revision=revision, problems=problems_of(folder, document))
-
-
-def _history(opened: OpenDocument) -> HistoryView:
-    history = opened.history
-    moments = history.moments[-SHOWN:] if history else ()
-    return HistoryView(
-        at=history.at.number if history else 0,
-        moments=[HistoryEntry(number=m.number, parent=m.parent, title=m.title) for m in moments],
-        can_undo=opened.can_undo,
-        can_redo=opened.can_redo,
-    )
 
 
 def _task(folder: ProjectFolder, opened: OpenDocument, checked: bool) -> TaskView:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -13,12 +13,6 @@ from ruamel.yaml.error import YAMLError
 from grip_bt.base.errors import GripError, nearest
 
 WIDTH = 140
-REFERENCES: Mapping[tuple[str, ...], tuple[tuple[str, ...], ...]] = {
-    ("hands",): (("arms", "*", "hand"), ("ros", "controllers", "?")),
-    ("arms",): (("ros", "controllers", "?"),),
-    ("sensors",): (("ros", "cameras", "?"),),
-}
-"""Where the names of a mapping's entries are used, at `?` as keys: a rename is followed there."""
 
 
 class UnchangeableError(GripError):
@@ -75,8 +69,8 @@ def rename(text: str, key: Sequence[str | int], name: str) -> str:
     if name in parent and name != old:
         raise UnchangeableError(f"{name!r} is taken; choose another name than {', '.join(map(str, parent))}")
     _rename_key(parent, old, name)
-    for pattern in REFERENCES.get(tuple(map(str, key[:-1])), ()):
-        _follow(root, pattern, old, name)
+    if len(key) == 2:
+        _follow(root, key[0], old, name)
     return _dumped(yaml, root)
 
 
@@ -89,19 +83,16 @@ def _rename_key(mapping: CommentedMap, old: object, new: str) -> None:
         mapping.ca.items[new] = comment
 
 
-def _follow(value: object, pattern: Sequence[str], old: object, new: str) -> None:
-    if not isinstance(value, dict):
-        return
-    step, rest = pattern[0], pattern[1:]
-    if step == "?":
-        if isinstance(value, CommentedMap) and old in value and new not in value:
-            _rename_key(value, old, new)
-        return
-    for name in list(value) if step == "*" else [step] if step in value else []:
-        if rest:
-            _follow(value[name], rest, old, new)
-        elif value[name] == old:
-            value[name] = new
+def _follow(root: CommentedMap, kind: object, old: object, new: str) -> None:
+    """Have those that refer to an arm, a hand or a sensor call it by its new name."""
+    arms, ros = root.get("arms"), root.get("ros")
+    for arm in arms.values() if kind == "hands" and isinstance(arms, dict) else ():
+        if isinstance(arm, dict) and arm.get("hand") == old:
+            arm["hand"] = new
+    where = {"hands": "controllers", "arms": "controllers", "sensors": "cameras"}.get(str(kind))
+    users = ros.get(where) if isinstance(ros, dict) else None
+    if isinstance(users, CommentedMap) and old in users and new not in users:
+        _rename_key(users, old, new)
 
 
 def _loaded(text: str) -> tuple[YAML, Any]:

@@ -41,25 +41,19 @@ _WAYPOINT = {
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind of settings file.
-
-    Attributes:
-        name: for the wire.
-        title: for people.
-        doc: what stands in it.
-        shape: JSON Schema of its data.
-        blank: text of a new file.
-        check: what is wrong with a text that is YAML.
-        templates: values to begin with.
-    """
+    """One kind of settings file, `name` on the wire."""
 
     name: str
     title: str
     doc: str
     shape: Mapping[str, Any]
+    """JSON Schema of its data."""
     blank: str
+    """The text of a new file."""
     check: Callable[[Path, str, YamlValue], list[Diagnostic]]
+    """Returns what is wrong with a text that is YAML."""
     templates: Sequence[Template] = ()
+    """Values to begin with."""
 
 
 def _by_model(model: type[BaseModel]) -> Callable[[Path, str, YamlValue], list[Diagnostic]]:
@@ -95,6 +89,11 @@ def _template(title: str, *key: str, value: object) -> Template:
     return Template(title=title, key=list(key), value=value)
 
 
+_ABOVE = {
+    "reference_frame": "world",
+    "position": dict.fromkeys("xyz", 0.4) | {"y": 0.0},
+    "orientation": dict.fromkeys("rpy", 0.0),
+}
 _CLOUD = {"cloud": {"topic": "/camera/points", "type": "PointCloud"}}
 _DESCRIBED = {"xacro": "robot.urdf.xacro", "arguments": {"prefix": "left_"}, "srdf": "robot.srdf"}
 _MOUNTED = {"arm": "ur5", "hand": "allegro_right", "mount": {"link": "tool0", "xyz": [0.0, 0.0, 0.15]}}
@@ -149,17 +148,7 @@ _MESSAGES = {
         {"type": "object", "additionalProperties": _POSE},
         "{}\n",
         _by_reader(read_poses),
-        (
-            _template(
-                "a pose",
-                "above_table",
-                value={
-                    "reference_frame": "world",
-                    "position": {"x": 0.4, "y": 0.0, "z": 0.4},
-                    "orientation": {"r": 0.0, "p": 0.0, "y": 0.0},
-                },
-            ),
-        ),
+        (_template("a pose", "above_table", value=_ABOVE),),
     ),
     TRAJECTORIES: Kind(
         "trajectories",

@@ -98,15 +98,12 @@ PATIENCE = 60.0
 
 
 def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str, Any]:
-    """Return what a robot looks like.
+    """Return what a robot looks like: `links`, `joints`, `meshes`, `rest`, `grasp`; else `error`.
 
     Args:
         robot: what a project says of it.
         hands: hand -> its arm's group, to tell where what it holds is.
         folder: that relative paths begin in.
-
-    Returns:
-        `links`, `joints`, `meshes`, `rest`, `grasp`; only `error` where it can't be told.
     """
     if not robot:
         return {"error": "grip.yaml names no robot"}
