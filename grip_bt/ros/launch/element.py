@@ -11,7 +11,7 @@ from xml.parsers import expat
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
 
-from .hints import form
+from .hints import form, given_as
 
 DEEPEST = 50
 """Elements in elements; what launch files need is a handful."""
@@ -50,23 +50,15 @@ def read_elements(path: Path) -> Element:
     """Return the root `launch` element of an XML or a YAML file.
 
     Raises:
-        LaunchError: it can't be read, isn't well-formed, or is in Python.
-        LegacyLaunchFileError: it is one of ROS 1; with every line that has to change.
+        LaunchError: it can't be read or isn't well-formed.
     """
     try:
         text = read_file(path)
-        if path.suffix == ".py":
-            reason = "a launch file in Python is a program of ROS's own `launch` package, which isn't here; "
-            reason += "source a ROS that has it (source /opt/ros/jazzy/setup.bash), or say the same in XML or YAML"
-            raise LaunchError(str(path), None, reason)
-        yaml = path.suffix in (".yaml", ".yml")
-        root = _from_yaml(text, str(path)) if yaml else _from_xml(text, str(path))
+        if path.suffix in (".yaml", ".yml"):
+            return _from_yaml(text, str(path))
     except DocumentError as error:
         raise LaunchError(str(path), error.line, error.message) from None
-    changes = list(_changes(root))
-    if any(certain for certain, *_ in changes):
-        raise LegacyLaunchFileError(str(path), [(line, old, new) for _, line, old, new in changes])
-    return root
+    return _from_xml(text, str(path))
 
 
 def _from_xml(text: str, source: str) -> Element:
@@ -152,8 +144,9 @@ def _add(element: Element, key: str, value: YamlValue, line: int, source: str) -
     elif isinstance(value, YamlList) and key in _LISTS and all(isinstance(i.value, YamlScalar) for i in value.entries):
         element.attributes[key] = "[" + ", ".join(text_of(word) for word in to_data(value)) + "]"
     else:
-        how = "an attribute is one text, and elements in it are a list of mappings"
-        raise LaunchError(source, line, f"`{element.tag}`: `{key}` can't be given like this; {how}")
+        raise LaunchError(
+            source, line, f"`{element.tag}`: `{key}` can't be given like this{given_as(element.tag, key)}"
+        )
 
 
 def text_of(value: object) -> str:
@@ -212,6 +205,17 @@ _SUBSTITUTIONS = (
     (re.compile(r"\$\(optenv [^)]*\)"), "$(env NAME DEFAULT)"),
     (re.compile(r"\$\(eval [^)]*\)"), "conditions with `equals`, `not`, `and`, `or`"),
 )
+
+
+def check_not_legacy(root: Element, path: Path) -> None:
+    """Refuse a launch file of ROS 1.
+
+    Raises:
+        LegacyLaunchFileError: it is one; with every line that has to change.
+    """
+    changes = list(_changes(root))
+    if any(certain for certain, *_ in changes):
+        raise LegacyLaunchFileError(str(path), [(line, old, new) for _, line, old, new in changes])
 
 
 def _changes(element: Element) -> Iterator[tuple[bool, int, str, str]]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 from grip_bt.base.errors import GripError
 from grip_bt.task.catalog.component_parts import Ready, Restart
 
-from ..process import Process, stop_all
+from ..process import Process
 
 if TYPE_CHECKING:
     from ..client.connection import Connection
@@ -106,8 +106,10 @@ class ProcessGroup:
 
     Args:
         members: the processes, in the order in which they are started; each waits until those before it are ready.
+        logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
         on_change: told of every change, and, as `says` of `launch`, of the events.
+        events: what happens beside processes.
     """
 
     def __init__(
@@ -184,7 +186,11 @@ class ProcessGroup:
         """End all processes together, with all that they have started; at most 3 s."""
         self._stopping.set()
         with self._lock:
-            stop_all([r.process for r in self._all.values() if r.process is not None])
+            processes = [r.process for r in self._all.values() if r.process is not None]
+            for process in processes:
+                process.ask_to_stop()
+            for process in processes:
+                process.stop()
             for running in self._all.values():
                 if running.state not in ("ended", "failed", "stopped", "waiting"):
                     self._set_state(running, "stopped", "")
@@ -214,8 +220,7 @@ class ProcessGroup:
         member = running.member
         running.starts += 1
         number = f".{running.starts}" if running.starts > 1 else ""
-        file = re.sub(r"[^A-Za-z0-9_.-]", "_", member.name).strip(".") or "process"
-        log = self._logs / f"{file}{number}.log"
+        log = self._logs / f"{_file_name(member.name)}{number}.log"
         with self._lock:
             if self._stopping.is_set():
                 return
@@ -295,6 +300,10 @@ class ProcessGroup:
     def _set_state(self, running: _Running, state: State, detail: str) -> None:
         running.state = state
         self._on_change(running.member.name, state, detail)
+
+
+def _file_name(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_.-]", "_", name).strip(".") or "process"
 
 
 FRESH = 0.25

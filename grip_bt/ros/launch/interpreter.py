@@ -13,9 +13,10 @@ from pathlib import Path
 from grip_bt.base.errors import listing, nearest
 from grip_bt.ros.interfaces.packages import PackageError, executable_of
 
-from .element import Element, LaunchError, read_elements
+from .element import Element, LaunchError, check_not_legacy, read_elements
 from .group import LaunchEvent, Member
-from .hints import about_attributes, about_tag, form
+from .hints import TYPES, about_attributes, about_tag, form
+from .python_draft import in_python
 from .substitutions import LaunchContext, substitute, truth
 
 DEEPEST = 30
@@ -51,6 +52,8 @@ def read_launch_file(
     """Read an XML or YAML launch file and return the processes that it asks for.
 
     Args:
+        path: the file.
+        arguments: values of its arguments.
         prefixes: where packages are; the usual places by default.
         env: what its processes inherit; nothing by default.
 
@@ -69,7 +72,10 @@ def read_arguments(path: Path) -> list[Argument]:
     Raises:
         LaunchError: it can't be read, or is one of ROS 1.
     """
+    if path.suffix == ".py":
+        raise in_python(path)
     root = read_elements(path)
+    check_not_legacy(root, path)
     return [
         Argument(
             element.attributes.get("name", ""),
@@ -133,14 +139,14 @@ class _Element(LaunchContext):
     def check(self, allowed: set[str]) -> None:
         """Refuse attributes that aren't understood, of the element and of those that stand in it."""
         wrong = [name for name in self.attributes if name not in allowed]
-        known = _INNER.get(self.tag, {})
         if wrong:
-            raise self.error(f"<{self.tag}>: {about_attributes(self.tag, wrong, allowed, known, self.yaml)}")
+            raise self.error(f"<{self.tag}>: {about_attributes(self.tag, wrong, allowed, self.yaml)}")
         if self.tag in _OF_ELEMENTS:
             return
+        known = _INNER.get(self.tag, {})
         for child in self.inner():
             if child.tag not in known:
-                instead = about_tag(child.tag, known, (), self.yaml)
+                instead = about_tag(child.tag, self.tag, known, self.yaml)
                 raise child.error(f"<{child.tag}> can't stand in <{self.tag}> here{instead}")
             child.check(known[child.tag])
 
@@ -201,7 +207,10 @@ class _Reader:
     def read_file(self, path: Path, given: dict[str, str], scope: _Scope, above: tuple[Path, ...]) -> None:
         if len(above) >= DEEPEST:
             raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
+        if path.suffix == ".py":
+            raise in_python(path)
         root = read_elements(path)
+        check_not_legacy(root, path)
         files, outer, self._files, self._given = self._files, self._given, (*above, path), given
         scope.variables.update(given)
         declared = {e.attributes.get("name", "") for e in root.of("arg")}
@@ -220,8 +229,7 @@ class _Reader:
             if handler is None:
                 if element.tag in _COMPOSED:
                     raise at.error(f"<{element.tag}> is not supported: {_CONTAINERS}")
-                outside = [outer for outer, inner in _INNER.items() if element.tag in inner and outer != element.tag]
-                instead = about_tag(element.tag, _HANDLERS, outside, at.yaml)
+                instead = about_tag(element.tag, "launch", _HANDLERS, at.yaml)
                 raise at.error(
                     f"<{element.tag}> is not supported{instead} (supported: {listing(sorted(_HANDLERS))}); "
                     "with ROS's own tools on the path, files are run by `ros2 launch`"
@@ -377,7 +385,8 @@ class _Reader:
             return value if value else "''"
         if type_ == "str":
             return "'" + value.replace("'", "''") + "'"
-        raise at.error(f"<param type={type_!r}> is not supported (supported: int, float, bool, str, yaml)")
+        meant = f"; write {TYPES[type_]!r}" if type_ in TYPES else ""
+        raise at.error(f"<param type={type_!r}> is not supported{meant} (supported: int, float, bool, str, yaml)")
 
     def _executable(self, at: _Element) -> None:
         words = at.words("cmd")

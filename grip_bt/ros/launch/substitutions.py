@@ -73,6 +73,8 @@ def truth(text: str, context: LaunchContext, what: str = "a condition") -> bool:
     """Return the truth value that a text, after substitution, spells.
 
     Args:
+        text: as it is written.
+        context: where.
         what: of what it is the value, for the error.
 
     Raises:
@@ -81,9 +83,14 @@ def truth(text: str, context: LaunchContext, what: str = "a condition") -> bool:
     word = substitute(text, context).strip().lower()
     if word in TRUE or word in FALSE:
         return word in TRUE
-    hint = "; a variable is $(var NAME)" if "$" in word or "{" in word else ""
-    hint = "; texts are compared by $(equals $(var NAME) VALUE)" if "==" in word else hint
-    raise context.error(f"{what} is true, false, 1 or 0, not {word!r}{hint}")
+    raise context.error(f"{what} is true, false, 1 or 0, not {word!r}{_compared(word)}")
+
+
+def _compared(word: str) -> str:
+    """Return how to write what looks like a comparison, or a variable of another language."""
+    if "==" in word:
+        return "; texts are compared by $(equals $(var NAME) VALUE)"
+    return "; a variable is $(var NAME)" if "$" in word or "{" in word else ""
 
 
 def _piece(text: str, at: int, context: LaunchContext) -> tuple[str, int]:
@@ -114,17 +121,23 @@ def _word(text: str, at: int, context: LaunchContext) -> tuple[str, int]:
     made = []
     while at < len(text) and not text[at].isspace() and text[at] != ")":
         if text[at] in "'\"":
-            end = at + 1
-            while end < len(text) and text[end] != text[at]:  # behind a backslash, a quotation mark doesn't end it
-                end += 2 if text[end] == "\\" else 1
-            if end >= len(text):
-                raise context.error(f"a quotation mark is missing in {text!r}")
+            end = _closing_quote(text, at, context)
             made.append(substitute(text[at + 1 : end], context))
             at = end + 1
         else:
             piece, at = _piece(text, at, context)
             made.append(piece)
     return "".join(made), at
+
+
+def _closing_quote(text: str, at: int, context: LaunchContext) -> int:
+    """Return where the text that is quoted from `at` ends; a quotation mark behind a backslash doesn't end it."""
+    end = at + 1
+    while end < len(text) and text[end] != text[at]:
+        end += 2 if text[end] == "\\" else 1
+    if end >= len(text):
+        raise context.error(f"a quotation mark is missing in {text!r}")
+    return end
 
 
 def _apply(name: str, words: list[str], context: LaunchContext) -> str:
@@ -196,8 +209,12 @@ def _xacro(words: list[str], context: LaunchContext) -> str:
         raise context.error(f"$(command 'xacro ...'): {error}") from None
 
 
-def _logic(holds: Callable[[list[bool]], bool]) -> Callable[[list[str], LaunchContext], str]:
-    return lambda words, context: str(holds([truth(word, context) for word in words])).lower()
+def _logic(words: list[str], context: LaunchContext) -> list[bool]:
+    return [truth(word, context) for word in words]
+
+
+def _said(value: bool) -> str:
+    return "true" if value else "false"
 
 
 _KNOWN: dict[str, tuple[int, int, Callable[[list[str], LaunchContext], str]]] = {
@@ -209,9 +226,9 @@ _KNOWN: dict[str, tuple[int, int, Callable[[list[str], LaunchContext], str]]] = 
     "find-pkg-share": (1, 1, lambda words, context: str(share_of(words[0], context.prefixes))),
     "find-pkg-prefix": (1, 1, lambda words, context: str(prefix_of(words[0], context.prefixes))),
     "exec-in-pkg": (2, 2, lambda words, context: str(executable_of(words[1], words[0], context.prefixes))),
-    "not": (1, 1, _logic(lambda values: not values[0])),
-    "and": (2, 2, _logic(all)),
-    "or": (2, 2, _logic(any)),
-    "equals": (2, 2, lambda words, context: str(words[0] == words[1]).lower()),
-    "not-equals": (2, 2, lambda words, context: str(words[0] != words[1]).lower()),
+    "not": (1, 1, lambda words, context: _said(not _logic(words, context)[0])),
+    "and": (2, 2, lambda words, context: _said(all(_logic(words, context)))),
+    "or": (2, 2, lambda words, context: _said(any(_logic(words, context)))),
+    "equals": (2, 2, lambda words, context: _said(words[0] == words[1])),
+    "not-equals": (2, 2, lambda words, context: _said(words[0] != words[1])),
 }
