@@ -98,7 +98,7 @@ def run_form(path, file, form, preempt_at=(), pace=0, before=0):
         for leaf in leaves:  # what has returned has ended, whether or not the task has seen it
             activation = leaf._activation
             if leaf.state is not state and _has_returned(legacy, leaf.state) and activation is not None:
-                _await(activation.returned, "a state never returned")
+                _await(activation.over.done, "a state never returned")
         by_path = {leaf.state.path: leaf for leaf in leaves}
         for last in _lasts_before(state, {path: leaf.state for path, leaf in by_path.items()}):
             if last.endswith(f"/{LAST}"):
