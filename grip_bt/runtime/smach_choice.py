@@ -16,8 +16,8 @@ from grip_bt.nodes.answers import Answers
 from grip_bt.runtime.smach_states import TreeRun
 from grip_bt.smach_compat import Concurrence, Iterator, State
 from grip_bt.task.kinds.base import End, Kind, Reason, Run
-from grip_bt.task.kinds.composites import Switch
-from grip_bt.task.kinds.repeating import Loop
+from grip_bt.task.kinds.loop import Loop
+from grip_bt.task.kinds.switch import Switch
 from grip_bt.task.parts import Edges
 
 

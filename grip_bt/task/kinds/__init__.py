@@ -1,4 +1,4 @@
-"""The kinds of containers. A new one is a class in a module here: whatever is said of all kinds is found in them."""
+"""The kinds of containers, a file each. A new kind is a file here: whatever is said of all kinds is found in them."""
 
 from importlib import import_module
 from pkgutil import iter_modules

@@ -1,4 +1,4 @@
-"""What is defined elsewhere: another task, a behaviour of py_trees."""
+"""Another task as a node."""
 
 from __future__ import annotations
 
@@ -47,30 +47,3 @@ class Subtask(Kind):
     def lines(self) -> list[str]:
         """Return its literals."""
         return [", ".join(f"{name}={value}" for name, value in self.with_.items())] if self.with_ else []
-
-
-class Foreign(Kind):
-    """Somebody's own behaviour of py_trees; it ends with `success` or `failure`, and knows no variables."""
-
-    rank: ClassVar[int] = 130
-    title: ClassVar[str] = "py_trees behaviour"
-    sign: ClassVar[str] = "⇲"
-    icon: ClassVar[str] = "M13.500 8.500v5h-11v-11h5M9.500 2.500h4v4M13.500 2.500L7.500 8.500"
-    example: ClassVar[Mapping[str, Any]] = {"behaviour": "py_trees.behaviours:Success"}
-    codes: ClassVar[tuple[str, ...]] = ("foreign",)
-    kind: Literal["foreign"]
-    behaviour: Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_.]*:[A-Za-z_][A-Za-z0-9_.]*$")]
-    """Where it is imported from when the task is compiled: `package.module:Class`, or a function that makes one."""
-    args: FrozenDict[str, Any] = FrozenDict()
-    """Literal arguments by name."""
-    data: ClassVar[FrozenDict[str, Variable | str]] = FrozenDict()
-    outcomes: ClassVar[FrozenDict[str, Meaning]] = FrozenDict()
-    exits: ClassVar[FrozenDict[str, str]] = FrozenDict()
-
-    def settings(self) -> str:
-        """Return where it comes from."""
-        return self.behaviour
-
-    def lines(self) -> list[str]:
-        """Return its arguments."""
-        return [", ".join(f"{name}={value}" for name, value in self.args.items())] if self.args else []

@@ -1,0 +1,56 @@
+"""The child for a limited time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from grip_bt.task.kinds.base import Decorator, End, Questions, Reason, Run, Stay, Step
+
+
+class Timeout(Decorator):
+    """Fails with the reason `time_out` when the child is still running after `seconds` of the run's clock.
+
+    The clock is looked at once a tick, before the child: from the deadline on nothing in it begins or goes on.
+    """
+
+    rank: ClassVar[int] = 70
+    sign: ClassVar[str] = "◔"
+    icon: ClassVar[str] = "M14 8a6 6 0 1 1-12 0a6 6 0 1 1 12 0zM8 4.500V8l2.5 1.8"
+    example: ClassVar[Mapping[str, Any]] = {"seconds": 10.0}
+    codes: ClassVar[tuple[str, ...]] = ("time_out",)
+    kind: Literal["timeout"]
+    seconds: float = Field(gt=0)
+    child_first: bool = False
+    """The child is ticked before the clock is looked at, as by py_trees: what ends at the deadline has ended."""
+
+    @property
+    def reactive(self) -> bool:
+        """The clock is looked at before the child, on every tick."""
+        return not self.child_first
+
+    @property
+    def settles(self) -> bool:
+        """Or after it."""
+        return self.child_first
+
+    def begin(self, state: Any, q: Questions) -> Step:
+        """Run the child; the state is the deadline, which isn't reached yet."""
+        return Run((0,), q.deadline(self.seconds))
+
+    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step | None:
+        """Look at the clock before the child."""
+        return self._late(q) if q.passed(state) else None
+
+    def settle(self, state: Any, q: Questions) -> Step:
+        """Look at the clock after the child."""
+        return self._late(q) if q.passed(state) else Stay(state)
+
+    def _late(self, q: Questions) -> Step:
+        return End("failure", Reason("time_out", f"{q.names[0]} was still running after {self.seconds:g} s"))
+
+    def settings(self) -> str:
+        """Return the limit."""
+        return f"at most {self.seconds:g} s"
