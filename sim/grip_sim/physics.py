@@ -45,4 +45,17 @@ def ignore_each_other(shapes: Iterable[physx.PhysxCollisionShape], bit: int) -> 
         shape.set_collision_groups(words)
 
 
-__all__ = ["ignore_each_other", "make_scene", "physx", "sapien"]
+FIXED = physx.PhysxMaterial(0.0, 0.0, 0.0)
+"""Of hands and of everything that never moves; see `movable`."""
+
+
+def movable(friction: float) -> physx.PhysxMaterial:
+    """Return the material of an object whose coefficient against hands and fixtures is `friction`.
+
+    SAPIEN takes the mean of two materials' coefficients and offers no other rule: of `FIXED`, which has none, and of
+    twice the object's. Between two objects, the coefficients are therefore added.
+    """
+    return physx.PhysxMaterial(2 * friction, 2 * friction, 0.0)
+
+
+__all__ = ["FIXED", "movable", "ignore_each_other", "make_scene", "physx", "sapien"]

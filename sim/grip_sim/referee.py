@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # the client imports this module, and must not import sapien
     from grip_sim.world import Contact, World
 
 Status = Literal["held", "placed", "fallen", "standing", "lying", "elsewhere"]
-LOW, STILL, STILL_TURN, BELOW = 0.14, 0.05, 0.6, -0.05
+STILL, STILL_TURN = 0.05, 0.6
 UPRIGHT_COSINE = 0.9
 BORNE = 0.05
 """What pushes an object up with more than this share of its weight bears it."""
@@ -28,8 +28,9 @@ class ObjectTruth:
     Attributes:
         name: the object.
         status: `held`: the hand touches it and nothing else bears it; things beside it may touch it too.
-            `placed`: at rest, low, its centre within the crate's walls. `fallen`: below the table's top.
-            `standing`, `lying`: at rest elsewhere on the table. `elsewhere`: none of these.
+            `placed`: at rest, its centre in a region that is a target. `fallen`: lower than where the world begins.
+            `standing`, `lying`: at rest elsewhere. `elsewhere`: none of these.
+        regions: those that its centre lies in.
         pose: of its centre, in world.
         hand_force: sum of the contact forces of the hand's links on it [N].
     """
@@ -38,17 +39,18 @@ class ObjectTruth:
     status: Status
     pose: Pose
     hand_force: float
+    regions: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """Return it as JSON data."""
         place = {"position": self.pose.position.tolist(), "quaternion": self.pose.quaternion.tolist()}
-        return {"name": self.name, "status": self.status, "hand_force": self.hand_force, **place}
+        return {"name": self.name, "status": self.status, "hand_force": self.hand_force, "regions": list(self.regions), **place}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> ObjectTruth:
         """Return what `to_json` wrote."""
         pose = Pose(data["position"], data["quaternion"])
-        return cls(data["name"], data["status"], pose, data["hand_force"])
+        return cls(data["name"], data["status"], pose, data["hand_force"], tuple(data["regions"]))
 
 
 def judge(world: World) -> tuple[ObjectTruth, ...]:
@@ -70,14 +72,16 @@ def _verdict(world: World, spec: ObjectSpec, contacts: Iterable[Contact]) -> Obj
     speed, turn = world.object_speeds(spec.name)
     at_rest = speed < STILL and turn < STILL_TURN
     status: Status = "elsewhere"
-    if pose.position[2] < BELOW:
+    regions = [region for region in world.spec.regions if region.holds(pose.position)]
+    if pose.position[2] < world.spec.fallen_below:
         status = "fallen"
     elif hand_force > 0 and not resting:
         status = "held"
-    elif at_rest and not hand_force and pose.position[2] < LOW:
-        if world.spec.crate.holds(tuple(pose.position)):
+    elif at_rest and not hand_force:
+        if any(region.target for region in regions):
             status = "placed"
         else:
             upright = abs(pose.rotation()[2, 2]) > UPRIGHT_COSINE
             status = "standing" if upright else "lying"
-    return ObjectTruth(spec.name, status, pose, float(np.round(hand_force, 6)))
+    names = tuple(region.name for region in regions)
+    return ObjectTruth(spec.name, status, pose, float(np.round(hand_force, 6)), names)

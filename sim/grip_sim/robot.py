@@ -14,7 +14,6 @@ from grip_bt.commanders.description.robot import Mimic, RobotDescription
 from grip_bt.commanders.trajectory.stopping import accelerations_of
 from grip_sim.physics import ignore_each_other, physx, sapien
 
-HAND_FRICTION = 1.0
 NEAR_BASE, THUMB = 30, 29
 PAIRS = range(28, 11, -1)
 """For pairs of a finger's links that touch by construction; no hand that we know has as many."""
@@ -191,7 +190,7 @@ class SimRobot:
 def _load(scene: sapien.Scene, description: RobotDescription) -> physx.PhysxArticulation:
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
-    loader.set_material(HAND_FRICTION, HAND_FRICTION, 0.0)
+    loader.set_material(0.0, 0.0, 0.0)  # as `FIXED`: an object's own friction counts
     with tempfile.TemporaryDirectory() as folder:  # the loader reads files only
         file = Path(folder) / f"{description.name}.urdf"
         file.write_text(description.urdf_without_visuals())

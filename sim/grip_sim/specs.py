@@ -1,4 +1,4 @@
-"""What a simulated world consists of, as frozen, checked values that travel as JSON; random tables drawn from a seed.
+"""What a simulated world consists of, as frozen, checked values that travel as JSON.
 
 All poses are in world: the robot's base frame, z up, x forward. Lengths in m, masses in kg, times in s. What no world
 can hold, such as a mass of -1 kg, is refused by pydantic's ValidationError, which names the field and what is allowed.
@@ -6,33 +6,29 @@ can hold, such as a mass of -1 kg, is refused by pydantic's ValidationError, whi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import field
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
-from pydantic import AfterValidator, Field, TypeAdapter
+from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from grip_bt.base.values import CameraInfo, Pose
+from grip_bt.base.values.pose import quaternion_of
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Vector = tuple[Finite, Finite, Finite]
+Size = tuple[Positive, Positive, Positive]
 Shade = Annotated[int, Field(ge=0, le=255)]
 Colour = tuple[Shade, Shade, Shade]
 
 
-def _rising(span: tuple[float, float]) -> tuple[float, float]:
-    if not span[0] < span[1]:
-        raise ValueError(f"from {span[0]:g} to {span[1]:g} is no range: the first number is the smaller one")
-    return span
-
-
-Range = Annotated[tuple[Finite, Finite], AfterValidator(_rising)]
 GRAVITY = 9.81
 """[m/s^2]"""
+Boxes: TypeAlias = "tuple[BoxSpec, ...]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,42 +40,88 @@ class BoxSpec:
         size: edge lengths [m].
         centre: its centre in world [m].
         colour: red green blue, 0-255.
+        yaw: turn about the vertical [rad].
     """
 
     name: str
-    size: tuple[Positive, Positive, Positive]
+    size: Size
     centre: Vector
     colour: Colour = (150, 150, 150)
+    yaw: Finite = 0.0
 
     @property
-    def low(self) -> Vector:
-        """Smallest corner [m]."""
-        return tuple(c - s / 2 for c, s in zip(self.centre, self.size, strict=True))  # type: ignore[return-value]
-
-    @property
-    def high(self) -> Vector:
-        """Largest corner [m]."""
-        return tuple(c + s / 2 for c, s in zip(self.centre, self.size, strict=True))  # type: ignore[return-value]
+    def pose(self) -> Pose:
+        """Its centre in world."""
+        return Pose(self.centre, (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2)))
 
 
 @dataclass(frozen=True, slots=True)
-class ObjectSpec:
-    """A rigid object that the robot may move; it starts upright.
+class MeshSpec:
+    """Triangles that never move, such as a rack or a part of a room.
 
     Attributes:
         name: its entity's name.
-        shape: `cylinder` or `box`, the latter with a square foot.
-        radius: radius, or half the edge of the foot [m].
-        height: [m].
-        position: where its centre starts, in world [m].
+        file: path of a mesh: obj, stl, ply, glb or dae.
+        position: of the mesh's origin in world [m].
         yaw: turn about the vertical [rad].
-        mass: [kg].
-        friction: static and dynamic coefficient.
+        scale: factor of its lengths.
         colour: red green blue, 0-255.
     """
 
     name: str
-    shape: Literal["cylinder", "box"]
+    file: str
+    position: Vector
+    yaw: Finite = 0.0
+    scale: Positive = 1.0
+    colour: Colour = (150, 150, 150)
+
+
+@dataclass(frozen=True, slots=True)
+class RegionSpec:
+    """An upright box of space with a name, which tasks aim at and the referee judges by.
+
+    Attributes:
+        name: of the region.
+        size: edge lengths [m].
+        centre: of the box, in world [m].
+        yaw: turn about the vertical [rad].
+        target: whether an object at rest in it counts as placed.
+    """
+
+    name: str
+    size: Size
+    centre: Vector
+    yaw: Finite = 0.0
+    target: bool = False
+
+    def holds(self, point: Iterable[float]) -> bool:
+        """Tell whether a point in world [m] lies in it."""
+        x, y, z = np.subtract(tuple(point), self.centre)
+        cosine, sine = np.cos(self.yaw), np.sin(self.yaw)
+        inside = np.abs((cosine * x + sine * y, cosine * y - sine * x, z)) <= np.array(self.size) / 2
+        return bool(np.all(inside))
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectSpec:
+    """A rigid object that the robot may move; it starts upright unless it is tilted.
+
+    Attributes:
+        name: its entity's name.
+        shape: `cylinder`, `box` with a square foot, `sphere`, or `model`: what `model` names.
+        radius: radius, or half the edge of the foot; of a model, of the circle around it seen from above [m].
+        height: [m]; a sphere's is twice its radius.
+        position: where its centre starts, in world [m]; of a model, the middle of its height above its own origin.
+        yaw: turn about the vertical [rad], after the tilt.
+        mass: [kg].
+        friction: coefficient against hands and everything that never moves. Between two objects theirs are added.
+        colour: red green blue, 0-255; models have their own.
+        tilt: roll and pitch [rad].
+        model: name of an object of the library, or path of an object's folder.
+    """
+
+    name: str
+    shape: Literal["cylinder", "box", "sphere", "model"]
     radius: Positive
     height: Positive
     position: Vector
@@ -87,63 +129,37 @@ class ObjectSpec:
     mass: Positive = 0.2
     friction: NotNegative = 1.0
     colour: Colour = (200, 60, 40)
+    tilt: tuple[Finite, Finite] = (0.0, 0.0)
+    model: str = ""
+
+    @property
+    def pose(self) -> Pose:
+        """Where its centre starts, in world."""
+        return Pose(self.position, quaternion_of(*self.tilt, self.yaw))
 
 
-@dataclass(frozen=True, slots=True)
-class TableSpec:
-    """A table whose top is at z = 0.
-
-    Attributes:
-        x: from, to [m].
-        y: from, to [m].
-        thickness: [m].
-    """
-
-    x: Range = (0.30, 1.00)
-    y: Range = (-0.60, 0.60)
-    thickness: Positive = 0.10
-    colour: Colour = (176, 158, 130)
-
-    def boxes(self) -> tuple[BoxSpec, ...]:
-        """Return the boxes it consists of."""
-        (x0, x1), (y0, y1), d = self.x, self.y, self.thickness
-        centre = ((x0 + x1) / 2, (y0 + y1) / 2, -d / 2)
-        return (BoxSpec("table", (x1 - x0, y1 - y0, d), centre, self.colour),)
+TABLE = BoxSpec("table", (0.70, 1.20, 0.10), (0.65, 0.0, -0.05), (176, 158, 130))
+"""Its top is at z = 0."""
 
 
-@dataclass(frozen=True, slots=True)
-class CrateSpec:
-    """An open box whose floor is the table's top.
+def open_box(name: str, inner: Size, at: Vector, wall: float = 0.01, colour: Colour = (70, 110, 170)) -> Boxes:
+    """Return the four walls of a box without lid and floor.
 
-    Attributes:
-        centre: x, y of its middle [m].
-        inner: inner size in x and y [m].
-        height: of the walls [m].
+    Args:
+        name: its walls are called `NAME_left`, `_right`, `_far` and `_near`.
+        inner: inner size in x and y, and height of the walls [m].
+        at: the middle of the inside's floor, in world [m].
         wall: thickness of the walls [m].
     """
-
-    centre: tuple[Finite, Finite] = (0.48, -0.40)
-    inner: tuple[Positive, Positive] = (0.26, 0.30)
-    height: Positive = 0.06
-    wall: Positive = 0.01
-    colour: Colour = (70, 110, 170)
-
-    def boxes(self) -> tuple[BoxSpec, ...]:
-        """Return its four walls."""
-        (cx, cy), (ix, iy), h, w = self.centre, self.inner, self.height, self.wall
-        dx, dy = (ix + w) / 2, (iy + w) / 2
-        long_x, long_y = (ix + 2 * w, w, h), (w, iy, h)
-        return (
-            BoxSpec("crate_left", long_x, (cx, cy + dy, h / 2), self.colour),
-            BoxSpec("crate_right", long_x, (cx, cy - dy, h / 2), self.colour),
-            BoxSpec("crate_far", long_y, (cx + dx, cy, h / 2), self.colour),
-            BoxSpec("crate_near", long_y, (cx - dx, cy, h / 2), self.colour),
-        )
-
-    def holds(self, point: Vector) -> bool:
-        """Tell whether a point lies within the walls, seen from above."""
-        offset = np.abs(np.subtract(point[:2], self.centre))
-        return bool(np.all(offset < np.array(self.inner) / 2))
+    (ix, iy, h), (x, y, z) = inner, at
+    dx, dy, middle = (ix + wall) / 2, (iy + wall) / 2, z + h / 2
+    long_x, long_y = (ix + 2 * wall, wall, h), (wall, iy, h)
+    return (
+        BoxSpec(f"{name}_left", long_x, (x, y + dy, middle), colour),
+        BoxSpec(f"{name}_right", long_x, (x, y - dy, middle), colour),
+        BoxSpec(f"{name}_far", long_y, (x + dx, y, middle), colour),
+        BoxSpec(f"{name}_near", long_y, (x - dx, y, middle), colour),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +191,9 @@ class CameraSpec:
         return CameraInfo(self.width, self.height, np.array(matrix), Pose(self.position, self.quaternion))
 
 
+CRATE = RegionSpec("crate", (0.26, 0.30, 0.14), (0.48, -0.40, 0.07), target=True)
+
+
 @dataclass(frozen=True, slots=True)
 class WorldSpec:
     """Everything that makes a world: the same spec always makes the same world.
@@ -183,22 +202,28 @@ class WorldSpec:
         robot: a ready-made robot's name or a file; see `grip_bt.commanders.description.load.load_robot`.
         seed: what the objects were drawn from.
         objects: what may be moved.
+        boxes: what never moves, as boxes.
+        meshes: what never moves, as triangles.
+        regions: what tasks aim at and the referee judges by.
+        floor: height of the floor that is under every world [m]; `fallen` is what lies lower than 5 cm below z = 0,
+            or below `fallen_below`.
         dt: time step of the physics [s].
         jerks: joint -> limit with which it is braked [rad/s^3 or m/s^3]; any for a motion of none of these.
+        judge: name -> condition over what the referee finds, see `grip_sim.referee`.
     """
 
     robot: str = "panda_allegro"
     seed: int = 0
     objects: tuple[ObjectSpec, ...] = ()
-    table: TableSpec = field(default_factory=TableSpec)
-    crate: CrateSpec = field(default_factory=CrateSpec)
+    boxes: Boxes = (TABLE, *open_box("crate", (0.26, 0.30, 0.06), (0.48, -0.40, 0.0)))
+    meshes: tuple[MeshSpec, ...] = ()
+    regions: tuple[RegionSpec, ...] = (CRATE,)
     cameras: tuple[CameraSpec, ...] = (CameraSpec(),)
+    floor: Finite = -0.75
+    fallen_below: Finite = -0.05
     dt: Positive = 1 / 240
     jerks: Mapping[str, Positive] = field(default_factory=dict)
-
-    def boxes(self) -> tuple[BoxSpec, ...]:
-        """Return all boxes that never move."""
-        return (*self.table.boxes(), *self.crate.boxes())
+    judge: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> object:
         """Return the spec as JSON data."""
@@ -208,46 +233,3 @@ class WorldSpec:
     def from_json(cls, data: object) -> WorldSpec:
         """Return the spec that `to_json` wrote."""
         return TypeAdapter(cls).validate_python(data)
-
-
-PICK_X, PICK_Y = (0.42, 0.64), (-0.08, 0.32)
-RADIUS, HEIGHT, CLEARANCE = (0.028, 0.034), (0.14, 0.17), 0.15
-COLOURS: tuple[Colour, ...] = ((205, 60, 45), (60, 150, 70), (225, 170, 40), (120, 70, 160), (30, 140, 160))
-
-
-def table_world(seed: int, objects: int = 3) -> WorldSpec:
-    """Return a table with a crate and random upright cylinders and boxes.
-
-    Args:
-        seed: the same seed gives the same world.
-        objects: how many; centres are at least 0.15 m apart.
-
-    Raises:
-        ValueError: so many objects don't fit.
-    """
-    rng = np.random.default_rng(seed)
-    places: list[np.ndarray] = []
-    tries = 0
-    while len(places) < objects:
-        tries += 1
-        if tries > 10_000:
-            raise ValueError(f"{objects} objects don't fit at {CLEARANCE} m apart; take fewer (3 always fit)")
-        place = rng.uniform((PICK_X[0], PICK_Y[0]), (PICK_X[1], PICK_Y[1]))
-        if all(np.linalg.norm(place - other) >= CLEARANCE for other in places):
-            places.append(place)
-    return WorldSpec(seed=seed, objects=tuple(_object(rng, i, p) for i, p in enumerate(places)))
-
-
-def _object(rng: np.random.Generator, index: int, place: np.ndarray) -> ObjectSpec:
-    shape: Literal["cylinder", "box"] = "cylinder" if rng.random() < 0.5 else "box"
-    radius, height = float(rng.uniform(*RADIUS)), float(rng.uniform(*HEIGHT))
-    return ObjectSpec(
-        name=f"{shape}_{index}",
-        shape=shape,
-        radius=radius,
-        height=height,
-        position=(float(place[0]), float(place[1]), height / 2),
-        yaw=float(rng.uniform(-np.pi, np.pi)),
-        mass=float(rng.uniform(0.18, 0.22)),
-        colour=COLOURS[index % len(COLOURS)],
-    )

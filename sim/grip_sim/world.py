@@ -15,9 +15,9 @@ from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_sim.camera import Frame, RayCamera, Target
-from grip_sim.physics import make_scene, physx, sapien
+from grip_sim.physics import FIXED, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
-from grip_sim.specs import BoxSpec, ObjectSpec, Vector, WorldSpec
+from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, Vector, WorldSpec
 
 
 class Contact(NamedTuple):
@@ -48,6 +48,8 @@ TOUCH = 1e-3
 """Contact forces below this are none [N]."""
 UPRIGHT = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
 """PhysX cylinders lie along x."""
+FLOOR, FLOOR_SIZE, FLOOR_DEPTH, FLOOR_COLOUR = "floor", 20.0, 1.0, (92, 94, 98)
+"""A block so thick that nothing falls through; lengths in m."""
 ARM_COLOUR, HAND_COLOUR = (222, 222, 226), (52, 54, 60)
 
 
@@ -62,13 +64,14 @@ class World:
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
         self._scene = make_scene(spec.dt)
-        still = [(box, self._add_box(box)) for box in spec.boxes()]
+        still = [(box, self._add_box(box)) for box in (*spec.boxes, _floor(spec.floor))]
+        self._fixed = [self._add_mesh(mesh) for mesh in spec.meshes]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self._steps = 0
         self._moved: set[str] = set()
-        moving = [*self._robot_targets(), *self._object_targets()]
+        moving = [*self._fixed, *self._robot_targets(), *self._object_targets()]
         self._cameras = {c.name: RayCamera(c, self._scene.physx_system, still, moving) for c in spec.cameras}
 
     # --- time ---
@@ -101,7 +104,7 @@ class World:
     def move_object(self, name: str, pose: Pose) -> None:
         """Put an object elsewhere, at rest; for experiments that disturb a task."""
         body = self._object(name)
-        body.set_entity_pose(sapien.Pose(pose.position, pose.quaternion))
+        body.set_entity_pose(_sapien_pose(pose))
         body.set_linear_velocity(np.zeros(3))
         body.set_angular_velocity(np.zeros(3))
         body.wake_up()
@@ -188,26 +191,29 @@ class World:
 
     def _add_box(self, box: BoxSpec) -> Target:
         builder = self._scene.create_actor_builder()
-        material = physx.PhysxMaterial(1.0, 1.0, 0.0)
-        builder.add_box_collision(half_size=[s / 2 for s in box.size], material=material)
-        builder.set_physx_body_type("static")
-        builder.set_initial_pose(sapien.Pose(box.centre))
-        entity = builder.build(name=box.name)
-        body = entity.find_component_by_type(physx.PhysxRigidStaticComponent)
-        return Target(body, box.name, box.colour)
+        builder.add_box_collision(half_size=[s / 2 for s in box.size], material=FIXED)
+        return Target(_static(builder, box.name, box.pose), box.name, box.colour)
+
+    def _add_mesh(self, mesh: MeshSpec) -> Target:
+        builder = self._scene.create_actor_builder()
+        for part in load_mesh(mesh.file):
+            builder.add_nonconvex_collision_from_file(str(part), scale=[mesh.scale] * 3, material=FIXED)
+        turn = [np.cos(mesh.yaw / 2), 0, 0, np.sin(mesh.yaw / 2)]
+        return Target(_static(builder, mesh.name, Pose(mesh.position, turn)), mesh.name, mesh.colour)
 
     def _add_object(self, spec: ObjectSpec) -> physx.PhysxRigidDynamicComponent:
         builder = self._scene.create_actor_builder()
-        material = physx.PhysxMaterial(spec.friction, spec.friction, 0.0)
+        material = movable(spec.friction)
         r, h = spec.radius, spec.height
         if spec.shape == "cylinder":
             density = spec.mass / (np.pi * r * r * h)
             builder.add_cylinder_collision(UPRIGHT, r, h / 2, material=material, density=density)
+        elif spec.shape == "sphere":
+            builder.add_sphere_collision(radius=r, material=material, density=spec.mass / (4 / 3 * np.pi * r**3))
         else:
             half, density = [r, r, h / 2], spec.mass / (4 * r * r * h)
             builder.add_box_collision(half_size=half, material=material, density=density)
-        turn = [np.cos(spec.yaw / 2), 0, 0, np.sin(spec.yaw / 2)]
-        builder.set_initial_pose(sapien.Pose(spec.position, turn))
+        builder.set_initial_pose(_sapien_pose(spec.pose))
         entity = builder.build(name=spec.name)
         return entity.find_component_by_type(physx.PhysxRigidDynamicComponent)
 
@@ -224,10 +230,24 @@ class World:
 
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
     """Raise ValueError when two things of a world have one name: contacts and images tell them apart by it."""
-    names = [*links, *(box.name for box in spec.boxes()), *(thing.name for thing in spec.objects)]
+    names = [*links, FLOOR, *(fixed.name for fixed in (*spec.boxes, *spec.meshes)), *(thing.name for thing in spec.objects)]
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")
+
+
+def _static(builder: sapien.ActorBuilder, name: str, pose: Pose) -> physx.PhysxRigidStaticComponent:
+    builder.set_physx_body_type("static")
+    builder.set_initial_pose(_sapien_pose(pose))
+    return builder.build(name=name).find_component_by_type(physx.PhysxRigidStaticComponent)
+
+
+def _floor(height: float) -> BoxSpec:
+    return BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), (0.0, 0.0, height - FLOOR_DEPTH / 2), FLOOR_COLOUR)
+
+
+def _sapien_pose(pose: Pose) -> sapien.Pose:
+    return sapien.Pose(pose.position, pose.quaternion)
 
 
 def _pose(pose: sapien.Pose) -> Pose:

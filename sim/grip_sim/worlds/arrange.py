@@ -1,0 +1,198 @@
+"""A world file and a seed -> the arrangement: where everything stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.errors import GripError
+from grip_bt.base.values import Pose
+from grip_sim.objects import load_object
+from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box
+
+from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span, WorldFile
+
+TRIES, RESTARTS = 10_000, 30
+COLOURS: tuple[Colour, ...] = ((205, 60, 45), (60, 150, 70), (225, 170, 40), (120, 70, 160), (30, 140, 160))
+GREY: Colour = (150, 150, 150)
+
+
+class ArrangementError(GripError):
+    """Objects don't fit where they are to be drawn."""
+
+
+def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "") -> WorldSpec:
+    """Return the arrangement that a seed draws: the same file and seed give the same one.
+
+    Args:
+        world: the file's content.
+        seed: of what is drawn.
+        folder: that the file's paths begin in.
+        robot: what is simulated: a name or a file.
+
+    Raises:
+        ArrangementError: drawn objects don't fit; it says how many do.
+        UnknownNameError: there is no such object in the library.
+    """
+    rng = np.random.default_rng(seed)
+    regions = tuple(
+        RegionSpec(name, r.size, (r.at[0], r.at[1], r.at[2] + r.size[2] / 2), r.yaw, r.target)
+        for name, r in world.regions.items()
+    )
+    fixed = [_placed(name, thing, folder) for name, thing in world.objects.items() if not thing.draw]
+    taken = [np.array(thing.position[:2]) for thing in fixed]
+    objects = list(fixed)
+    for name, thing in world.objects.items():
+        if thing.draw:
+            region = next(region for region in regions if region.name == thing.region)
+            objects += _drawn(name, thing, region, taken, rng, folder)
+    return WorldSpec(
+        robot=robot or "panda_allegro",
+        seed=seed,
+        objects=tuple(objects),
+        boxes=tuple(box for name, fixture in world.fixtures.items() for box in _boxes(name, fixture)),
+        meshes=tuple(
+            MeshSpec(name, str(folder / each.mesh), each.at, each.yaw, each.scale, each.colour or GREY)
+            for name, each in world.fixtures.items()
+            if each.mesh is not None
+        ),
+        regions=regions,
+        cameras=tuple(camera_of(name, camera) for name, camera in world.cameras.items()),
+        floor=world.floor,
+        fallen_below=world.fallen_below,
+        judge=world.judge,
+    )
+
+
+def _boxes(name: str, fixture: FixtureConfig) -> Iterator[BoxSpec]:
+    x, y, z = fixture.at
+    if fixture.box is not None:
+        yield BoxSpec(name, fixture.box, (x, y, z + fixture.box[2] / 2), fixture.colour or GREY, fixture.yaw)
+    elif fixture.open_box is not None:
+        colour = {"colour": fixture.colour} if fixture.colour is not None else {}
+        yield from open_box(name, fixture.open_box, fixture.at, fixture.wall, **colour)
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What one object consists of before it has a place."""
+
+    shape: Literal["cylinder", "box", "sphere", "model"]
+    radius: float
+    height: float
+    mass: float
+    friction: float
+    model: str = ""
+
+    def at(self, name: str, place: Sequence[float], yaw: float, colour: Colour, tilt: tuple[float, float]) -> ObjectSpec:
+        """Return it with its underside's middle at a place in world [m]."""
+        position = (float(place[0]), float(place[1]), float(place[2]) + self.height / 2)
+        return ObjectSpec(
+            name, self.shape, self.radius, self.height, position, yaw, self.mass, self.friction, colour, tilt, self.model
+        )
+
+
+def _within(rng: np.random.Generator | None, span: Span) -> float:
+    if not isinstance(span, tuple):
+        return span
+    return float(rng.uniform(*span)) if rng is not None else (span[0] + span[1]) / 2
+
+
+def _kind(config: ShapeConfig, rng: np.random.Generator | None, folder: Path) -> tuple[_Kind, float]:
+    """Return what a configuration stands for, and its yaw; where nothing is drawn, the middle of ranges and no turn.
+
+    Drawn: radius, height, yaw, mass, in that order, which seeds that people have noted depend on.
+    """
+    if config.model is not None:
+        model = load_object(config.model, folder)
+        x, y, z = model.size
+        yaw = float(rng.uniform(-np.pi, np.pi)) if rng is not None else 0.0
+        mass = _within(rng, config.mass) if config.mass is not None else model.mass
+        friction = config.friction if config.friction is not None else model.friction
+        return _Kind("model", float(np.hypot(x, y) / 2), z, mass, friction, config.model), yaw
+    assert config.shape is not None and config.radius is not None, "the file was checked"
+    radius = _within(rng, config.radius)
+    height = _within(rng, config.height) if config.height is not None else 2 * radius
+    yaw = float(rng.uniform(-np.pi, np.pi)) if rng is not None else 0.0
+    mass = _within(rng, config.mass if config.mass is not None else 0.2)
+    friction = config.friction if config.friction is not None else 1.0
+    return _Kind(config.shape, radius, height, mass, friction), yaw
+
+
+def _placed(name: str, thing: ObjectConfig, folder: Path) -> ObjectSpec:
+    assert thing.at is not None, "the file was checked"
+    kind, _ = _kind(thing, None, folder)
+    return kind.at(name, thing.at, thing.yaw, thing.colour or COLOURS[0], thing.tilt)
+
+
+def _drawn(
+    name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator, folder: Path
+) -> Iterator[ObjectSpec]:
+    of = [each if isinstance(each, ShapeConfig) else ShapeConfig(model=each) for each in thing.of]
+    clearance = thing.clearance or 0.01 + 2 * max(_kind(each, None, folder)[0].radius for each in of)
+    places = _places(thing.draw, region, clearance, taken, rng, name, thing.drop)
+    floor = region.centre[2] - region.size[2] / 2
+    for index, place in enumerate(places):
+        config = of[min(int(rng.random() * len(of)), len(of) - 1)]
+        kind, yaw = _kind(config, rng, folder)
+        tilt, up = (0.0, 0.0), floor
+        if thing.drop:
+            tilt = (float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(-np.pi / 2, np.pi / 2)))
+            up += index * clearance + (np.hypot(2 * kind.radius, kind.height) - kind.height) / 2
+        colour = config.colour or COLOURS[index % len(COLOURS)]
+        called = kind.shape if kind.shape != "model" else Path(kind.model).name
+        yield kind.at(f"{called}_{index}", (place[0], place[1], up), yaw, colour, tilt)
+
+
+def _places(
+    count: int,
+    region: RegionSpec,
+    clearance: float,
+    taken: list[Array],
+    rng: np.random.Generator,
+    name: str,
+    above_each_other: bool,
+) -> list[Array]:
+    """Return places in a region, seen from above, that keep their distance; what was tried in vain begins anew."""
+    half, most = np.array(region.size[:2]) / 2, 0
+    cosine, sine = np.cos(region.yaw), np.sin(region.yaw)
+    for _ in range(1 if above_each_other else RESTARTS):
+        places: list[Array] = []
+        for _ in range(TRIES):
+            if len(places) == count:
+                taken += places
+                return places
+            x, y = rng.uniform(-half, half)
+            place = np.array([cosine * x - sine * y, sine * x + cosine * y]) + region.centre[:2]
+            if above_each_other or all(np.linalg.norm(place - other) >= clearance for other in (*taken, *places)):
+                places.append(place)
+        most = max(most, len(places))
+    size = " x ".join(f"{edge:g}" for edge in region.size[:2])
+    beside = f", beside {len(taken)} others" if taken else ""
+    raise ArrangementError(
+        f"objects/{name}: {count} objects {clearance:g} m apart don't fit into the region {region.name!r} ({size} m)"
+        f"{beside}: {most} do. Draw fewer, lower `clearance`, enlarge the region, or let them fall: `drop: true`"
+    )
+
+
+def camera_of(name: str, camera: CameraConfig) -> CameraSpec:
+    """Return a camera with its direction as a quaternion."""
+    turn = camera.quaternion or _towards(np.subtract(camera.look_at or camera.at, camera.at))
+    return CameraSpec(name, camera.width, camera.height, camera.field_of_view, camera.at, turn, camera.far)
+
+
+def _towards(direction: Array) -> tuple[float, float, float, float]:
+    """Return the optical frame's orientation that looks along a direction; straight down, the image's up is +x."""
+    forward = direction / np.linalg.norm(direction)
+    up = np.array([0.0, 0.0, 1.0]) if np.hypot(*forward[:2]) > 1e-6 else np.array([1.0, 0.0, 0.0])
+    right = np.cross(forward, up)
+    right /= np.linalg.norm(right)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.column_stack((right, np.cross(forward, right), forward))
+    w, x, y, z = Pose.from_matrix(matrix).quaternion.tolist()
+    return (w, x, y, z)

@@ -1,0 +1,173 @@
+"""What `worlds/NAME.yaml` may hold. Things stand at `at`: the middle of their underside, in the robot's base frame."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field, StringConstraints, model_validator
+
+from grip_bt.base.yaml.models import Settings, exactly_one
+from grip_bt.commanders.description.config import RobotConfig
+from grip_sim.specs import Colour, Finite, NotNegative, Positive, Size, Vector
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
+
+
+def _rising(span: tuple[float, float]) -> tuple[float, float]:
+    if not span[0] <= span[1]:
+        raise ValueError(f"from {span[0]:g} to {span[1]:g} is no range: the first number is the smaller one")
+    return span
+
+
+Span = Positive | Annotated[tuple[Positive, Positive], AfterValidator(_rising)]
+"""A number, or from and to, which a seed draws between."""
+
+
+class FixtureConfig(Settings):
+    """Something that never moves: a box, an open box (four walls), or a mesh."""
+
+    box: Size | None = None
+    """Edge lengths [m]."""
+    open_box: Size | None = None
+    """Inner size in x and y, height of the walls [m]; its walls are `NAME_left`, `_right`, `_far` and `_near`."""
+    wall: Positive = 0.01
+    """Thickness of an open box's walls [m]."""
+    mesh: str | None = None
+    """Path of an obj, stl, ply, glb or dae file, beside this one; its origin is put at `at`."""
+    scale: Positive = 1.0
+    """Factor of the mesh's lengths; 0.001 for one in millimetres."""
+    at: Vector = (0.0, 0.0, 0.0)
+    yaw: Finite = 0.0
+    """Turn about the vertical [rad]."""
+    colour: Colour | None = None
+    """Red green blue, 0-255."""
+
+    @model_validator(mode="after")
+    def _one_form(self) -> FixtureConfig:
+        exactly_one(self, ("box", "open_box", "mesh"))
+        if self.open_box and self.yaw:
+            raise ValueError("an open box can't be turned: build it of four boxes")
+        return self
+
+
+class RegionConfig(Settings):
+    """An upright box of space that tasks aim at and the referee judges by."""
+
+    size: Size
+    """Edge lengths [m]."""
+    at: Vector
+    """The middle of its underside."""
+    yaw: Finite = 0.0
+    target: bool = False
+    """Whether an object at rest in it counts as placed."""
+
+
+class ShapeConfig(Settings):
+    """An object of a simple shape, or one of the library; where numbers are ranges, the seed draws."""
+
+    shape: Literal["cylinder", "box", "sphere"] | None = None
+    """A box has a square foot."""
+    radius: Span | None = None
+    """Of a cylinder or sphere; half the edge of a box's foot [m]."""
+    height: Span | None = None
+    """Of a cylinder or box [m]."""
+    model: str | None = None
+    """An object of the library (`grip object list`), of the project's `objects/`, or the path of an object's folder."""
+    mass: Span | None = None
+    """[kg]; a model's own where it isn't given, 0.2 for a shape."""
+    friction: NotNegative | None = None
+    """Coefficient against hands and fixtures; a model's own where it isn't given, 1.0 for a shape."""
+    colour: Colour | None = None
+
+    @model_validator(mode="after")
+    def _one_form(self) -> ShapeConfig:
+        if type(self) is ShapeConfig or not getattr(self, "draw", 0):
+            exactly_one(self, ("shape", "model"))
+        if self.model and (self.radius or self.height):
+            raise ValueError("a model has its own size: leave out `radius` and `height`")
+        if self.shape and not self.radius:
+            raise ValueError(f"a {self.shape} needs a `radius` [m]")
+        if self.shape in ("cylinder", "box") and not self.height:
+            raise ValueError(f"a {self.shape} needs a `height` [m]")
+        return self
+
+
+class ObjectConfig(ShapeConfig):
+    """An object at a place, or several that a seed draws into a region."""
+
+    at: Vector | None = None
+    """Where it stands; the middle of its underside."""
+    yaw: Finite = 0.0
+    tilt: tuple[Finite, Finite] = (0.0, 0.0)
+    """Roll and pitch [rad]."""
+    draw: Annotated[int, Field(ge=0)] = 0
+    """How many are drawn."""
+    of: tuple[ShapeConfig | str, ...] = ()
+    """What is drawn from: models by name, or shapes; each is as likely as another."""
+    region: Name | None = Field(default=None, alias="in")
+    """The region that they are drawn into."""
+    clearance: Positive | None = None
+    """Least distance between the middles of two drawn objects [m]; as large as the largest of them where not given."""
+    drop: bool = False
+    """Whether they fall into the region, turned at random, one above the other, instead of standing in it."""
+
+    @model_validator(mode="after")
+    def _place(self) -> ObjectConfig:
+        if self.draw and (self.shape or self.model or self.at):
+            raise ValueError("drawn objects take `of` and `in`, not `shape`, `model` or `at`")
+        if self.draw and not (self.of and self.region):
+            raise ValueError("drawn objects need `of: [NAME, ...]` and `in: REGION`")
+        if not self.draw and self.at is None:
+            raise ValueError("an object needs a place: `at: [x, y, z]`, the middle of its underside")
+        return self
+
+
+class CameraConfig(Settings):
+    """A pinhole RGB-D camera."""
+
+    at: Vector
+    """Of the optical centre."""
+    look_at: Vector | None = None
+    """The point in the middle of the image; the image's up is the world's."""
+    quaternion: tuple[Finite, Finite, Finite, Finite] | None = None
+    """Of the optical frame (x right, y down, z forward), w x y z; instead of `look_at`."""
+    width: Annotated[int, Field(gt=0, le=4096)] = 320
+    height: Annotated[int, Field(gt=0, le=4096)] = 240
+    field_of_view: Annotated[float, Field(gt=0, lt=3.14)] = 0.8
+    """Vertical opening angle [rad]."""
+    far: Positive = 3.0
+    """Nothing is seen beyond [m]."""
+
+    @model_validator(mode="after")
+    def _one_direction(self) -> CameraConfig:
+        exactly_one(self, ("look_at", "quaternion"))
+        if self.look_at == self.at:
+            raise ValueError("the camera can't look at where it is")
+        return self
+
+
+class WorldFile(Settings):
+    """One world."""
+
+    grip: Literal[1]
+    doc: str = ""
+    robot: str | RobotConfig | None = None
+    """The robot where a project names none; as `robot:` in grip.yaml, with several robots where they stand."""
+    fixtures: dict[Name, FixtureConfig] = {}
+    regions: dict[Name, RegionConfig] = {}
+    objects: dict[Name, ObjectConfig] = {}
+    cameras: dict[Name, CameraConfig] = {}
+    judge: dict[Name, str] = {}
+    """Name -> condition over what the referee finds in the end, such as `placed == objects`; see docs/worlds.md."""
+    floor: Annotated[float, Field(le=0, allow_inf_nan=False)] = -0.75
+    """Height of the floor [m]."""
+    fallen_below: Finite = -0.05
+    """An object whose centre is lower has fallen [m]."""
+
+    @model_validator(mode="after")
+    def _known_regions(self) -> WorldFile:
+        for name, thing in self.objects.items():
+            if thing.region is not None and thing.region not in self.regions:
+                known = ", ".join(self.regions) or "none"
+                raise ValueError(f"objects/{name}/in: there is no region {thing.region!r} (available: {known})")
+        return self
