@@ -36,7 +36,7 @@ from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Runner
 from grip_bt.task import read_text
 from grip_bt.task.model import Task
-from grip_sim.specs import table_world
+from grip_sim.worlds import load_world
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 PHASES = ("none", "closing", "lifting", "showing", "carrying", "over the crate")
@@ -262,7 +262,7 @@ class Session:
         self._hand.stop()
         self.simulation.settle(0.5)
         self.simulation.put_back(self._begin)
-        for mine, its in zip(self.simulation.spec.objects, table_world(seed).objects, strict=True):
+        for mine, its in zip(self.simulation.spec.objects, load_world("table", seed).objects, strict=True):
             turn = [np.cos(its.yaw / 2), 0, 0, np.sin(its.yaw / 2)]
             self.simulation.referee.move_object(mine.name, Pose([*its.position[:2], mine.height / 2], turn))
         self.simulation.settle(0.3)

@@ -12,8 +12,9 @@ import numpy as np
 
 from grip_bt.base.values import Pose
 from grip_sim import start_simulation
-from grip_sim.specs import ObjectSpec, WorldSpec, table_world
+from grip_sim.specs import ObjectSpec, WorldSpec
 from grip_sim.world import World
+from grip_sim.worlds import load_world
 
 ROUNDS, STEPS, STARTS = 5, 240, 5
 AT = np.array([0.2319, 0.6334, -0.4097, -2.4792, 2.2391, 1.4242, -1.3702])
@@ -65,7 +66,7 @@ def process_times() -> tuple[float, float]:
     starts, closes = [], []
     for _ in range(STARTS):
         began = time.perf_counter()
-        simulation = start_simulation(table_world(0))
+        simulation = start_simulation(load_world("table", 0))
         starts.append(time.perf_counter() - began)
         began = time.perf_counter()
         simulation.close()
@@ -75,7 +76,7 @@ def process_times() -> tuple[float, float]:
 
 def main() -> None:
     """Measure and print the table."""
-    free, holding = World(table_world(0)), grasping()
+    free, holding = World(load_world("table", 0)), grasping()
     for _ in range(STEPS):
         free.step()
     start, close = process_times()

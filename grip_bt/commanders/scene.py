@@ -33,6 +33,7 @@ class PlanningScene:
         folder: that relative paths of scene and mesh files begin in.
         carriers: hand -> where it is on the robot; arms avoid what other hands hold only of these.
         robot: returns the robot's shapes, see `ports.Scene`; without it, its geometry isn't known.
+        regions: name -> (edge lengths [m], pose of the middle in world) of places to aim at, which nothing bounds.
     """
 
     def __init__(
@@ -44,8 +45,10 @@ class PlanningScene:
         folder: Path | None = None,
         carriers: Mapping[str, HandMount] | None = None,
         robot: Callable[[JointState | None], Sequence[Array]] | None = None,
+        regions: Mapping[str, tuple[Sequence[float], Pose]] | None = None,
     ):
         self._robot = robot
+        self._regions = dict(regions or {})
         self._folder = folder or Path()
         self._hands = dict(hands)
         self._links = {name: tuple(names) for name, names in (links or {}).items()}
@@ -81,6 +84,13 @@ class PlanningScene:
     def robot(self, at: JointState | None = None) -> Sequence[Array]:
         """Return the points of the robot's shapes; see `ports.Scene`."""
         return () if self._robot is None else self._robot(at)
+
+    def region(self, name: str) -> tuple[Array, Pose] | None:
+        """Return a place to aim at; see `ports.Scene`."""
+        if name not in self._regions:
+            return None
+        size, pose = self._regions[name]
+        return np.asarray(size, dtype=float), pose
 
     def put(self, name: str, solid: Solid, pose: Pose) -> None:
         """Add or replace an object of any shape; see `ports.Scene`."""

@@ -89,14 +89,18 @@ class Region:
 
 
 def region_of(scene: Scene, target: str) -> Region | None:
-    """Return the region bounded by the scene's boxes `<target>_*`, or None when there are none.
+    """Return the region bounded by the scene's boxes `<target>_*`, else the scene's region of that name, else None.
 
     A box whose middle lies on one side of the others bounds that side with its inner face. The floor is the lowest
     edge of the walls, and the rim the highest.
     """
     boxes = [scene.box(n) for n in scene.names() if target and n.startswith(f"{target}_")]
     if not boxes:
-        return None
+        place = scene.region(target)
+        if place is None:
+            return None
+        inner_low, inner_high = _bounds(*place)
+        return Region(inner_low[:2], inner_high[:2], float(inner_low[2]), float(inner_low[2]))
     lows, highs = (np.array(c) for c in zip(*(_bounds(size, pose) for size, pose in boxes), strict=True))
     outer_low, outer_high = lows.min(axis=0), highs.max(axis=0)
     low, high = outer_low[:2].copy(), outer_high[:2].copy()

@@ -2,6 +2,7 @@
 
 from grip_sim.referee import ObjectTruth
 from grip_sim.simulation import Simulation, render_support, start_simulation
-from grip_sim.specs import WorldSpec, table_world
+from grip_sim.specs import WorldSpec
+from grip_sim.worlds import load_world
 
-__all__ = ["ObjectTruth", "Simulation", "WorldSpec", "render_support", "start_simulation", "table_world"]
+__all__ = ["ObjectTruth", "Simulation", "WorldSpec", "load_world", "render_support", "start_simulation"]

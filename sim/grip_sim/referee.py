@@ -44,7 +44,13 @@ class ObjectTruth:
     def to_json(self) -> dict[str, object]:
         """Return it as JSON data."""
         place = {"position": self.pose.position.tolist(), "quaternion": self.pose.quaternion.tolist()}
-        return {"name": self.name, "status": self.status, "hand_force": self.hand_force, "regions": list(self.regions), **place}
+        return {
+            "name": self.name,
+            "status": self.status,
+            "hand_force": self.hand_force,
+            "regions": list(self.regions),
+            **place,
+        }
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> ObjectTruth:

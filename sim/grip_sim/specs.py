@@ -52,7 +52,7 @@ class BoxSpec:
     @property
     def pose(self) -> Pose:
         """Its centre in world."""
-        return Pose(self.centre, (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2)))
+        return upright(self.centre, self.yaw)
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,11 @@ class MeshSpec:
     scale: Positive = 1.0
     colour: Colour = (150, 150, 150)
 
+    @property
+    def pose(self) -> Pose:
+        """Its origin in world."""
+        return upright(self.position, self.yaw)
+
 
 @dataclass(frozen=True, slots=True)
 class RegionSpec:
@@ -94,12 +99,14 @@ class RegionSpec:
     yaw: Finite = 0.0
     target: bool = False
 
+    @property
+    def pose(self) -> Pose:
+        """Its centre in world."""
+        return upright(self.centre, self.yaw)
+
     def holds(self, point: Iterable[float]) -> bool:
         """Tell whether a point in world [m] lies in it."""
-        x, y, z = np.subtract(tuple(point), self.centre)
-        cosine, sine = np.cos(self.yaw), np.sin(self.yaw)
-        inside = np.abs((cosine * x + sine * y, cosine * y - sine * x, z)) <= np.array(self.size) / 2
-        return bool(np.all(inside))
+        return bool(np.all(np.abs(self.pose.inverse().apply([tuple(point)])[0]) <= np.array(self.size) / 2))
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,20 +115,19 @@ class ObjectSpec:
 
     Attributes:
         name: its entity's name.
-        shape: `cylinder`, `box` with a square foot, `sphere`, or `model`: what `model` names.
-        radius: radius, or half the edge of the foot; of a model, of the circle around it seen from above [m].
+        shape: `cylinder`, `box` with a square foot, or `sphere`.
+        radius: radius, or half the edge of the foot [m].
         height: [m]; a sphere's is twice its radius.
-        position: where its centre starts, in world [m]; of a model, the middle of its height above its own origin.
+        position: where its centre starts, in world [m].
         yaw: turn about the vertical [rad], after the tilt.
         mass: [kg].
         friction: coefficient against hands and everything that never moves. Between two objects theirs are added.
-        colour: red green blue, 0-255; models have their own.
+        colour: red green blue, 0-255.
         tilt: roll and pitch [rad].
-        model: name of an object of the library, or path of an object's folder.
     """
 
     name: str
-    shape: Literal["cylinder", "box", "sphere", "model"]
+    shape: Literal["cylinder", "box", "sphere"]
     radius: Positive
     height: Positive
     position: Vector
@@ -130,12 +136,16 @@ class ObjectSpec:
     friction: NotNegative = 1.0
     colour: Colour = (200, 60, 40)
     tilt: tuple[Finite, Finite] = (0.0, 0.0)
-    model: str = ""
 
     @property
     def pose(self) -> Pose:
         """Where its centre starts, in world."""
         return Pose(self.position, quaternion_of(*self.tilt, self.yaw))
+
+
+def upright(position: Iterable[float], yaw: float) -> Pose:
+    """Return a pose in world that is turned about the vertical only [m, rad]."""
+    return Pose(tuple(position), quaternion_of(0.0, 0.0, yaw))
 
 
 TABLE = BoxSpec("table", (0.70, 1.20, 0.10), (0.65, 0.0, -0.05), (176, 158, 130))

@@ -196,10 +196,8 @@ class World:
 
     def _add_mesh(self, mesh: MeshSpec) -> Target:
         builder = self._scene.create_actor_builder()
-        for part in load_mesh(mesh.file):
-            builder.add_nonconvex_collision_from_file(str(part), scale=[mesh.scale] * 3, material=FIXED)
-        turn = [np.cos(mesh.yaw / 2), 0, 0, np.sin(mesh.yaw / 2)]
-        return Target(_static(builder, mesh.name, Pose(mesh.position, turn)), mesh.name, mesh.colour)
+        builder.add_nonconvex_collision_from_file(mesh.file, scale=[mesh.scale] * 3, material=FIXED)
+        return Target(_static(builder, mesh.name, mesh.pose), mesh.name, mesh.colour)
 
     def _add_object(self, spec: ObjectSpec) -> physx.PhysxRigidDynamicComponent:
         builder = self._scene.create_actor_builder()
@@ -230,7 +228,12 @@ class World:
 
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
     """Raise ValueError when two things of a world have one name: contacts and images tell them apart by it."""
-    names = [*links, FLOOR, *(fixed.name for fixed in (*spec.boxes, *spec.meshes)), *(thing.name for thing in spec.objects)]
+    names = [
+        *links,
+        FLOOR,
+        *(fixed.name for fixed in (*spec.boxes, *spec.meshes)),
+        *(thing.name for thing in spec.objects),
+    ]
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")

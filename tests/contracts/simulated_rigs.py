@@ -131,7 +131,7 @@ def commanded_simulated_arm() -> Iterator[ArmRig]:
     model, spec = RobotModel(build_robot("panda_allegro")), WorldSpec()
     with TABLE.borrowed() as simulation:
         executor, hand = simulation.executor("arm"), simulation.hand("hand")
-        boxes = {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()}
+        boxes = {box.name: (box.size, box.pose) for box in spec.boxes}
         scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())}, boxes)
         arm = ArmCommander(
             ArmSetup("right", hand="hand", settings=PATIENT),

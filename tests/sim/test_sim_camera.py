@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from grip_bt.base.values import DepthImage, Image, Pose, RgbdFrame
-from grip_sim.specs import PICK_X, PICK_Y, CameraSpec, ObjectSpec, WorldSpec, table_world
+from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
+from grip_sim.worlds import load_world
 
 pytestmark = pytest.mark.sim
 CYLINDER = ObjectSpec("cylinder", "cylinder", 0.03, 0.16, (0.46, 0.05, 0.08), colour=(200, 60, 40))
@@ -16,6 +17,9 @@ BOX = ObjectSpec("box", "box", 0.032, 0.14, (0.58, 0.22, 0.07), yaw=0.4, colour=
 LEVEL = Pose.from_matrix([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # looks along +y, image up = +z
 SIDE = CameraSpec("side", 160, 120, 0.5, (0.46, -0.95, 0.0805), tuple(LEVEL.quaternion.tolist()))
 SPEC = WorldSpec(objects=(CYLINDER, BOX), cameras=(CameraSpec(), SIDE))
+
+
+PICK_X, PICK_Y = (0.42, 0.64), (-0.08, 0.32)
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +141,7 @@ def test_entities_differ_in_colour(overhead):
 def test_the_arm_at_home_hides_nothing_of_the_pick_region():
     from grip_sim.world import World
 
-    made = World(table_world(0))
+    made = World(load_world("table", 0))
     frame, info = made.look("overhead"), CameraSpec().info()
     x, y = np.meshgrid(np.arange(PICK_X[0], PICK_X[1], 0.01), np.arange(PICK_Y[0], PICK_Y[1], 0.01))
     robot = {link.name for link in made.robot.links}

@@ -12,7 +12,8 @@ from patience import PATIENCE
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
-from grip_sim.specs import GRAVITY, ObjectSpec, WorldSpec, table_world
+from grip_sim.specs import GRAVITY, ObjectSpec, WorldSpec
+from grip_sim.worlds import load_world
 
 pytestmark = pytest.mark.sim
 SCRIPT = """
@@ -39,7 +40,7 @@ def make_world():
 
 @pytest.fixture
 def settled(make_world):
-    world = make_world(table_world(3))
+    world = make_world(load_world("table", 3))
     advance(world, 0.5)
     return world
 
@@ -62,7 +63,7 @@ def fingerprint_elsewhere(spec, by):
 
 
 def test_the_same_spec_and_commands_give_the_same_states_bit_by_bit(make_world):
-    one, two, other = (make_world(table_world(5)) for _ in range(3))
+    one, two, other = (make_world(load_world("table", 5)) for _ in range(3))
     wave(one, 0.001)
     wave(two, 0.001)
     wave(other, 0.0011)
@@ -71,7 +72,7 @@ def test_the_same_spec_and_commands_give_the_same_states_bit_by_bit(make_world):
 
 
 def test_the_same_spec_and_commands_give_the_same_states_in_another_process(make_world):
-    spec = table_world(5)
+    spec = load_world("table", 5)
     world = make_world(spec)
     wave(world, 0.001)
     assert fingerprint_elsewhere(spec, 0.001) == world.fingerprint()
@@ -167,7 +168,7 @@ def test_a_limited_drive_gives_no_more_than_its_limit(settled):
 
 
 def test_what_was_kept_is_put_back_in_another_world_of_the_same_kind(make_world):
-    one, other = make_world(table_world(3)), make_world(table_world(3))
+    one, other = make_world(load_world("table", 3)), make_world(load_world("table", 3))
     rows = one.robot.rows(one.robot.description.group("arm"))
     one.robot.drive(rows, one.robot.positions()[rows] + 0.2)
     for _ in range(60):
@@ -185,7 +186,7 @@ def test_what_was_kept_is_put_back_in_another_world_of_the_same_kind(make_world)
 
 
 def test_the_state_of_another_world_is_refused_and_changes_nothing(make_world):
-    one = make_world(table_world(3))
+    one = make_world(load_world("table", 3))
     before, kept = one.fingerprint(), one.kept()
     with pytest.raises(ValueError, match="another world: this one has"):
         one.put_back({**kept, "poses": kept["poses"][:1]})

@@ -16,9 +16,10 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.scene_file import load_scene
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
-from grip_sim.specs import WorldSpec
+from grip_sim.worlds import world_files
 
 from .folder import Project
+from .worlds import checked_world
 
 TAUGHT = "taught.yaml"
 """File of a project in which taught states and poses are kept."""
@@ -118,7 +119,6 @@ def _no_group(robot: RobotDescription, group: str, where: str) -> UnknownNameErr
     return UnknownNameError("group", group, robot.groups, f"{where}/group, robot {robot.name}")
 
 
-WORLDS = ("table",)
 _scenes: FileCache[Path, DocumentError | None] = FileCache()
 """`.scene` files, and what is wrong with them."""
 
@@ -126,7 +126,7 @@ _scenes: FileCache[Path, DocumentError | None] = FileCache()
 def faults_of_simulation(project: Project) -> Iterator[GripError]:
     """Yield what keeps the project's world from being simulated: the world, its scene, its cameras."""
     if project.file.world is None:
-        yield UnknownNameError("world", "", WORLDS, "grip.yaml: world")
+        yield UnknownNameError("world", "", world_files(project.folder), "grip.yaml: world")
     yield from faults_of_world(project)
     yield from faults_of_cameras(project)
 
@@ -140,8 +140,11 @@ def faults_of_cameras(project: Project, world: str | None = None) -> Iterator[Gr
 def faults_of_world(project: Project) -> Iterator[GripError]:
     """Yield what is wrong with `world:` and `scene:`; nothing of those that the project doesn't have."""
     world = project.file.world
-    if world is not None and world not in WORLDS:
-        yield UnknownNameError("world", world, WORLDS, "grip.yaml: world")
+    found = None if world is None else checked_world(project, world)
+    if isinstance(found, UnknownNameError) and found.kind == "world":
+        yield UnknownNameError("world", world or "", world_files(project.folder), "grip.yaml: world")
+    elif isinstance(found, GripError):
+        yield found
     if project.file.scene is not None:
         file = project.folder / project.file.scene
         error = _scenes.get(file, lambda: _fault_of_scene(file))
@@ -155,9 +158,10 @@ def faults_of_camera(project: Project, sensor: str, world: str | None = None) ->
     Nothing is said where no world is named, or an unknown one: a camera of the robot itself needs no world.
     """
     camera, world = project.file.sensors[sensor].camera, world or project.file.world
-    if camera is None or world not in WORLDS:
+    spec = None if camera is None or world is None else checked_world(project, world)
+    if camera is None or spec is None or isinstance(spec, GripError):
         return
-    cameras = tuple(camera.name for camera in WorldSpec().cameras)
+    cameras = tuple(camera.name for camera in spec.cameras)
     if camera not in cameras:
         yield UnknownNameError("camera", camera, cameras, f"grip.yaml: sensors/{sensor}/camera, world {world!r}")
 

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ByteSize, ConfigDict, StringConstraints
 
-from grip_bt.base.errors import NotWritableError, ProjectExistsError
+from grip_bt.base.errors import GripError, NotWritableError, ProjectExistsError
 from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
 from grip_bt.task.catalog.component_parts import ProcessConfig
 from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
+from grip_sim.worlds import read_world
 
 if TYPE_CHECKING:
     from grip_bt.commanders.description.robot import RobotDescription
@@ -164,8 +165,19 @@ def find_project(path: str | Path) -> Project:
     for candidate in (folder, *folder.parents):
         file = candidate / FILE_NAME
         if file.is_file():
-            return Project(candidate, read_model(file, ProjectFile))
+            return Project(candidate, _with_robot_of_world(read_model(file, ProjectFile), candidate))
     return Project(folder, ProjectFile(grip=1))
+
+
+def _with_robot_of_world(file: ProjectFile, folder: Path) -> ProjectFile:
+    """Return a file that names no robot with the robot of its world; a wrong world is told of elsewhere."""
+    if file.robot is not None or file.world is None:
+        return file
+    try:
+        world, path = read_world(file.world, folder)
+    except GripError:
+        return file
+    return file if world.robot is None else file.model_copy(update={"robot": str(path)})
 
 
 _TEMPLATE = Path(__file__).with_name("template")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -24,7 +24,7 @@ from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.requests import PlanningService
 from grip_bt.commanders.planning.service import PlanningProcess
 from grip_bt.commanders.scene import PlanningScene
-from grip_bt.commanders.scene_state import HandMount
+from grip_bt.commanders.scene_state import HandMount, SceneObject
 from grip_bt.commanders.taught import TaughtStates
 
 from ..project.faults import TAUGHT, check, common_states, faults_of_parts
@@ -65,9 +65,12 @@ def commanded(
     planner: PlanningService,
     executors: Mapping[str, Executor],
     ports: Mapping[str, HandPort],
-    boxes: Mapping[str, tuple[Sequence[float], Pose]],
+    room: Iterable[SceneObject] = (),
+    regions: Mapping[str, tuple[Sequence[float], Pose]] | None = None,
 ) -> Resources:
-    """Return the project's arms, hands and scene; `boxes` of the world are (edge lengths [m], pose) by name.
+    """Return the project's arms, hands and scene, with what stands in the room besides the project's `scene:`.
+
+    Regions are (edge lengths [m], pose of the middle in world) by name.
 
     Raises:
         UnknownNameError: the project names a group or a hand that isn't there.
@@ -106,11 +109,10 @@ def commanded(
 
     scene = PlanningScene(
         {hand: partial(palm_of, arm) for arm, hand in hand_of.items() if hand},
-        boxes,
-        project.room(),
-        links,
-        project.folder,
-        {
+        room=(*room, *project.room()),
+        links=links,
+        folder=project.folder,
+        carriers={
             hand: HandMount(
                 file.arms[arm].group,
                 frozenset((*links[hand], *description.hands.get(file.hands[hand].group, ()))),
@@ -118,7 +120,8 @@ def commanded(
             for arm, hand in hand_of.items()
             if hand
         },
-        shapes,
+        robot=shapes,
+        regions=regions,
     )
     arms = {
         arm: ArmCommander(

@@ -82,7 +82,7 @@ class RosBackend:
             name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone
         }
         ports = {name: PausableHand(controllers.hand(name, joints[name])) for name in file.hands}
-        parts = commanded(opening, robot.description, planner, executors, ports, {})
+        parts = commanded(opening, robot.description, planner, executors, ports)
         cameras = _cameras(project, settings, bus, progress)
         robot.wait_until_ready(opening)
         watchdog.wait_ready(settings.ready)

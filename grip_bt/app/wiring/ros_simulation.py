@@ -9,20 +9,19 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from grip_bt.app.wiring.parts import Progress
-from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
+from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
-from grip_bt.base.values import JointState, Pose, Trajectory
-from grip_bt.base.values.solids import Box
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.scene_file import scene_text
-from grip_bt.commanders.scene_state import SceneObject
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.served import CameraPublisher, JointStatePublisher, TrajectoryActionServer
-from grip_sim import start_simulation, table_world
+from grip_sim import start_simulation
 from grip_sim.simulation import Simulation
 
-from ..project.faults import WORLDS, check, faults_of_cameras, jerks_of_arms
+from ..project.faults import check, faults_of_cameras, jerks_of_arms
 from ..project.folder import Project
+from ..project.worlds import room_of, world_of
 
 JOINT_STATES = "/joint_states"
 SOON = 0.1
@@ -68,8 +67,7 @@ def serve_world(
         UnknownNameError: there is no such world, or it has no such camera as a sensor names.
         GripError: a controller of the project isn't a trajectory controller.
     """
-    if world not in WORLDS:
-        raise UnknownNameError("world", world, WORLDS)
+    spec = world_of(project, seed, world)
     check(faults_of_cameras(project, world))
     if project.file.robot is None:
         raise MissingPartError("a robot to simulate", "name one in grip.yaml: `robot: panda_allegro`")
@@ -79,8 +77,7 @@ def serve_world(
     with ExitStack() as stack:
         progress("starting", "the simulator")
         jerks = jerks_of_arms(project.file.arms, project.description())
-        spec = replace(table_world(seed), robot=project.robot_source, jerks=jerks)
-        simulation = stack.enter_context(start_simulation(spec, pace))
+        simulation = stack.enter_context(start_simulation(replace(spec, jerks=jerks), pace))
         names = ", ".join(thing.name for thing in spec.objects)
         progress("simulator", f"SAPIEN in process {simulation.pid}, world {world!r}, seed {seed}: {names}")
         bus = stack.enter_context(Bus("grip_sim"))
@@ -161,8 +158,7 @@ def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any
 
 
 def _room(simulation: Simulation) -> str:
-    boxes = simulation.spec.boxes()
-    return scene_text("room", [SceneObject(box.name, Box(box.size), Pose(box.centre), fixed=True) for box in boxes])
+    return scene_text("room", room_of(simulation.spec))
 
 
 @contextmanager

@@ -5,12 +5,12 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import replace
 
-from grip_bt.base.values import Pose
 from grip_bt.commanders.planning.requests import PlanningService
 from grip_bt.runtime.lockstep import InTurn, Lockstep
-from grip_sim import start_simulation, table_world
+from grip_sim import start_simulation
 
 from ..project.faults import check, faults_of_simulation, jerks_of_arms
+from ..project.worlds import regions_of, room_of, world_of
 from .commanders import PlannedRobot, commanded
 from .parts import Opening, Resources
 from .planners import with_move_group
@@ -26,10 +26,10 @@ class SimulatedBackend:
         progress("starting", "the simulator and the planner")
         robot = PlannedRobot.begin(opening, stack)
         jerks = jerks_of_arms(file.arms, robot.description)
-        spec = replace(table_world(opening.seed), robot=project.robot_source, jerks=jerks)
+        spec = replace(world_of(project, opening.seed), jerks=jerks)
         simulation = stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
         objects = ", ".join(thing.name for thing in spec.objects)
-        progress("simulator", f"SAPIEN in process {simulation.pid}: {objects} on the table")
+        progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")
         plans: PlanningService = with_move_group(opening, robot.description, robot.process, stack)
         lockstep = Lockstep(simulation) if opening.pace is None else None
         if lockstep is not None:
@@ -40,7 +40,8 @@ class SimulatedBackend:
             plans,
             {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
             {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
-            {box.name: (box.size, Pose(box.centre)) for box in spec.boxes()},
+            room_of(spec),
+            regions_of(spec),
         )
         cameras = {name: simulation.camera(s.camera) for name, s in file.sensors.items() if s.camera is not None}
         robot.wait_until_ready(opening)

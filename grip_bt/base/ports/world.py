@@ -28,6 +28,9 @@ class Scene(Protocol):
             UnknownNameError: it isn't there.
         """
 
+    def region(self, name: str) -> tuple[Array, Pose] | None:
+        """Return a named place to aim at: edge lengths, shape (3,) [m], and its middle in world; None without one."""
+
     def load(self, file: str) -> tuple[str, ...]:
         """Add the objects of a `.scene` file, a path in the project, and return their names.
 

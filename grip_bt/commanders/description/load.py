@@ -152,8 +152,8 @@ def _renamed(inspected: Inspected, config: RobotConfig, file: str) -> Inspected:
 def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     """Return the configuration that a path stands for, and the folder that its relative paths begin in.
 
-    `*.urdf`, `*.xacro` and `*.xml` (MJCF) are robots by themselves, `*.yaml` holds a configuration, a `grip.yaml` under
-    `robot:`. A folder is a project, or a MoveIt configuration package.
+    `*.urdf`, `*.xacro` and `*.xml` (MJCF) are robots by themselves, `*.yaml` holds a configuration; a project's and
+    a world's file under `robot:`. A folder is a project, or a MoveIt configuration package.
 
     Raises:
         UnknownNameError: there is neither such a file nor such a ready-made robot.
@@ -172,20 +172,20 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     kinds = {".urdf": "urdf", ".xacro": "xacro", ".xml": "mjcf"}
     if path.suffix in kinds:
         return RobotConfig(**{kinds[path.suffix]: str(path)}), path.parent
-    if path.name == PROJECT:
-        return _of_project(path), path.parent
     if path.suffix in (".yaml", ".yml"):
-        return read_model(path, RobotConfig), path.parent
+        return _of_yaml(path), path.parent
     raise DocumentError(
         "a robot is a .urdf, .xacro, .xml (MJCF) or .yaml file, or a MoveIt package's folder", str(path)
     )
 
 
-def _of_project(path: Path) -> RobotConfig:
+def _of_yaml(path: Path) -> RobotConfig:
     tree = parse(read_file(path), str(path))
-    entry = tree.entries.get("robot") if isinstance(tree, YamlMapping) else None
+    if not isinstance(tree, YamlMapping) or (path.name != PROJECT and "grip" not in tree.entries):
+        return read_model(path, RobotConfig)
+    entry = tree.entries.get("robot")
     if entry is None:
-        raise DocumentError("the project names no `robot:`", str(path))
+        raise DocumentError("the file names no `robot:`", str(path))
     if isinstance(word := to_data(entry.value), str):
         return RobotConfig(ready=word)
     config, faults = check_model(entry.value, RobotConfig)

@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from grip_bt.app.project.faults import WORLDS
 from grip_bt.app.project.folder import ProjectFile, find_project
 from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_parts import Unit
 from grip_bt.task.catalog.ros_config import MESSAGES
+from grip_sim.worlds import read_world, world_files
 
 from .kinds import JOINT_STATES, POSES, TRAJECTORIES
 from .robot_facts import data_in, is_path, project_robot_facts, robot_facts
@@ -125,8 +125,8 @@ def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
         "ros/cameras/?": cameras_in(data),
         "ros/cameras/*/mount/on": list(known.get("frames", ["world"])),
         "arms/*/hand": keys_in(data, "hands"),
-        "world": list(WORLDS),
-        "sensors/*/camera": ["overhead"],
+        "world": list(world_files(folder)),
+        "sensors/*/camera": _world_cameras(data.get("world"), folder),
         "sensors/*/topics/*/type": sorted(MESSAGES),
         "sensors/*/topics/*/message": sorted(set(MESSAGES.values())),
     }
@@ -141,6 +141,13 @@ def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
         found |= dict.fromkeys(("robot/grasp_frames/?", "robot/fingers/?", "robot/states/?"), groups)
         found["robot/accelerations/?"] = [*groups, *sorted({j for joints in known["groups"].values() for j in joints})]
     return found
+
+
+def _world_cameras(world: object, folder: Path) -> list[str]:
+    try:
+        return list(read_world(str(world), folder)[0].cameras)
+    except GripError:
+        return []
 
 
 def cameras_in(data: Mapping[str, object]) -> list[str]:

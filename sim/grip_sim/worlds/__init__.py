@@ -24,7 +24,9 @@ FOLDER = "worlds"
 def world_files(project: Path | None = None) -> dict[str, Path]:
     """Return every world's file by name; a project's own come first, and hide built-in ones of the same name."""
     own = sorted((project / FOLDER).glob("*.yaml")) if project is not None else []
-    return {file.stem: file for file in own} | {n: HERE / f"{n}.yaml" for n in BUILTIN if n not in {f.stem for f in own}}
+    return {file.stem: file for file in own} | {
+        n: HERE / f"{n}.yaml" for n in BUILTIN if n not in {f.stem for f in own}
+    }
 
 
 def read_world(name: str, project: Path | None = None) -> tuple[WorldFile, Path]:

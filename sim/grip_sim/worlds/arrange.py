@@ -12,7 +12,6 @@ import numpy as np
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
-from grip_sim.objects import load_object
 from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box
 
 from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span, WorldFile
@@ -37,20 +36,19 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "") -> World
 
     Raises:
         ArrangementError: drawn objects don't fit; it says how many do.
-        UnknownNameError: there is no such object in the library.
     """
     rng = np.random.default_rng(seed)
     regions = tuple(
         RegionSpec(name, r.size, (r.at[0], r.at[1], r.at[2] + r.size[2] / 2), r.yaw, r.target)
         for name, r in world.regions.items()
     )
-    fixed = [_placed(name, thing, folder) for name, thing in world.objects.items() if not thing.draw]
+    fixed = [_placed(name, thing) for name, thing in world.objects.items() if not thing.draw]
     taken = [np.array(thing.position[:2]) for thing in fixed]
     objects = list(fixed)
     for name, thing in world.objects.items():
         if thing.draw:
             region = next(region for region in regions if region.name == thing.region)
-            objects += _drawn(name, thing, region, taken, rng, folder)
+            objects += _drawn(name, thing, region, taken, rng)
     return WorldSpec(
         robot=robot or "panda_allegro",
         seed=seed,
@@ -82,18 +80,19 @@ def _boxes(name: str, fixture: FixtureConfig) -> Iterator[BoxSpec]:
 class _Kind:
     """What one object consists of before it has a place."""
 
-    shape: Literal["cylinder", "box", "sphere", "model"]
+    shape: Literal["cylinder", "box", "sphere"]
     radius: float
     height: float
     mass: float
     friction: float
-    model: str = ""
 
-    def at(self, name: str, place: Sequence[float], yaw: float, colour: Colour, tilt: tuple[float, float]) -> ObjectSpec:
+    def at(
+        self, name: str, place: Sequence[float], yaw: float, colour: Colour, tilt: tuple[float, float]
+    ) -> ObjectSpec:
         """Return it with its underside's middle at a place in world [m]."""
         position = (float(place[0]), float(place[1]), float(place[2]) + self.height / 2)
         return ObjectSpec(
-            name, self.shape, self.radius, self.height, position, yaw, self.mass, self.friction, colour, tilt, self.model
+            name, self.shape, self.radius, self.height, position, yaw, self.mass, self.friction, colour, tilt
         )
 
 
@@ -103,50 +102,40 @@ def _within(rng: np.random.Generator | None, span: Span) -> float:
     return float(rng.uniform(*span)) if rng is not None else (span[0] + span[1]) / 2
 
 
-def _kind(config: ShapeConfig, rng: np.random.Generator | None, folder: Path) -> tuple[_Kind, float]:
+def _kind(config: ShapeConfig, rng: np.random.Generator | None) -> tuple[_Kind, float]:
     """Return what a configuration stands for, and its yaw; where nothing is drawn, the middle of ranges and no turn.
 
     Drawn: radius, height, yaw, mass, in that order, which seeds that people have noted depend on.
     """
-    if config.model is not None:
-        model = load_object(config.model, folder)
-        x, y, z = model.size
-        yaw = float(rng.uniform(-np.pi, np.pi)) if rng is not None else 0.0
-        mass = _within(rng, config.mass) if config.mass is not None else model.mass
-        friction = config.friction if config.friction is not None else model.friction
-        return _Kind("model", float(np.hypot(x, y) / 2), z, mass, friction, config.model), yaw
-    assert config.shape is not None and config.radius is not None, "the file was checked"
+    assert config.shape is not None, "the file was checked"
+    assert config.radius is not None, "the file was checked"
     radius = _within(rng, config.radius)
     height = _within(rng, config.height) if config.height is not None else 2 * radius
     yaw = float(rng.uniform(-np.pi, np.pi)) if rng is not None else 0.0
-    mass = _within(rng, config.mass if config.mass is not None else 0.2)
-    friction = config.friction if config.friction is not None else 1.0
-    return _Kind(config.shape, radius, height, mass, friction), yaw
+    return _Kind(config.shape, radius, height, _within(rng, config.mass), config.friction), yaw
 
 
-def _placed(name: str, thing: ObjectConfig, folder: Path) -> ObjectSpec:
+def _placed(name: str, thing: ObjectConfig) -> ObjectSpec:
     assert thing.at is not None, "the file was checked"
-    kind, _ = _kind(thing, None, folder)
+    kind, _ = _kind(thing, None)
     return kind.at(name, thing.at, thing.yaw, thing.colour or COLOURS[0], thing.tilt)
 
 
 def _drawn(
-    name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator, folder: Path
+    name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator
 ) -> Iterator[ObjectSpec]:
-    of = [each if isinstance(each, ShapeConfig) else ShapeConfig(model=each) for each in thing.of]
-    clearance = thing.clearance or 0.01 + 2 * max(_kind(each, None, folder)[0].radius for each in of)
+    clearance = thing.clearance or 0.01 + 2 * max(_kind(each, None)[0].radius for each in thing.of)
     places = _places(thing.draw, region, clearance, taken, rng, name, thing.drop)
     floor = region.centre[2] - region.size[2] / 2
     for index, place in enumerate(places):
-        config = of[min(int(rng.random() * len(of)), len(of) - 1)]
-        kind, yaw = _kind(config, rng, folder)
+        config = thing.of[min(int(rng.random() * len(thing.of)), len(thing.of) - 1)]
+        kind, yaw = _kind(config, rng)
         tilt, up = (0.0, 0.0), floor
         if thing.drop:
             tilt = (float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(-np.pi / 2, np.pi / 2)))
             up += index * clearance + (np.hypot(2 * kind.radius, kind.height) - kind.height) / 2
         colour = config.colour or COLOURS[index % len(COLOURS)]
-        called = kind.shape if kind.shape != "model" else Path(kind.model).name
-        yield kind.at(f"{called}_{index}", (place[0], place[1], up), yaw, colour, tilt)
+        yield kind.at(f"{kind.shape}_{index}", (place[0], place[1], up), yaw, colour, tilt)
 
 
 def _places(

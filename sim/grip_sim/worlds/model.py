@@ -63,7 +63,7 @@ class RegionConfig(Settings):
 
 
 class ShapeConfig(Settings):
-    """An object of a simple shape, or one of the library; where numbers are ranges, the seed draws."""
+    """An object of a simple shape; where numbers are ranges, the seed draws."""
 
     shape: Literal["cylinder", "box", "sphere"] | None = None
     """A box has a square foot."""
@@ -71,20 +71,16 @@ class ShapeConfig(Settings):
     """Of a cylinder or sphere; half the edge of a box's foot [m]."""
     height: Span | None = None
     """Of a cylinder or box [m]."""
-    model: str | None = None
-    """An object of the library (`grip object list`), of the project's `objects/`, or the path of an object's folder."""
-    mass: Span | None = None
-    """[kg]; a model's own where it isn't given, 0.2 for a shape."""
-    friction: NotNegative | None = None
-    """Coefficient against hands and fixtures; a model's own where it isn't given, 1.0 for a shape."""
+    mass: Span = 0.2
+    """[kg]"""
+    friction: NotNegative = 1.0
+    """Coefficient against hands and fixtures."""
     colour: Colour | None = None
 
     @model_validator(mode="after")
     def _one_form(self) -> ShapeConfig:
-        if type(self) is ShapeConfig or not getattr(self, "draw", 0):
-            exactly_one(self, ("shape", "model"))
-        if self.model and (self.radius or self.height):
-            raise ValueError("a model has its own size: leave out `radius` and `height`")
+        if self.shape is None and not getattr(self, "draw", 0):
+            raise ValueError("an object needs a `shape`: cylinder, box or sphere")
         if self.shape and not self.radius:
             raise ValueError(f"a {self.shape} needs a `radius` [m]")
         if self.shape in ("cylinder", "box") and not self.height:
@@ -102,8 +98,8 @@ class ObjectConfig(ShapeConfig):
     """Roll and pitch [rad]."""
     draw: Annotated[int, Field(ge=0)] = 0
     """How many are drawn."""
-    of: tuple[ShapeConfig | str, ...] = ()
-    """What is drawn from: models by name, or shapes; each is as likely as another."""
+    of: tuple[ShapeConfig, ...] = ()
+    """What is drawn from; each is as likely as another."""
     region: Name | None = Field(default=None, alias="in")
     """The region that they are drawn into."""
     clearance: Positive | None = None
@@ -113,10 +109,10 @@ class ObjectConfig(ShapeConfig):
 
     @model_validator(mode="after")
     def _place(self) -> ObjectConfig:
-        if self.draw and (self.shape or self.model or self.at):
-            raise ValueError("drawn objects take `of` and `in`, not `shape`, `model` or `at`")
+        if self.draw and (self.shape or self.at):
+            raise ValueError("drawn objects take `of` and `in`, not `shape` or `at`")
         if self.draw and not (self.of and self.region):
-            raise ValueError("drawn objects need `of: [NAME, ...]` and `in: REGION`")
+            raise ValueError("drawn objects need `of: [{shape: ...}, ...]` and `in: REGION`")
         if not self.draw and self.at is None:
             raise ValueError("an object needs a place: `at: [x, y, z]`, the middle of its underside")
         return self
