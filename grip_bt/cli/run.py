@@ -238,7 +238,7 @@ def sentence(end: RunEnd) -> str:
 def _tell(end: RunEnd, as_json: bool) -> None:
     if as_json:
         keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
-        said = {key: end[key] for key in ("truth", "contradiction") if key in end}
+        said = {key: end[key] for key in ("truth", "judged", "contradiction") if key in end}
         print(json.dumps({**{key: end.get(key) for key in keys}, **said}))
     else:
         took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
@@ -247,6 +247,8 @@ def _tell(end: RunEnd, as_json: bool) -> None:
         print(f"{sentence(end)}; {took}{ticks}{named}")
         if "truth" in end:
             print(f"the referee: {words(end['truth'])}")
+        for name, true in end.get("judged", {}).items():
+            print(f"{name}: {'yes' if true else 'no'}")
 
 
 def _assignment(text: str) -> tuple[str, Any]:

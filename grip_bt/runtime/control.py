@@ -38,6 +38,7 @@ class RunEnd(TypedDict, total=False):
     rest: str
     unconfirmed: dict[str, str]
     truth: dict[str, str]
+    judged: dict[str, bool]
     contradiction: str
 
 

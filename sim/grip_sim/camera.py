@@ -123,8 +123,8 @@ class RayCamera:
         with np.errstate(divide="ignore"):
             inverse = 1 / self._directions
         for label, box in enumerate(boxes):
-            one = (np.array(box.low) - self._origin) * inverse
-            two = (np.array(box.high) - self._origin) * inverse
+            one = (np.array(np.subtract(box.centre, np.array(box.size) / 2)) - self._origin) * inverse
+            two = (np.array(np.add(box.centre, np.array(box.size) / 2)) - self._origin) * inverse
             enter, leave = np.minimum(one, two), np.maximum(one, two).min(axis=1)
             axis, near = enter.argmax(axis=1), enter.max(axis=1)
             better = (near <= leave) & (near > 0) & (near < np.minimum(distance, self.spec.far))

