@@ -64,8 +64,10 @@ class World:
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
         self._scene = make_scene(spec.dt)
-        still = [(box, self._add_box(box)) for box in (*spec.boxes, _floor(spec.floor))]
-        self._fixed = [self._add_mesh(mesh) for mesh in spec.meshes]
+        boxes = [(box, self._add_box(box)) for box in (*spec.boxes, _floor(spec.floor))]
+        still = [(box, target) for box, target in boxes if not (box.yaw or box.pitch)]
+        turned = [target for box, target in boxes if box.yaw or box.pitch]
+        self._fixed = [*turned, *(self._add_mesh(mesh) for mesh in spec.meshes)]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
@@ -228,12 +230,8 @@ class World:
 
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
     """Raise ValueError when two things of a world have one name: contacts and images tell them apart by it."""
-    names = [
-        *links,
-        FLOOR,
-        *(fixed.name for fixed in (*spec.boxes, *spec.meshes)),
-        *(thing.name for thing in spec.objects),
-    ]
+    fixtures = (*(box.name for box in spec.boxes), *(mesh.name for mesh in spec.meshes))
+    names = [*links, FLOOR, *fixtures, *(thing.name for thing in spec.objects)]
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")

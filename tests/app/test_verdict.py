@@ -12,17 +12,33 @@ from trial_project import grip
 
 from grip_bt.app.runs.verdict import PLACE, Verdict, words
 from grip_bt.base.errors import DocumentError, SimulatorLostError
+from grip_bt.base.values import Pose
 from grip_bt.cli.run import exit_status, sentence
+from grip_sim.referee import ObjectTruth
+from grip_sim.specs import WorldSpec
 
 
-def verdict_over(states: dict[str, str] | None, goal: str = "", placing: int = 0, target: str = "crate") -> Verdict:
-    """Return a verdict over a world, after so many successes of `arm/place`."""
-    truth = {name: SimpleNamespace(status=status) for name, status in (states or {}).items()}
+def verdict_over(
+    states: dict[str, str] | None,
+    goal: str = "",
+    placing: int = 0,
+    target: str = "crate",
+    judge: dict[str, str] | None = None,
+) -> Verdict:
+    """Return a verdict over a world with a crate, after so many successes of `arm/place`."""
+    truth = {
+        name: ObjectTruth(name, status, Pose(), 0.0, ("crate",) if status == "placed" else ())  # type: ignore[arg-type]
+        for name, status in (states or {}).items()
+    }
+    world = SimpleNamespace(spec=WorldSpec(judge=judge or {}))
     observers: list[Any] = []
     place = SimpleNamespace(manifest=SimpleNamespace(implementation=PLACE), params={"target": target})
     session = SimpleNamespace(
-        resources=SimpleNamespace(referee=None if states is None else SimpleNamespace(truth=lambda: truth)),
-        project=SimpleNamespace(folder=Path(), file=SimpleNamespace(goals={"t": goal} if goal else {})),
+        resources=SimpleNamespace(
+            referee=None if states is None else SimpleNamespace(truth=lambda: truth),
+            world=None if states is None else world,
+        ),
+        project=SimpleNamespace(folder=Path(), file=SimpleNamespace(goals={"t": goal} if goal else {}, world="table")),
         document=SimpleNamespace(task=SimpleNamespace(name="t")),
         runner=SimpleNamespace(compiled=SimpleNamespace(leaves={"put": place}), observe=observers.append),
     )
@@ -59,6 +75,18 @@ def test_a_success_is_contradicted_by_the_goal_or_by_what_was_not_placed(states,
     if contradicted:
         assert words(states) in facts["message"]
     assert "contradiction" not in verdict_over(states, goal, placing).facts(FAILURE), "it claims nothing"
+
+
+def test_a_world_judges_by_its_regions_beside_the_task_that_has_succeeded_or_not():
+    judge = {"cleared": "in_crate == objects", "begun": "in_crate > 0 and fallen == 0"}
+    for end in (SUCCESS, FAILURE):
+        assert verdict_over(HALF, judge=judge).facts(end)["judged"] == {"cleared": False, "begun": True}
+    assert "judged" not in verdict_over(HALF).facts(SUCCESS)
+
+
+def test_a_world_that_judges_by_what_is_not_there_is_refused():
+    with pytest.raises(DocumentError, match=r"judge/cleared: unknown name 'in_crat'.*did you mean 'in_crate'"):
+        verdict_over(HALF, judge={"cleared": "in_crat == 2"})
 
 
 def test_what_was_put_at_a_position_is_not_looked_for_in_the_crate():

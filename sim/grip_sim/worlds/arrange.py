@@ -70,7 +70,9 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "") -> World
 def _boxes(name: str, fixture: FixtureConfig) -> Iterator[BoxSpec]:
     x, y, z = fixture.at
     if fixture.box is not None:
-        yield BoxSpec(name, fixture.box, (x, y, z + fixture.box[2] / 2), fixture.colour or GREY, fixture.yaw)
+        yield BoxSpec(
+            name, fixture.box, (x, y, z + fixture.box[2] / 2), fixture.colour or GREY, fixture.yaw, fixture.pitch
+        )
     elif fixture.open_box is not None:
         colour = {"colour": fixture.colour} if fixture.colour is not None else {}
         yield from open_box(name, fixture.open_box, fixture.at, fixture.wall, **colour)

@@ -39,12 +39,16 @@ class FixtureConfig(Settings):
     at: Vector = (0.0, 0.0, 0.0)
     yaw: Finite = 0.0
     """Turn about the vertical [rad]."""
+    pitch: Finite = 0.0
+    """Slope of a box, which falls towards its +x [rad]."""
     colour: Colour | None = None
     """Red green blue, 0-255."""
 
     @model_validator(mode="after")
     def _one_form(self) -> FixtureConfig:
         exactly_one(self, ("box", "open_box", "mesh"))
+        if self.pitch and not self.box:
+            raise ValueError("only a box has a `pitch`")
         if self.open_box and self.yaw:
             raise ValueError("an open box can't be turned: build it of four boxes")
         return self
