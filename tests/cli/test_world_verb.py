@@ -46,7 +46,7 @@ def test_what_is_there_is_left_alone_and_a_name_is_a_word(project, capsys):
     assert "is there already and was left alone" in capsys.readouterr().err
     assert (project / "worlds" / "mine.yaml").read_bytes() == before
     assert main(["world", "new", "../mine"]) == 1
-    assert "take a word of letters" in capsys.readouterr().err
+    assert "use letters, digits" in capsys.readouterr().err
     assert main(["world", "new", "other", "--like", "shelv"]) == 1
     assert "did you mean 'shelf'" in capsys.readouterr().err
     assert not (project / "worlds" / "other.yaml").exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -118,6 +119,14 @@ def test_a_wrong_world_is_refused_with_its_place_and_what_is_allowed(tmp_path, t
     with pytest.raises(DocumentError, match=told) as caught:
         read_world("mine", tmp_path)
     assert str(path) in str(caught.value)
+
+
+def test_the_world_of_the_docs_is_one(tmp_path):
+    text = (Path(__file__).parents[2] / "docs" / "worlds.md").read_text()
+    example = text.split("```yaml\n")[1].split("```")[0]
+    spec = load_world(str(written(tmp_path, example.removeprefix("grip: 1\n"))))
+    assert [thing.name for thing in spec.objects] == ["ball", "cylinder_0", "cylinder_1"]
+    assert all(f"`{name}`" in text for name in BUILTIN)
 
 
 def test_a_world_of_the_project_hides_a_built_in_one_and_an_unknown_one_is_told_of(tmp_path):
