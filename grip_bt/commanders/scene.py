@@ -85,12 +85,9 @@ class PlanningScene:
         """Return the points of the robot's shapes; see `ports.Scene`."""
         return () if self._robot is None else self._robot(at)
 
-    def region(self, name: str) -> tuple[Array, Pose] | None:
-        """Return a place to aim at; see `ports.Scene`."""
-        if name not in self._regions:
-            return None
-        size, pose = self._regions[name]
-        return np.asarray(size, dtype=float), pose
+    def regions(self) -> Mapping[str, tuple[Sequence[float], Pose]]:
+        """Return the places to aim at; see `ports.Scene`."""
+        return self._regions
 
     def put(self, name: str, solid: Solid, pose: Pose) -> None:
         """Add or replace an object of any shape; see `ports.Scene`."""

@@ -96,10 +96,10 @@ def region_of(scene: Scene, target: str) -> Region | None:
     """
     boxes = [scene.box(n) for n in scene.names() if target and n.startswith(f"{target}_")]
     if not boxes:
-        place = scene.region(target)
-        if place is None:
+        regions = scene.regions()
+        if target not in regions:
             return None
-        inner_low, inner_high = _bounds(*place)
+        inner_low, inner_high = _bounds(*regions[target])
         return Region(inner_low[:2], inner_high[:2], float(inner_low[2]), float(inner_low[2]))
     lows, highs = (np.array(c) for c in zip(*(_bounds(size, pose) for size, pose in boxes), strict=True))
     outer_low, outer_high = lows.min(axis=0), highs.max(axis=0)

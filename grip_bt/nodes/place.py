@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.base.errors import listing
 from grip_bt.base.failures import ExpectedError, NoGraspError, NoRoomError, NoTargetError, NothingHeldError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Grasp, JointState, Pose
@@ -63,10 +64,10 @@ class Place(ArmHandLeaf):
             spot = np.array(self.params["position"], dtype=float)
             return Region(spot, spot, 0.0, 0.0)
         if region is None:
-            names = ", ".join(self.context.scene().names()) or "nothing"
-            wanted = f"{self.params['target'] or '<target>'}_*"
+            scene, target = self.context.scene(), self.params["target"] or "<target>"
             raise NoTargetError(
-                f"the scene has no boxes {wanted}; it has {names}. Name a target of the world, or give a position"
+                f"the scene has no region {target!r} and no boxes {target}_*; its regions: {listing(scene.regions())}; "
+                f"it has {listing(scene.names(), 'nothing')}. Name a target of the world, or give a position"
             )
         return region
 

@@ -10,10 +10,13 @@ from grip_bt.base.failures import SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Scene
 from grip_bt.base.values import PointCloud, Pose
+from grip_bt.base.values.solids import Box as SolidBox
 from grip_bt.nodes.leaf import Leaf, OperationLeaf, Status
 from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, distances_to_box, region_of, turned
 
 Points = NDArray[np.floating]
+KNOWN = 0.01
+"""What is seen so close to a box of the room is the box [m]."""
 
 
 def _clusters_above(points: Points, low: float, high: float, cell: float, min_points: int) -> list[Points]:
@@ -67,7 +70,8 @@ class NothingSeen(Leaf):
 class UpdateFromCloud(OperationLeaf):
     """Replace the scene's `seen_*` by what a cloud shows on the table now.
 
-    What lies within the target, or on its walls, and what moves with a hand is left out: the scene knows these better.
+    What lies within the target, or on its walls, what moves with a hand, and the room's own boxes are left out: the scene
+    knows these better.
     """
 
     def start(self) -> Operation[list[Box]]:
@@ -96,6 +100,10 @@ class UpdateFromCloud(OperationLeaf):
         for name in scene.names():
             if name.startswith(HELD):
                 keep &= distances_to_box(points, *scene.box(name)) > 0.02
+            elif scene.fixed(name) and isinstance((known := scene.solid(name))[0], SolidBox):
+                size, pose = known[0].size, known[1]
+                if pose.position[2] + size[2] / 2 > table + p["min_height"]:
+                    keep &= distances_to_box(points, np.array(size), pose) > KNOWN
         groups = _clusters_above(
             points[keep], table + p["min_height"], table + p["max_height"], p["cell"], p["min_points"]
         )

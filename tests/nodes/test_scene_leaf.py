@@ -3,6 +3,7 @@ import pytest
 from py_trees.common import Status
 
 from grip_bt.base.values import PointCloud, Pose
+from grip_bt.commanders.scene import PlanningScene
 
 
 def top_of(x, y, half=0.03, height=0.15, yaw=0.0, n=25):
@@ -53,6 +54,18 @@ def test_what_lies_in_the_target_is_left_to_the_account_of_placing(world, tick):
     tick(leaf)
     assert world.data["count"] == 1
     assert "placed_0" in world.scene.names()
+
+
+def test_boxes_of_the_room_are_not_seen_as_things_and_what_stands_before_them_is(world, tick):
+    board = ([0.02, 0.3, 0.4], Pose([0.7, 0.2, 0.2]))
+    world.context._scene = world.scene = PlanningScene({"right_hand": world.arm.grasp_pose}, {"board": board})
+    y, z = (m.ravel() for m in np.meshgrid(np.linspace(0.05, 0.35, 60), np.linspace(0, 0.4, 80)))
+    face = np.stack([np.full(y.shape, 0.689), y, z], axis=1)
+    leaf = world.leaf("scene/update_from_cloud", cloud=cloud(face, top_of(0.6, 0.2)), target="")
+    tick(leaf)
+    assert world.data["count"] == 1
+    (name,) = seen(world)
+    np.testing.assert_allclose(world.scene.box(name)[1].position[:2], [0.6, 0.2], atol=0.01)
 
 
 def test_what_the_hand_holds_stays_attached_and_is_not_seen_twice(world, tick):

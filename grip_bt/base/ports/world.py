@@ -28,8 +28,8 @@ class Scene(Protocol):
             UnknownNameError: it isn't there.
         """
 
-    def region(self, name: str) -> tuple[Array, Pose] | None:
-        """Return a named place to aim at: edge lengths, shape (3,) [m], and its middle in world; None without one."""
+    def regions(self) -> Mapping[str, tuple[Sequence[float], Pose]]:
+        """Return places to aim at, which nothing need bound: name -> edge lengths [m], and the middle in world."""
 
     def load(self, file: str) -> tuple[str, ...]:
         """Add the objects of a `.scene` file, a path in the project, and return their names.
