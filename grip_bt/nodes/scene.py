@@ -70,7 +70,7 @@ class NothingSeen(Leaf):
 class UpdateFromCloud(OperationLeaf):
     """Replace the scene's `seen_*` by what a cloud shows on the table now.
 
-    What lies within the target, or on its walls, what moves with a hand, and the room's own boxes are left out: the scene
+    What lies within the target, or on its walls, what moves with a hand, and boxes of the room are left out: the scene
     knows these better.
     """
 
