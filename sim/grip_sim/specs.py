@@ -16,6 +16,7 @@ from pydantic.dataclasses import dataclass
 
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.base.values.pose import quaternion_of
+from grip_sim.noise import Noise
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -176,16 +177,21 @@ def open_box(name: str, inner: Size, at: Vector, wall: float = 0.01, colour: Col
 
 @dataclass(frozen=True, slots=True)
 class CameraSpec:
-    """A fixed RGB-D pinhole camera; by default one that looks straight down onto the pick region, image up = world +x.
+    """An RGB-D pinhole camera; by default one that looks straight down onto the pick region, image up = world +x.
 
     Attributes:
         name: the camera's name; its optical frame is `<name>_optical`.
         width: columns [px].
         height: rows [px].
         field_of_view: vertical opening angle [rad].
-        position: of the optical centre, in world [m].
+        position: of the optical centre, in world or in the link [m].
         quaternion: of the optical frame (x right, y down, z forward), w x y z.
         far: nothing is seen beyond [m].
+        target: what it looks at, in place of `quaternion`, in world or in the link [m]; image up is z there.
+        link: the robot's link that carries it; None where it stands in world.
+        renderer: SAPIEN's, or triangles drawn on the CPU; `auto` is SAPIEN's where Vulkan works.
+        shapes: whether bodies are seen by their visual meshes, where they have some, or as physics knows them.
+        noise: what its sensor does to a frame: `realsense`, `kinect2`, or fields of `Noise`; None for nothing.
     """
 
     name: str = "overhead"
@@ -195,12 +201,32 @@ class CameraSpec:
     position: Vector = (0.53, 0.14, 1.30)
     quaternion: tuple[Finite, Finite, Finite, Finite] = (0.0, 0.7071067811865476, -0.7071067811865476, 0.0)
     far: Positive = 3.0
+    target: Vector | None = None
+    link: str | None = None
+    renderer: Literal["auto", "sapien", "raster"] = "auto"
+    shapes: Literal["visual", "collision"] = "visual"
+    noise: Noise | None = None
+
+    def __post_init__(self) -> None:
+        if self.target == self.position:
+            raise ValueError("a camera can't look at where it is: `target` is its `position`")
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry."""
+        """Return the camera's geometry; its pose is in world, or in the link that carries it."""
         f = self.height / 2 / np.tan(self.field_of_view / 2)
         matrix = [[f, 0, self.width / 2], [0, f, self.height / 2], [0, 0, 1]]
-        return CameraInfo(self.width, self.height, np.array(matrix), Pose(self.position, self.quaternion))
+        return CameraInfo(self.width, self.height, np.array(matrix), self._pose())
+
+    def _pose(self) -> Pose:
+        frame = self.link or "world"
+        if self.target is None:
+            return Pose(self.position, self.quaternion, frame)
+        forward = np.subtract(self.target, self.position) / np.linalg.norm(np.subtract(self.target, self.position))
+        up = (0.0, 0.0, 1.0) if abs(forward[2]) < 0.999 else (1.0, 0.0, 0.0)  # as the default camera has it
+        right = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
+        matrix = np.eye(4)
+        matrix[:3] = np.column_stack([right, np.cross(forward, right), forward, self.position])
+        return Pose.from_matrix(matrix, frame)
 
 
 CRATE = RegionSpec("crate", (0.26, 0.30, 0.14), (0.48, -0.40, 0.07), target=True)

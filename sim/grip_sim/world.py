@@ -14,7 +14,9 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_sim.camera import Frame, RayCamera, Target
+from grip_sim.cameras.frame import Frame
+from grip_sim.cameras.looks import Target, visuals_of
+from grip_sim.cameras.rig import Rig
 from grip_sim.physics import FIXED, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
 from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, Vector, WorldSpec
@@ -64,17 +66,17 @@ class World:
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
         self._scene = make_scene(spec.dt)
-        boxes = [(box, self._add_box(box)) for box in (*spec.boxes, _floor(spec.floor))]
-        still = [(box, target) for box, target in boxes if not (box.yaw or box.pitch)]
-        turned = [target for box, target in boxes if box.yaw or box.pitch]
-        self._fixed = [*turned, *(self._add_mesh(mesh) for mesh in spec.meshes)]
+        still = [
+            *(self._add_box(box) for box in (*spec.boxes, _floor(spec.floor))),
+            *(self._add_mesh(mesh) for mesh in spec.meshes),
+        ]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self._steps = 0
         self._moved: set[str] = set()
-        moving = [*self._fixed, *self._robot_targets(), *self._object_targets()]
-        self._cameras = {c.name: RayCamera(c, self._scene.physx_system, still, moving) for c in spec.cameras}
+        seen = [*still, *self._robot_targets(), *self._object_targets()]
+        self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links})
 
     # --- time ---
 
@@ -90,6 +92,7 @@ class World:
         self._scene.step()
         self._steps += 1
         self._moved.clear()
+        self.cameras.stepped(self.time)
 
     # --- what is where ---
 
@@ -143,9 +146,7 @@ class World:
         Raises:
             UnknownNameError: there is no such camera.
         """
-        if camera not in self._cameras:
-            raise UnknownNameError("camera", camera, self._cameras)
-        return self._cameras[camera].capture()
+        return self.cameras.look(camera)
 
     def kept(self) -> dict[str, Array]:
         """Return everything that moves, and how: the robot, and the poses and velocities of the objects."""
@@ -218,10 +219,12 @@ class World:
         return entity.find_component_by_type(physx.PhysxRigidDynamicComponent)
 
     def _robot_targets(self) -> Iterator[Target]:
+        visuals = visuals_of(self.robot.description.urdf)
         for link in self.robot.links:
-            if link.collision_shapes:
+            if link.collision_shapes or link.name in visuals:
                 hand = link.name in self.robot.hand_links
-                yield Target(link, link.name, HAND_COLOUR if hand else ARM_COLOUR)
+                colour = HAND_COLOUR if hand else ARM_COLOUR
+                yield Target(link, link.name, colour, visuals.get(link.name, ()))
 
     def _object_targets(self) -> Iterator[Target]:
         for spec in self.spec.objects:

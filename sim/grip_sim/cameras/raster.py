@@ -1,0 +1,262 @@
+"""A renderer that draws triangles with OpenCV 5; it needs no Vulkan and no GPU.
+
+OpenCV's z-buffer (`cv2.triangleRasterize`, flat shading) is used for one thing only: *which triangle* does each pixel
+see. The number of the triangle is drawn in place of a colour, exactly up to 2^24. Depth, normal, label and colour are
+then computed here, in double precision, from the plane of that triangle: exact, whatever the precision of the z-buffer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from grip_bt.base.arrays import Array, Mask
+from grip_bt.base.values import CameraInfo, Pose
+from grip_sim.cameras.frame import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
+from grip_sim.cameras.looks import Target, box_corners
+from grip_sim.cameras.mesh_files import Look
+
+FLIP = np.array([1, -1, -1], np.float32)
+"""OpenCV draws along -z, y up."""
+ROUNDING = 0.02
+"""How far corners may be off in an image [px]."""
+MOST = 1 << 24
+"""Whole numbers that a float32 holds."""
+
+
+class _Body(NamedTuple):
+    """Which points and which triangles are a body's."""
+
+    points: slice
+    triangles: slice
+
+
+class _Texture(NamedTuple):
+    """A picture on the triangles first, first + 1, ...; place in it = slope @ point + shift."""
+
+    first: int
+    slopes: Array  # (n, 2, 3)
+    shifts: Array  # (n, 2)
+    picture: NDArray[np.uint8]
+
+
+class RasterRenderer:
+    """Draws bodies by their triangles.
+
+    Args:
+        info: the camera, with its principal point in the middle.
+        far: nothing is seen beyond [m].
+        targets: the bodies.
+        visual: whether their visuals are drawn where they have some, not their collision shapes.
+    """
+
+    def __init__(self, info: CameraInfo, far: float, targets: Sequence[Target], visual: bool = True):
+        self._info, self._far = info, far
+        self._names = tuple(target.name for target in targets)
+        self._bodies: list[_Body] = []
+        self._textures: list[_Texture] = []
+        points, triangles = [np.empty((0, 3), np.float32)], [np.empty((0, 3), np.int32)]
+        planes, colours = [np.empty((0, 4))], [np.empty((0, 3))]
+        boxes, count, first = [np.empty((0, 8, 3))], 0, 0
+        for target in targets:
+            start, begin, before = count, first, len(points)
+            for look in target.looks(visual):
+                look = _without_slivers(look)
+                if look.texture is not None and look.uv is not None and len(look.uv):
+                    self._textures.append(_texture(first, look))
+                points.append(look.points.astype(np.float32))
+                triangles.append(look.triangles + count)
+                planes.append(_planes(look))
+                colours.append(np.broadcast_to(look.colour or target.colour, (len(look.triangles), 3)))
+                count, first = count + len(look.points), first + len(look.triangles)
+            mine = np.concatenate(points[before:] or [np.zeros((1, 3))])
+            boxes.append(box_corners(mine.min(axis=0), mine.max(axis=0))[None].astype(float))
+            self._bodies.append(_Body(slice(start, count), slice(begin, first)))
+        if first >= MOST:
+            raise ValueError(f"{first} triangles; a camera can draw {MOST}")
+        self._points, self._triangles = np.concatenate(points), np.concatenate(triangles).astype(np.int32)
+        self._planes, self._colours = np.concatenate(planes), np.concatenate(colours).astype(np.float32)
+        self._coarse = self._planes.astype(np.float32)
+        sizes = [body.triangles.stop - body.triangles.start for body in self._bodies]
+        self._boxes, self._filled = np.concatenate(boxes), np.array(sizes, int) > 0
+        self._whose = np.repeat(np.arange(len(targets)), sizes).astype(np.int16)
+        self._rays = info.rays().reshape(-1, 3)
+        self._field = 2 * np.arctan(info.height / 2 / info.matrix[1, 1])
+        self._slope = np.array([info.width, info.height]) / 2 / info.matrix[[0, 1], [0, 1]]
+        self._settings = cv2.TriangleRasterizeSettings()
+        self._settings.setShadingType(cv2.RASTERIZE_SHADING_FLAT)
+        self._settings.setCullingMode(cv2.RASTERIZE_CULLING_NONE)  # it was done before
+
+    def draw(self, pose: Pose, places: Places) -> Frame:
+        """Return what is seen from a pose of bodies at places; see `Renderer`."""
+        turn = pose.rotation()
+        rotations, shifts = turn.T @ places.rotations, (places.positions - pose.position) @ turn
+        local = np.empty_like(self._points)
+        corners, rows = self._may_be_seen(rotations, shifts, local)
+        number = np.zeros((self._info.height, self._info.width, 3), np.float32)
+        if len(rows):
+            depth = np.full(number.shape[:2], self._far, np.float32)
+            colours = np.zeros((len(corners), 3), np.float32)
+            colours[::3, 0] = rows + 1  # flat shading takes the colour of the first corner
+            triangles, eye = np.arange(len(corners), dtype=np.int32).reshape(-1, 3), np.eye(4, dtype=np.float32)
+            corners = corners * FLIP
+            cv2.triangleRasterize(
+                corners, triangles, colours, number, depth, eye, self._field, NEAR / 2, self._far, self._settings
+            )
+        return self._shaded(number[:, :, 0].ravel().astype(np.int32) - 1, rotations, shifts, pose, local)
+
+    def _may_be_seen(
+        self, rotations: Array, shifts: Array, local: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        """Return the corners of triangles that may have a pixel, one after the other, and the number of each.
+
+        Args:
+            local: is filled with points in the camera's frame, of bodies in view.
+        """
+        far, near = [np.empty(0, np.int32)], [np.empty(0, np.int32)]
+        boxes = self._boxes @ rotations.transpose(0, 2, 1) + shifts[:, None]
+        crossing = boxes[:, :, 2].min(axis=1) < 2 * NEAR
+        for row in np.flatnonzero(self._in_view(boxes)):
+            body, rotation, shift = self._bodies[row], rotations[row], shifts[row]
+            np.matmul(self._points[body.points], rotation.T.astype(np.float32), out=local[body.points])
+            local[body.points] += shift.astype(np.float32)
+            eye = np.append(-(rotation.T @ shift), -1).astype(np.float32)
+            facing = np.flatnonzero(self._coarse[body.triangles] @ eye > -1e-6).astype(np.int32)
+            (near if crossing[row] else far).append(facing + body.triangles.start)
+        rows, cut = np.concatenate(far), np.concatenate(near)
+        rows = self._with_pixels(rows, local)
+        whole = local.take(self._triangles.take(rows, axis=0).ravel(), axis=0)
+        clipped, which = _clipped(local[self._triangles[cut]])
+        return np.concatenate([whole, clipped]), np.concatenate([rows, cut[which]])
+
+    def _in_view(self, boxes: Array) -> Mask:
+        """Tell of boxes, shape (n, 8, 3), whether they don't lie beside, behind or beyond what the camera sees."""
+        (x, y, z), (right, down) = boxes.transpose(2, 0, 1), self._slope
+        sides = (x > right * z, x < -right * z, y > down * z, y < -down * z, z < NEAR, z > self._far)
+        return self._filled & ~np.any([side.all(axis=1) for side in sides], axis=0)
+
+    def _with_pixels(self, rows: NDArray[np.int32], local: NDArray[np.float32]) -> NDArray[np.int32]:
+        """Return those of some triangles before the camera that may hold the middle of a pixel; few small ones do."""
+        triangles = self._triangles.take(rows, axis=0)
+        found, single = np.ones(len(rows), bool), np.ones(len(rows), bool)
+        corners = []
+        with np.errstate(all="ignore"):  # what isn't in view wasn't filled
+            inverse = 1 / local[:, 2]
+            for axis, size in enumerate((self._info.width, self._info.height)):
+                at = local[:, axis] * (inverse * np.float32(self._info.matrix[axis, axis])) + np.float32(size / 2 - 0.5)
+                one, two, three = (at.take(triangles[:, corner]) for corner in range(3))
+                low = np.ceil(np.minimum(np.minimum(one, two), three) - ROUNDING)
+                high = np.maximum(np.maximum(one, two), three) + ROUNDING
+                found &= (low <= high) & (high >= 0) & (low <= size - 1)
+                single &= high < low + 1
+                corners.append((one - low, two - low, three - low))
+        few = np.flatnonzero(found & single)  # these hold the middle of one pixel at most: at the origin, here
+        (ax, bx, cx), (ay, by, cy) = (tuple(c[few] for c in axis) for axis in corners)
+        turns = np.stack([ax * by - ay * bx, bx * cy - by * cx, cx * ay - cy * ax])
+        found[few] = (turns > -ROUNDING).all(axis=0) | (turns < ROUNDING).all(axis=0)
+        return rows[found]
+
+    def _shaded(
+        self, number: NDArray[np.int32], rotations: Array, shifts: Array, pose: Pose, local: NDArray[np.float32]
+    ) -> Frame:
+        shape = (self._info.height, self._info.width)
+        hit = np.flatnonzero(number >= 0)
+        of = number.take(hit)
+        drawn = np.zeros(len(self._planes), bool)
+        drawn[of] = True
+        seen = np.flatnonzero(drawn)  # the triangles of which there is a pixel
+        row = (np.cumsum(drawn, dtype=np.int32) - 1).take(of)  # of each pixel in `seen`
+        whose = self._whose[seen]
+        turns = rotations[whose]
+        normals = np.einsum("nij,nj->ni", turns, self._planes[seen, :3])
+        offsets = self._planes[seen, 3] + np.einsum("ni,ni->n", normals, shifts[whose])
+        # per pixel, in as few passes as there can be: depth = offset / (normal . ray), with unit z of the ray
+        rays = self._rays.take(hit, axis=0)
+        along = np.einsum("ij,ij->i", normals.take(row, axis=0), rays)
+        reach = local[self._triangles[seen], 2]
+        low, high = reach.min(axis=1), reach.max(axis=1)
+        found = offsets.take(row) / np.minimum(along, -1e-12)
+        found = np.clip(found, low.take(row), high.take(row))  # those seen edge-on have no other depth
+        depth, labels = np.zeros(len(number), np.float32), np.full(len(number), NOTHING, np.int16)
+        depth[hit], labels[hit] = found, whose.take(row)
+        facing = np.zeros((len(number), 3), np.float32)
+        facing[hit] = normals.astype(np.float32).take(row, axis=0)
+        light = AMBIENT + DIFFUSE * np.clip(normals @ (pose.rotation().T @ LIGHT), 0, 1)
+        image = np.full((len(number), 3), BACKGROUND, np.uint8)
+        image[hit] = np.clip(self._colours[seen] * light[:, None], 0, 255).astype(np.uint8).take(row, axis=0)
+        for texture in self._textures:
+            self._put_on(texture, image, hit, of, found, light.take(row), rotations, shifts)
+        return Frame(
+            image.reshape(*shape, 3),
+            depth.reshape(shape),
+            labels.reshape(shape),
+            self._names,
+            facing.reshape(*shape, 3),
+            pose,
+        )
+
+    def _put_on(
+        self,
+        texture: _Texture,
+        image: NDArray[np.uint8],
+        hit: NDArray[np.intp],
+        number: NDArray[np.int32],
+        depth: Array,
+        light: Array,
+        rotations: Array,
+        shifts: Array,
+    ) -> None:
+        mine = np.flatnonzero((number >= texture.first) & (number < texture.first + len(texture.slopes)))
+        if not mine.size:
+            return
+        body = self._whose[texture.first]
+        points = (self._rays[hit[mine]] * depth[mine, None] - shifts[body]) @ rotations[body]
+        rows = number[mine] - texture.first
+        u, v = (np.einsum("nij,nj->ni", texture.slopes[rows], points) + texture.shifts[rows]).T
+        height, width = texture.picture.shape[:2]
+        columns, lines = np.floor(u * width).astype(int) % width, np.floor((1 - v) * height).astype(int) % height
+        image[hit[mine]] = texture.picture[lines, columns] * light[mine, None]
+
+
+def _without_slivers(look: Look) -> Look:
+    """Return it without triangles that have no area, and so no plane."""
+    one, two, three = look.points.astype(np.float32)[look.triangles].astype(float).transpose(1, 0, 2)
+    whole = np.linalg.norm(np.cross(two - one, three - one), axis=1) > 0
+    uv = None if look.uv is None else look.uv[whole]
+    return Look(look.points, look.triangles[whole], look.colour, uv, look.texture)
+
+
+def _planes(look: Look) -> Array:
+    """Return normal and offset of each triangle, shape (n, 4)."""
+    one, two, three = look.points[look.triangles].transpose(1, 0, 2)
+    normals = np.cross(two - one, three - one)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return np.column_stack([normals, np.einsum("ij,ij->i", normals, one)])
+
+
+def _texture(first: int, look: Look) -> _Texture:
+    assert look.uv is not None and look.texture is not None, "it was asked before"
+    corners = look.points[look.triangles]
+    edges, steps = corners[:, 1:] - corners[:, :1], look.uv[:, 1:] - look.uv[:, :1]
+    slopes = np.transpose(np.linalg.pinv(edges) @ steps, (0, 2, 1))
+    return _Texture(first, slopes, look.uv[:, 0] - np.einsum("nij,nj->ni", slopes, corners[:, 0]), look.texture)
+
+
+def _clipped(corners: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.intp]]:
+    """Cut off what lies nearer than NEAR; return corners of triangles, and of which of the given ones each is a part."""
+    ahead = corners[:, :, 2] > NEAR
+    whole = np.flatnonzero(ahead.all(axis=1))
+    found, rows = list(corners[whole]), list(whole)
+    for row in np.flatnonzero(ahead.any(axis=1) & ~ahead.all(axis=1)):
+        ring = []
+        for p, q in zip(corners[row], np.roll(corners[row], -1, axis=0), strict=True):
+            ring += [p] if p[2] > NEAR else []
+            ring += [p + (q - p) * ((NEAR - p[2]) / (q[2] - p[2]))] if (p[2] > NEAR) != (q[2] > NEAR) else []
+        for one, two in zip(ring[1:], ring[2:], strict=False):
+            found.append(np.stack([ring[0], one, two]))
+            rows.append(row)
+    return np.array(found, np.float32).reshape(-1, 3), np.array(rows, dtype=np.intp)

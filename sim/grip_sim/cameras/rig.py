@@ -1,0 +1,133 @@
+"""The cameras of a world: where they are, which renderer draws for them, what their sensors add, and how late."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from zlib import crc32
+
+import numpy as np
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.values import Pose
+from grip_sim.cameras.frame import Frame, Places, Renderer
+from grip_sim.cameras.looks import Target
+from grip_sim.cameras.raster import RasterRenderer
+from grip_sim.physics import physx
+from grip_sim.render_support import vulkan_works
+from grip_sim.specs import CameraSpec, WorldSpec
+
+
+class Rig:
+    """Takes frames of bodies.
+
+    Args:
+        spec: of the world, with its cameras.
+        targets: all that can be seen.
+        links: what cameras may be mounted on.
+
+    Raises:
+        UnknownNameError: a camera is mounted on a link that the robot doesn't have.
+    """
+
+    def __init__(
+        self, spec: WorldSpec, targets: Sequence[Target], links: Mapping[str, physx.PhysxRigidBaseComponent]
+    ):
+        self._seed, self._targets = spec.seed, list(targets)
+        self._specs = {camera.name: camera for camera in spec.cameras}
+        carriers = dict.fromkeys(camera.link for camera in spec.cameras if camera.link is not None)
+        for name in carriers:
+            if name not in links:
+                raise UnknownNameError("link", name, links, "a camera's `link`")
+        self._bodies = [*(target.body for target in targets), *(links[name] for name in carriers)]
+        self._rows = {name: len(targets) + i for i, name in enumerate(carriers)}
+        self._taken = dict.fromkeys(self._specs, 0)
+        self._renderers: dict[CameraSpec, Renderer] = {}
+        late = max((camera.noise.latency for camera in spec.cameras if camera.noise is not None), default=0.0)
+        self._past: deque[tuple[float, Array]] = deque(maxlen=int(np.ceil(late / spec.dt)) + 1 if late else 0)
+        self._time = 0.0
+        self.stepped(0.0)
+
+    def stepped(self, time: float) -> None:
+        """Keep where everything is after a step [s], for cameras that show it late."""
+        self._time = time
+        if self._past.maxlen:
+            self._past.append((time, self._now()))
+
+    def look(self, name: str) -> Frame:
+        """Take a frame with a camera, as its sensor gives it.
+
+        Raises:
+            UnknownNameError: there is no such camera.
+        """
+        spec = self._spec(name)
+        if spec.noise is None:
+            return self.view(spec)
+        frame = self._drawn(spec, *self._shown(spec.noise.latency))
+        self._taken[name] += 1
+        seed, info = [self._seed, crc32(name.encode()), self._taken[name]], spec.info()
+        rays = info.rays()
+        cosine = -np.einsum("ijk,ijk->ij", frame.normals, rays) / np.linalg.norm(rays, axis=2)
+        depth = spec.noise.on_depth(frame.depth, cosine, float(info.matrix[0, 0]), seed)
+        return replace(frame, depth=depth, image=spec.noise.on_image(frame.image, seed))
+
+    def view(self, camera: str | CameraSpec) -> Frame:
+        """Show what is there now by a camera, or one that isn't among them, without its sensor's faults.
+
+        Raises:
+            UnknownNameError: there is no such camera.
+        """
+        return self._drawn(self._spec(camera) if isinstance(camera, str) else camera, self._time, self._now())
+
+    def pose(self, name: str) -> Pose:
+        """Return the optical frame of a camera in world, as it is now.
+
+        Raises:
+            UnknownNameError: there is no such camera.
+        """
+        return self._pose(self._spec(name), self._now())
+
+    def _spec(self, name: str) -> CameraSpec:
+        if name not in self._specs:
+            raise UnknownNameError("camera", name, self._specs)
+        return self._specs[name]
+
+    def _now(self) -> Array:
+        poses = [body.entity_pose for body in self._bodies]
+        return np.array([[*pose.p, *pose.q] for pose in poses], float).reshape(-1, 7)
+
+    def _shown(self, latency: float) -> tuple[float, Array]:
+        """Return the last time at least `latency` ago [s], or the first one known, and where everything was."""
+        if not latency:
+            return self._time, self._now()
+        known = [past for past in self._past if past[0] <= self._time - latency + 1e-9]
+        return known[-1] if known else self._past[0]
+
+    def _pose(self, spec: CameraSpec, rows: Array) -> Pose:
+        pose = spec.info().pose
+        if spec.link is None:
+            return pose
+        carrier = rows[self._rows[spec.link]]
+        return Pose(carrier[:3], carrier[3:]) @ pose
+
+    def _drawn(self, spec: CameraSpec, time: float, rows: Array) -> Frame:
+        renderer = self._renderer(spec)
+        return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self._targets)])), time=time)
+
+    def _renderer(self, spec: CameraSpec) -> Renderer:
+        """Return who draws for a camera; made when it is first asked for, since meshes take their time to read."""
+        if spec not in self._renderers:
+            self._renderers[spec] = make_renderer(spec, self._targets)
+        return self._renderers[spec]
+
+
+def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:
+    """Return the renderer that a camera asks for; `auto` takes SAPIEN's where Vulkan works."""
+    visual = spec.shapes == "visual"
+    if spec.renderer == "sapien" or (spec.renderer == "auto" and vulkan_works()):
+        from grip_sim.cameras.sapien_renderer import SapienRenderer  # it needs a driver to be imported with sense
+
+        return SapienRenderer(spec.info(), spec.far, targets, visual)
+    return RasterRenderer(spec.info(), spec.far, targets, visual)
