@@ -103,11 +103,30 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="playback speed: simulated seconds a second (default: as fast as it goes)",
     )
+    shown = parser.add_argument_group("what the simulated world looks like")
+    shown.add_argument(
+        "--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run"
+    )
+    shown.add_argument("--picture", type=Path, metavar="FILE.png", help="take a picture in the end")
+    shown.add_argument(
+        "--view",
+        default="",
+        metavar="CAMERA",
+        help="by this camera of the world (default: its first), or X,Y,Z,X,Y,Z: from where to where [m]",
+    )
 
 
 def options_of(args: argparse.Namespace) -> RunOptions:
     """Return the options that a command line gave."""
-    return RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace)
+    return RunOptions(
+        target=args.target,
+        robot=args.robot,
+        seed=args.seed,
+        pace=args.pace,
+        video=args.video and args.video.absolute(),
+        picture=args.picture and args.picture.absolute(),
+        view=args.view,
+    )
 
 
 def run(args: argparse.Namespace) -> int:

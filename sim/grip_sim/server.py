@@ -5,18 +5,21 @@ from __future__ import annotations
 import select
 import socket
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from grip_bt.base.arrays import Array, Indices
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.trajectory.stopping import even_ramp
+from grip_sim.cameras.film import Film
 from grip_sim.connection import Arrays, ClosedError, pack, receive
 from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
 from grip_sim.referee import judge
-from grip_sim.specs import WorldSpec
+from grip_sim.specs import CameraSpec, WorldSpec
 from grip_sim.world import World
 
 STEPS_PER_LOOK = 4
@@ -51,6 +54,7 @@ class Server:
         self.world = World(spec)
         self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
+        self._film: Film | None = None
 
     def serve(self) -> None:
         """Obey until the client is gone."""
@@ -68,6 +72,8 @@ class Server:
                     self._advance()
         except (ClosedError, BrokenPipeError, ConnectionResetError):
             return
+        finally:
+            self._end_film()
 
     @property
     def _stands(self) -> bool:
@@ -150,6 +156,8 @@ class Server:
             if not self._motions and not self._in_turns:
                 return
             self.world.step()
+            if self._film is not None:
+                self._film.stepped(self.world.time)
         if self._pace is not None:  # messages are obeyed meanwhile, so that a stop isn't late
             self._due = began + STEPS_PER_LOOK * self.world.spec.dt / self._pace
         if time.monotonic() - self._told > TELL_TIME:
@@ -281,7 +289,27 @@ class Server:
 
     def _call_look(self, number: int, camera: str) -> Answer:
         frame = self.world.look(camera)
-        return {}, {"image": frame.image, "depth": frame.depth}
+        pose = [*frame.pose.position.tolist(), *frame.pose.quaternion.tolist()]
+        said: dict[str, object] = {"pose": pose, "age": self.world.time - frame.time}
+        return said, {"image": frame.image, "depth": frame.depth}
+
+    def _call_camera_pose(self, number: int, camera: str) -> Answer:
+        pose = self.world.cameras.pose(camera)
+        return {"pose": [*pose.position.tolist(), *pose.quaternion.tolist()]}, None
+
+    def _call_film(self, number: int, view: object, video: str | None, picture: str | None) -> None:
+        self._end_film()
+        camera = view if isinstance(view, str) else TypeAdapter(CameraSpec).validate_python(view)
+        files = (None if file is None else Path(file) for file in (video, picture))
+        self._film = Film(self.world.cameras, camera, self.world.time, *files)
+
+    def _call_end_film(self, number: int) -> None:
+        self._end_film()
+
+    def _end_film(self) -> None:
+        film, self._film = self._film, None
+        if film is not None:
+            film.close()
 
     def _call_truth(self, number: int) -> Answer:
         return {"truth": [verdict.to_json() for verdict in judge(self.world)]}, None

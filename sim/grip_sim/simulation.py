@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-import subprocess
-from collections.abc import Mapping
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.errors import UnknownNameError
-from grip_bt.base.interpreter import python_command
+from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, Pose, RgbdFrame, Trajectory
 from grip_bt.commanders.description.load import load_robot
 from grip_sim.client import SimClient
 from grip_sim.connection import Reply
 from grip_sim.referee import ObjectTruth
-from grip_sim.specs import WorldSpec
+from grip_sim.specs import CameraSpec, WorldSpec
+
+
+_log = logging.getLogger(__name__)
 
 
 def _state(reply: Reply) -> JointState:
@@ -110,23 +115,30 @@ class SimHand(_Joints):
 
 
 class SimCamera:
-    """Implements `grip_bt.base.ports.Camera`."""
+    """Implements `grip_bt.base.ports.Camera`; one on a link is where the link is."""
 
-    def __init__(self, client: SimClient, name: str, info: CameraInfo):
-        self._client, self._name, self._info = client, name, info
+    def __init__(self, client: SimClient, spec: CameraSpec):
+        self._client, self._name, self._info, self._moves = client, spec.name, spec.info(), spec.link is not None
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry."""
-        return self._info
+        """Return the camera's geometry, with where it is now in world."""
+        if not self._moves:
+            return self._info
+        return replace(self._info, pose=_pose(self._client.ask("camera_pose", camera=self._name)))
 
     def capture(self) -> Operation[RgbdFrame]:
-        """Take one frame."""
+        """Take one frame; its time and its pose are those at which it shows the world."""
         return self._client.request("look", camera=self._name).then(self._frame)
 
     def _frame(self, reply: Reply) -> Operation[RgbdFrame]:
-        time = reply.time
+        time, info = reply.time - reply.fields["age"], replace(self._info, pose=_pose(reply))
         image = Image(reply.arrays["image"], f"{self._name}_optical", time)
-        return Operation.finished(RgbdFrame(image, DepthImage(reply.arrays["depth"], self._info, time)))
+        return Operation.finished(RgbdFrame(image, DepthImage(reply.arrays["depth"], info, time)))
+
+
+def _pose(reply: Reply) -> Pose:
+    rows = reply.fields["pose"]
+    return Pose(rows[:3], rows[3:])
 
 
 class SimReferee:
@@ -159,24 +171,6 @@ def check_positive(what: str, number: float) -> None:
 def _check_finite(what: str, *arrays: Array | None) -> None:
     if not all(np.isfinite(array).all() for array in arrays if array is not None):
         raise ValueError(f"{what} must consist of finite numbers; it holds NaN or infinity")
-
-
-_PROBE = "import sapien; sapien.render.RenderSystem(); print(sapien.render.get_device_summary())"
-
-
-def render_support() -> str:
-    """Return in a line which camera simulations use here, and whether SAPIEN's renderer would work.
-
-    The renderer is tried in a process of its own, since a bad driver can end it.
-    """
-    command = python_command("-W", "ignore", "-c", _PROBE)
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-        works = done.returncode == 0
-    except subprocess.TimeoutExpired:
-        works = False
-    vulkan = "works here too, unused" if works else "has no usable Vulkan driver here, and isn't needed"
-    return f"ray-cast camera; SAPIEN's renderer {vulkan}"
 
 
 SETTLE = 0.5
@@ -219,7 +213,7 @@ class Simulation(SimClient):
         cameras = {camera.name: camera for camera in self.spec.cameras}
         if name not in cameras:
             raise UnknownNameError("camera", name, cameras)
-        return SimCamera(self, name, cameras[name].info())
+        return SimCamera(self, cameras[name])
 
     def settle(self, seconds: float = SETTLE) -> None:
         """Let simulated time pass and wait for it.
@@ -230,6 +224,30 @@ class Simulation(SimClient):
         wait = self.move("wait", seconds=seconds)
         wait.wait()
         wait.result()
+
+    @contextmanager
+    def filmed(self, view: str, video: Path | None = None, picture: Path | None = None) -> Iterator[None]:
+        """Film the world while the block runs, 25 frames a second of simulated time, and take a picture in the end.
+
+        Args:
+            view: a camera of the world, empty for the first one; or six numbers `X,Y,Z,X,Y,Z`, from where to where.
+            video: an .mp4 file; None for none.
+            picture: a .png or .jpg file; None for none.
+
+        Raises:
+            GripError: there is no such camera, or a file can't be written.
+        """
+        place = _viewpoint(view or next((camera.name for camera in self.spec.cameras), ""))
+        files = {"video": video, "picture": picture}
+        shown = place if isinstance(place, str) else asdict(place)
+        self.ask("film", view=shown, **{kind: None if f is None else str(f.absolute()) for kind, f in files.items()})
+        try:
+            yield
+        finally:
+            try:
+                self.ask("end_film")
+            except GripError as error:  # the run itself has gone well, or has said what went wrong
+                _log.warning("the film has no end: %s", error)
 
     def kept(self) -> dict[str, Array]:
         """Return everything that moves in the world, and how, for `put_back` in another process."""
@@ -256,6 +274,15 @@ class Simulation(SimClient):
     def keep_to_simulated(self, only: bool) -> None:
         """Have the clock show simulated time alone, or let ours go on in it while nothing moves."""
         self.clock.keep_to_simulated(only)
+
+
+def _viewpoint(view: str) -> str | CameraSpec:
+    """Return the camera that looks from three of six numbers to the other three [m], or what is a camera's name."""
+    try:
+        x, y, z, *target = (float(word) for word in view.split(","))
+        return CameraSpec("view", 640, 480, 0.8, (x, y, z), far=10.0, target=(target[0], target[1], target[2]))
+    except (ValueError, IndexError):
+        return view
 
 
 def start_simulation(spec: WorldSpec, pace: float | None = None, hold: int | None = None) -> Simulation:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -14,7 +14,7 @@ from pydantic import TypeAdapter
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.runs.resume import RestoredState, changes, kept_parts
 from grip_bt.app.wiring.parts import Progress, silent
-from grip_bt.base.errors import InvalidTaskError
+from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.nodes.mock import MockLeaf
@@ -55,6 +55,9 @@ class RunOptions:
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
         durable: whether no motion begins before the journal on disk says so.
         resume: the run that is resumed; None for a new one.
+        video: where a film of the simulated world is written, 25 frames a second of its time; None for nowhere.
+        picture: where a picture of its end is written, likewise.
+        view: the world's camera that both are of, or six numbers `X,Y,Z,X,Y,Z` [m], from where to where.
     """
 
     target: Target = "bt"
@@ -70,6 +73,9 @@ class RunOptions:
     mocks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     durable: bool = False
     resume: ResumeRequest | None = None
+    video: Path | None = None
+    picture: Path | None = None
+    view: str = ""
 
 
 OPTIONS = TypeAdapter(RunOptions)
@@ -203,11 +209,20 @@ def open_session(
             runner.pause()
         running.append(runner)
         try:
-            yield Session(project, document, report, resources, runner, journal.file)
+            with _filmed(resources, options):
+                yield Session(project, document, report, resources, runner, journal.file)
         finally:
             runner.dismiss()
     if options.journal is None:
         _keep_to_limit(project.journal, project.file.journal_limit)
+
+
+def _filmed(resources: Resources, options: RunOptions) -> AbstractContextManager[None]:
+    if options.video is None and options.picture is None:
+        return nullcontext()
+    if resources.world is None:
+        raise GripError("only a simulated world can be filmed, and this run has none")
+    return resources.world.filmed(options.view, options.video, options.picture)
 
 
 def run(path: str | Path, **options: Any) -> RunResult:

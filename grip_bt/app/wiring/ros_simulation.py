@@ -152,8 +152,9 @@ def _action(project: Project, name: str) -> str:
 def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any]:
     camera = project.file.sensors[name].camera
     assert camera is not None, "only cameras are served"
-    pose = simulation.camera(camera).info().pose
-    place = {"position": [round(float(v), 6) for v in pose.position]}
+    spec = next(each for each in simulation.spec.cameras if each.name == camera)
+    pose = spec.info().pose
+    place = {**({"on": spec.link} if spec.link else {}), "position": [round(float(v), 6) for v in pose.position]}
     return {"frame": f"{name}_optical", **place, "quaternion": [round(float(v), 9) for v in pose.quaternion]}
 
 
