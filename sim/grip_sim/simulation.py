@@ -20,7 +20,6 @@ from grip_sim.connection import Reply
 from grip_sim.referee import ObjectTruth
 from grip_sim.specs import CameraSpec, WorldSpec
 
-
 _log = logging.getLogger(__name__)
 
 
@@ -238,9 +237,8 @@ class Simulation(SimClient):
             GripError: there is no such camera, or a file can't be written.
         """
         place = _viewpoint(view or next((camera.name for camera in self.spec.cameras), ""))
-        files = {"video": video, "picture": picture}
-        shown = place if isinstance(place, str) else asdict(place)
-        self.ask("film", view=shown, **{kind: None if f is None else str(f.absolute()) for kind, f in files.items()})
+        film, still = (None if file is None else str(file.absolute()) for file in (video, picture))
+        self.ask("film", view=place if isinstance(place, str) else asdict(place), video=film, picture=still)
         try:
             yield
         finally:

@@ -82,11 +82,12 @@ def test_what_a_robot_hides_of_the_view_is_known_from_its_joints_and_its_descrip
     from grip_bt.base.values import DepthImage, JointState
     from grip_bt.commanders.kinematics.model import RobotModel
     from grip_bt.nodes.camera_views import robot_pixels
+    from grip_sim.specs import CameraSpec
     from grip_sim.world import World
     from grip_sim.worlds import load_world
 
     robot = load_robot(name)
-    world = World(replace(load_world("table", 2), robot=name))
+    world = World(replace(load_world("table", 2), robot=name, cameras=(CameraSpec(shapes="collision"),)))
     world.step()
     taken = world.look("overhead")
     links = {link.name for link in world.robot.links}

@@ -29,9 +29,7 @@ class Film:
         GripError: a file can't be written.
     """
 
-    def __init__(
-        self, cameras: Rig, camera: str | CameraSpec, start: float, video: Path | None, picture: Path | None
-    ):
+    def __init__(self, cameras: Rig, camera: str | CameraSpec, start: float, video: Path | None, picture: Path | None):
         self._cameras, self._camera, self._picture = cameras, camera, picture
         self._start, self._taken = start, 0
         if picture is not None and not (cv2.haveImageWriter(str(picture)) and picture.parent.is_dir()):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -180,6 +180,6 @@ def hull_look(points: Array) -> Look:
     return Look(np.asarray(points, float), triangles)
 
 
-def box_corners(low: Array | Iterable[float], high: Array | Iterable[float]) -> Array:
+def box_corners(low: Array, high: Array) -> Array:
     """Return the corners of a box along the axes, shape (8, 3)."""
-    return np.array(np.meshgrid(*np.stack([low, high], axis=1))).reshape(3, -1).T  # type: ignore[call-overload]
+    return np.array(np.meshgrid(*np.stack([low, high], axis=1))).reshape(3, -1).T

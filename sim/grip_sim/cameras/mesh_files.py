@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -115,10 +116,15 @@ def _obj(file: Path) -> Iterator[Look]:
 
 
 def _corner(word: str, points: int, uvs: int) -> tuple[int, int]:
-    """Return the rows of a corner's point and place in the picture, -1 for none; they count from 1 or from the end."""
+    """Return the rows of a corner's point and of its place in the picture, -1 for none."""
     point, uv = (word.split("/") + [""])[:2]
-    rows = [int(w) - 1 if w and int(w) > 0 else count + int(w or -count - 1) for w, count in ((point, points), (uv, uvs))]
-    return rows[0], rows[1]
+    return _row(point, points), _row(uv, uvs)
+
+
+def _row(word: str, count: int) -> int:
+    """Return the row of which a file speaks: rows count from 1, or backwards from the end."""
+    number = int(word or 0)
+    return number - 1 if number >= 0 else count + number
 
 
 def _mtl(file: Path) -> dict[str, _Material]:
@@ -138,6 +144,7 @@ def _mtl(file: Path) -> dict[str, _Material]:
 
 # --- COLLADA 1.4 ---
 
+
 def _dae(file: Path) -> Iterator[Look]:
     document = ET.fromstring(file.read_bytes())
     for element in document.iter():
@@ -145,7 +152,10 @@ def _dae(file: Path) -> Iterator[Look]:
     by_id = {f"#{e.get('id')}": e for e in document.iter() if e.get("id")}
     unit = document.find("asset/unit")
     frame = np.diag([float(unit.get("meter", 1)) if unit is not None else 1.0] * 3 + [1.0])
-    scene = by_id[str(document.find("scene/instance_visual_scene").get("url"))]  # type: ignore[union-attr]
+    shown = document.find("scene/instance_visual_scene")
+    if shown is None:
+        raise ValueError(f"{file}: it has no scene")
+    scene = by_id[str(shown.get("url"))]
     yield from _nodes(scene, frame, by_id, file.parent)  # `up_axis` counts for nothing, as in RViz and for planners
 
 
@@ -213,7 +223,8 @@ def _fans(group: ET.Element, corners: int, width: int) -> NDArray[np.int64]:
 
 def _source(source: ET.Element) -> Array:
     accessor, numbers = source.find(".//accessor"), source.find("float_array")
-    assert accessor is not None and numbers is not None, "COLLADA asks for both"
+    if accessor is None or numbers is None:
+        raise ValueError("it has a source without numbers")
     return _floats(numbers).reshape(-1, int(accessor.get("stride", 1)))
 
 
@@ -236,5 +247,5 @@ def _dae_material(target: str, by_id: Mapping[str, ET.Element], folder: Path) ->
     return _Material(picture=folder / told.removeprefix("file://")) if told else _Material()
 
 
-def _floats(element: ET.Element, kind: type = np.float64) -> NDArray:
+def _floats(element: ET.Element, kind: type = np.float64) -> NDArray[Any]:
     return np.array((element.text or "").split(), kind)

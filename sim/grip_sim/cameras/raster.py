@@ -8,6 +8,7 @@ then computed here, in double precision, from the plane of that triangle: exact,
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import cv2
@@ -59,30 +60,24 @@ class RasterRenderer:
         self._names = tuple(target.name for target in targets)
         self._bodies: list[_Body] = []
         self._textures: list[_Texture] = []
-        points, triangles = [np.empty((0, 3), np.float32)], [np.empty((0, 3), np.int32)]
-        planes, colours = [np.empty((0, 4))], [np.empty((0, 3))]
-        boxes, count, first = [np.empty((0, 8, 3))], 0, 0
+        looks: list[Look] = []
+        boxes, count, first = [], 0, 0
         for target in targets:
-            start, begin, before = count, first, len(points)
-            for look in target.looks(visual):
-                look = _without_slivers(look)
-                if look.texture is not None and look.uv is not None and len(look.uv):
-                    self._textures.append(_texture(first, look))
-                points.append(look.points.astype(np.float32))
-                triangles.append(look.triangles + count)
-                planes.append(_planes(look))
-                colours.append(np.broadcast_to(look.colour or target.colour, (len(look.triangles), 3)))
+            mine = [_drawable(look, target) for look in target.looks(visual)]
+            start, begin = count, first
+            for look in mine:
+                if look.texture is not None and look.uv is not None:
+                    self._textures.append(_texture(first, look, look.uv, look.texture))
                 count, first = count + len(look.points), first + len(look.triangles)
-            mine = np.concatenate(points[before:] or [np.zeros((1, 3))])
-            boxes.append(box_corners(mine.min(axis=0), mine.max(axis=0))[None].astype(float))
             self._bodies.append(_Body(slice(start, count), slice(begin, first)))
+            reach = np.concatenate([np.zeros((0 if count > start else 1, 3)), *(look.points for look in mine)])
+            boxes.append(box_corners(reach.min(axis=0), reach.max(axis=0)))
+            looks += mine
         if first >= MOST:
             raise ValueError(f"{first} triangles; a camera can draw {MOST}")
-        self._points, self._triangles = np.concatenate(points), np.concatenate(triangles).astype(np.int32)
-        self._planes, self._colours = np.concatenate(planes), np.concatenate(colours).astype(np.float32)
-        self._coarse = self._planes.astype(np.float32)
+        self._fill(looks)
         sizes = [body.triangles.stop - body.triangles.start for body in self._bodies]
-        self._boxes, self._filled = np.concatenate(boxes), np.array(sizes, int) > 0
+        self._boxes, self._filled = np.array(boxes, float).reshape(-1, 8, 3), np.array(sizes, int) > 0
         self._whose = np.repeat(np.arange(len(targets)), sizes).astype(np.int16)
         self._rays = info.rays().reshape(-1, 3)
         self._field = 2 * np.arctan(info.height / 2 / info.matrix[1, 1])
@@ -90,6 +85,17 @@ class RasterRenderer:
         self._settings = cv2.TriangleRasterizeSettings()
         self._settings.setShadingType(cv2.RASTERIZE_SHADING_FLAT)
         self._settings.setCullingMode(cv2.RASTERIZE_CULLING_NONE)  # it was done before
+
+    def _fill(self, looks: Sequence[Look]) -> None:
+        """Put all triangles one behind the other."""
+        starts = np.cumsum([0, *(len(look.points) for look in looks)])
+        parts = [look.triangles + start for look, start in zip(looks, starts, strict=False)]
+        colours = [np.tile(np.array(look.colour, np.float32), (len(look.triangles), 1)) for look in looks]
+        self._points = np.concatenate([np.empty((0, 3)), *(look.points for look in looks)]).astype(np.float32)
+        self._triangles = np.concatenate([np.empty((0, 3)), *parts]).astype(np.int32)
+        self._planes = np.concatenate([np.empty((0, 4)), *map(_planes, looks)])
+        self._coarse = self._planes.astype(np.float32)
+        self._colours = np.concatenate([np.empty((0, 3), np.float32), *colours])
 
     def draw(self, pose: Pose, places: Places) -> Frame:
         """Return what is seen from a pose of bodies at places; see `Renderer`."""
@@ -222,12 +228,12 @@ class RasterRenderer:
         image[hit[mine]] = texture.picture[lines, columns] * light[mine, None]
 
 
-def _without_slivers(look: Look) -> Look:
-    """Return it without triangles that have no area, and so no plane."""
+def _drawable(look: Look, target: Target) -> Look:
+    """Return it in a colour, without triangles that have no area, and so no plane."""
     one, two, three = look.points.astype(np.float32)[look.triangles].astype(float).transpose(1, 0, 2)
     whole = np.linalg.norm(np.cross(two - one, three - one), axis=1) > 0
     uv = None if look.uv is None else look.uv[whole]
-    return Look(look.points, look.triangles[whole], look.colour, uv, look.texture)
+    return replace(look, triangles=look.triangles[whole], colour=look.colour or target.colour, uv=uv)
 
 
 def _planes(look: Look) -> Array:
@@ -238,16 +244,15 @@ def _planes(look: Look) -> Array:
     return np.column_stack([normals, np.einsum("ij,ij->i", normals, one)])
 
 
-def _texture(first: int, look: Look) -> _Texture:
-    assert look.uv is not None and look.texture is not None, "it was asked before"
+def _texture(first: int, look: Look, uv: Array, picture: NDArray[np.uint8]) -> _Texture:
     corners = look.points[look.triangles]
-    edges, steps = corners[:, 1:] - corners[:, :1], look.uv[:, 1:] - look.uv[:, :1]
+    edges, steps = corners[:, 1:] - corners[:, :1], uv[:, 1:] - uv[:, :1]
     slopes = np.transpose(np.linalg.pinv(edges) @ steps, (0, 2, 1))
-    return _Texture(first, slopes, look.uv[:, 0] - np.einsum("nij,nj->ni", slopes, corners[:, 0]), look.texture)
+    return _Texture(first, slopes, uv[:, 0] - np.einsum("nij,nj->ni", slopes, corners[:, 0]), picture)
 
 
 def _clipped(corners: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.intp]]:
-    """Cut off what lies nearer than NEAR; return corners of triangles, and of which of the given ones each is a part."""
+    """Cut off what lies nearer than NEAR; return corners of triangles, and of which given one each is a part."""
     ahead = corners[:, :, 2] > NEAR
     whole = np.flatnonzero(ahead.all(axis=1))
     found, rows = list(corners[whole]), list(whole)

@@ -32,9 +32,7 @@ class Rig:
         UnknownNameError: a camera is mounted on a link that the robot doesn't have.
     """
 
-    def __init__(
-        self, spec: WorldSpec, targets: Sequence[Target], links: Mapping[str, physx.PhysxRigidBaseComponent]
-    ):
+    def __init__(self, spec: WorldSpec, targets: Sequence[Target], links: Mapping[str, physx.PhysxRigidBaseComponent]):
         self._seed, self._targets = spec.seed, list(targets)
         self._specs = {camera.name: camera for camera in spec.cameras}
         carriers = dict.fromkeys(camera.link for camera in spec.cameras if camera.link is not None)
