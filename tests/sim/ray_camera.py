@@ -1,4 +1,4 @@
-"""An RGB-D camera that casts rays against the collision shapes: it needs no renderer, no Vulkan and no GPU.
+"""A camera that casts rays against the collision shapes, the oracle of the cameras that draw triangles.
 
 What never moves is boxes: their image is computed once, for all pixels together (slab method). Per frame only those
 pixels are cast that may see something which moves: those within the projected bounding boxes of its bodies.
@@ -8,51 +8,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.base.arrays import Array, Mask
+from grip_sim.cameras.frame import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NOTHING, Frame
+from grip_sim.cameras.looks import Target
 from grip_sim.physics import physx
-from grip_sim.specs import BoxSpec, CameraSpec, Colour
-
-LIGHT = np.array([0.35, -0.25, 0.9]) / np.linalg.norm([0.35, -0.25, 0.9])
-AMBIENT, DIFFUSE = 0.45, 0.55
-BACKGROUND: Colour = (24, 26, 30)
-NOTHING = -1
-
-
-@dataclass(frozen=True)
-class Target:
-    """A body that the camera may see.
-
-    Attributes:
-        body: its physical component.
-        name: for the referee's segmentation.
-        colour: red green blue, 0-255.
-    """
-
-    body: physx.PhysxRigidBaseComponent
-    name: str
-    colour: Colour
-
-
-@dataclass(frozen=True)
-class Frame:
-    """One capture.
-
-    Attributes:
-        image: shape (height, width, 3) uint8.
-        depth: shape (height, width) float32, along the optical axis [m]; 0 where nothing is.
-        labels: shape (height, width) int16, index into `names`, -1 where nothing is. For referees only.
-        names: of what can be seen.
-    """
-
-    image: NDArray[np.uint8]
-    depth: NDArray[np.float32]
-    labels: NDArray[np.int16]
-    names: tuple[str, ...]
+from grip_sim.specs import BoxSpec, CameraSpec
 
 
 class RayCamera:
@@ -113,7 +77,10 @@ class RayCamera:
         light[labels == NOTHING] = 1.0
         image = np.clip(self._colours[labels] * light[:, None], 0, 255).astype(np.uint8)
         depth = (distance / self._stretch).astype(np.float32)
-        return Frame(image.reshape(*shape, 3), depth.reshape(shape), labels.reshape(shape), self._names)
+        facing = (normals @ self.info.pose.rotation()).astype(np.float32).reshape(*shape, 3)
+        facing[labels.reshape(shape) == NOTHING] = 0
+        image, depth, labels = image.reshape(*shape, 3), depth.reshape(shape), labels.reshape(shape)
+        return Frame(image, depth, labels, self._names, facing, self.info.pose)
 
     def _cast_boxes(self, boxes: Sequence[BoxSpec]) -> tuple[Array, Array, NDArray[np.int16]]:
         """Return distance [m], normal and label of what each ray hits first, boxes along the axes (Kay and Kajiya)."""
