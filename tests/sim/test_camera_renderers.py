@@ -18,7 +18,8 @@ from grip_sim.cameras.mesh_files import read_mesh
 from grip_sim.cameras.raster import RasterRenderer
 from grip_sim.physics import make_scene, physx, sapien
 from grip_sim.render_support import vulkan_works
-from grip_sim.specs import CameraSpec, WorldSpec, table_world
+from grip_sim.specs import CameraSpec, WorldSpec
+from grip_sim.worlds import load_world
 
 pytestmark = pytest.mark.sim
 CAMERA = CameraSpec("c", 80, 60, 0.9, (0.0, 0.0, 0.0), (0.5, -0.5, 0.5, -0.5), far=5.0, shapes="collision")
@@ -197,7 +198,9 @@ def test_a_frame_is_the_same_bit_by_bit_whatever_the_threads():
     try:
         for count in (1, 2, 4):
             cv2.setNumThreads(count)
-            frames.append(World(replace(table_world(3), cameras=(CameraSpec(renderer="raster"),))).look("overhead"))
+            frames.append(
+                World(replace(load_world("table", 3), cameras=(CameraSpec(renderer="raster"),))).look("overhead")
+            )
     finally:
         cv2.setNumThreads(threads)
     for other in frames[1:]:
@@ -285,7 +288,7 @@ def test_sapien_s_renderer_sees_the_same():
 
     view = CameraSpec("view", 160, 120, 0.9, (1.2, 0.5, 0.6), target=(0.5, 0.0, 0.1), renderer="raster")
     cameras = (view, replace(view, name="vulkan", renderer="sapien"))
-    world = World(WorldSpec(objects=table_world(0).objects, cameras=cameras))
+    world = World(WorldSpec(objects=load_world("table", 0).objects, cameras=cameras))
     drawn, seen = world.look("view"), world.look("vulkan")
     assert (drawn.labels == seen.labels).mean() > 0.999
     same = (drawn.labels == seen.labels) & (drawn.labels >= 0)

@@ -16,7 +16,7 @@ from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Trajectory
 from grip_sim import start_simulation
 from grip_sim.noise import PRESETS, NoiseSpec
-from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec, table_world
+from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 
 pytestmark = pytest.mark.sim
 WRIST = CameraSpec("wrist", 64, 48, 1.0, (0.05, 0.0, 0.03), target=(0.05, 0.0, 0.5), link="panda_link8", far=3.0)
@@ -27,7 +27,7 @@ FOCAL = 600.0
 def world_of(*cameras, **fields):
     from grip_sim.world import World
 
-    return World(replace(table_world(1), cameras=cameras, **fields))
+    return World(replace(load_world("table", 1), cameras=cameras, **fields))
 
 
 def same(one, two):
@@ -69,7 +69,7 @@ def test_a_camera_on_a_link_goes_where_the_link_goes():
 
 
 def test_frames_and_geometry_that_are_served_are_of_where_the_link_is():
-    with start_simulation(replace(table_world(1), cameras=(WRIST, SMALL))) as simulation:
+    with start_simulation(replace(load_world("table", 1), cameras=(WRIST, SMALL))) as simulation:
         camera = simulation.camera("wrist")
         before, frame = camera.info(), camera.capture()
         assert frame.wait(30.0)
@@ -222,7 +222,7 @@ def test_a_run_that_is_filmed_is_the_same_run(tmp_path, target):
 
 
 def test_a_film_that_can_not_be_is_refused_before_anything_moves(tmp_path):
-    with start_simulation(replace(table_world(0), cameras=(SMALL,))) as simulation:
+    with start_simulation(replace(load_world("table", 0), cameras=(SMALL,))) as simulation:
         for wrong in ({"video": tmp_path / "gone" / "a.mp4"}, {"picture": tmp_path / "a.txt"}, {"view": "overhaed"}):
             with pytest.raises(GripError), simulation.filmed(**{"view": "", "picture": tmp_path / "a.png"} | wrong):
                 pytest.fail("it was begun")
