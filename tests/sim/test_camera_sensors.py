@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 
 import cv2
 import numpy as np
@@ -17,6 +18,7 @@ from grip_bt.base.values import Trajectory
 from grip_sim import start_simulation
 from grip_sim.noise import PRESETS, NoiseSpec
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
+from grip_sim.worlds import load_world
 
 pytestmark = pytest.mark.sim
 WRIST = CameraSpec("wrist", 64, 48, 1.0, (0.05, 0.0, 0.03), target=(0.05, 0.0, 0.5), link="panda_link8", far=3.0)
@@ -242,8 +244,7 @@ def test_only_a_simulated_world_is_filmed(tmp_path):
 
 
 def test_where_no_driver_is_auto_draws_triangles_without_a_trial(monkeypatch, tmp_path):
-    from grip_sim import render_support
-
+    render_support = import_module("grip_sim.render_support")  # the package has a function of that name
     monkeypatch.setenv("VK_ICD_FILENAMES", str(tmp_path / "none.json"))
     monkeypatch.setattr(render_support, "_tried", lambda: pytest.fail("it was tried"))
     render_support.vulkan_works.cache_clear()
