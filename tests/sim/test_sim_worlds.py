@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_sim.noise import PRESETS
 from grip_sim.worlds import BUILTIN, ArrangementError, load_world, read_world, world_files
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -88,9 +89,11 @@ objects:
   ball: {shape: sphere, radius: 0.03, at: [0.4, 0.1, 0.2]}
 cameras:
   front: {at: [1.5, 0.3, 0.9], look_at: [0.5, 0.0, 0.1]}
+  wrist: {at: [0.05, 0, 0], look_at: [0.05, 0, 1], link: panda_link8, noise: realsense, renderer: raster}
 """
     spec = load_world(str(written(tmp_path, text)))
-    (ball,), (camera,) = spec.objects, spec.cameras
+    (ball,), (camera, wrist) = spec.objects, spec.cameras
+    assert (wrist.link, wrist.noise, wrist.renderer) == ("panda_link8", PRESETS["realsense"], "raster")
     assert ball.position == pytest.approx((0.4, 0.1, 0.23))
     x, y, z = camera.info().pose.inverse().apply([[0.5, 0.0, 0.1]])[0]
     assert (x, y) == pytest.approx((0, 0), abs=1e-9)

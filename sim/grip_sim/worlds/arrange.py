@@ -11,7 +11,6 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
-from grip_bt.base.values import Pose
 from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box
 
 from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span, WorldFile
@@ -172,18 +171,7 @@ def _places(
 
 
 def camera_of(name: str, camera: CameraConfig) -> CameraSpec:
-    """Return a camera with its direction as a quaternion."""
-    turn = camera.quaternion or _towards(np.subtract(camera.look_at or camera.at, camera.at))
-    return CameraSpec(name, camera.width, camera.height, camera.field_of_view, camera.at, turn, camera.far)
-
-
-def _towards(direction: Array) -> tuple[float, float, float, float]:
-    """Return the optical frame's orientation that looks along a direction; straight down, the image's up is +x."""
-    forward = direction / np.linalg.norm(direction)
-    up = np.array([0.0, 0.0, 1.0]) if np.hypot(*forward[:2]) > 1e-6 else np.array([1.0, 0.0, 0.0])
-    right = np.cross(forward, up)
-    right /= np.linalg.norm(right)
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.column_stack((right, np.cross(forward, right), forward))
-    w, x, y, z = Pose.from_matrix(matrix).quaternion.tolist()
-    return (w, x, y, z)
+    """Return a camera as it is given: by what it looks at, or by its orientation."""
+    given = camera.model_dump(exclude={"at", "look_at", "quaternion", "noise"})
+    direction = {} if camera.quaternion is None else {"quaternion": camera.quaternion}
+    return CameraSpec(name, position=camera.at, target=camera.look_at, noise=camera.noise, **given, **direction)

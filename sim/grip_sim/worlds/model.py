@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from grip_bt.base.yaml.models import Settings, exactly_one
 from grip_bt.commanders.description.config import RobotConfig
+from grip_sim.noise import Noise
 from grip_sim.specs import Colour, Finite, NotNegative, Positive, Size, Vector
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
@@ -126,9 +127,9 @@ class CameraConfig(Settings):
     """A pinhole RGB-D camera."""
 
     at: Vector
-    """Of the optical centre."""
+    """Of the optical centre; in the link's frame where there is a `link`."""
     look_at: Vector | None = None
-    """The point in the middle of the image; the image's up is the world's."""
+    """The point in the middle of the image; the image's up is z."""
     quaternion: tuple[Finite, Finite, Finite, Finite] | None = None
     """Of the optical frame (x right, y down, z forward), w x y z; instead of `look_at`."""
     width: Annotated[int, Field(gt=0, le=4096)] = 320
@@ -137,6 +138,12 @@ class CameraConfig(Settings):
     """Vertical opening angle [rad]."""
     far: Positive = 3.0
     """Nothing is seen beyond [m]."""
+    link: str | None = None
+    """The robot's link that carries it; without it, it stands in the world."""
+    renderer: Literal["auto", "sapien", "raster"] = "auto"
+    """SAPIEN's, or triangles drawn on the CPU; `auto` is SAPIEN's where Vulkan works."""
+    noise: Noise | None = None
+    """What its sensor does to a frame: `realsense`, `kinect2`, or its figures; nothing without it."""
 
     @model_validator(mode="after")
     def _one_direction(self) -> CameraConfig:
