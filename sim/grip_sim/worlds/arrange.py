@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -173,5 +173,5 @@ def _places(
 def camera_of(name: str, camera: CameraConfig) -> CameraSpec:
     """Return a camera as it is given: by what it looks at, or by its orientation."""
     given = camera.model_dump(exclude={"at", "look_at", "quaternion", "noise"})
-    direction = {} if camera.quaternion is None else {"quaternion": camera.quaternion}
-    return CameraSpec(name, position=camera.at, target=camera.look_at, noise=camera.noise, **given, **direction)
+    spec = CameraSpec(name, position=camera.at, target=camera.look_at, noise=camera.noise, **given)
+    return spec if camera.quaternion is None else replace(spec, quaternion=camera.quaternion)
