@@ -8,6 +8,7 @@ from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.cli.__main__ import main
 from grip_bt.task import read_text
 from grip_bt.task.validation import validate
+from grip_sim.worlds import BUILTIN
 
 PROJECT = """grip: 1
 robot: panda_allegro
@@ -16,8 +17,9 @@ hands: {right_hand: {}}
 sensors: {overhead: {camera: CAMERA}}
 world: WORLD
 """
+WORLDS = ", ".join(BUILTIN)
 GO, LOOK = "{node: arm/move_to, with: {state: home}}", "{node: sensor/overhead}"
-UNKNOWN_WORLD = "grip.yaml: world: unknown world 'tabel'; did you mean 'table'? (available: table)"
+UNKNOWN_WORLD = f"grip.yaml: world: unknown world 'tabel'; did you mean 'table'? (available: {WORLDS})"
 UNKNOWN_CAMERA = (
     "grip.yaml: sensors/overhead/camera, world 'table': unknown camera 'overhed'; did you mean 'overhead'? "
     "(available: overhead)"
@@ -79,7 +81,7 @@ def test_a_file_of_the_room_that_is_wrong_is_told_until_it_is_mended(said, tmp_p
     [
         (project(world="tabel"), UNKNOWN_WORLD),
         (project(camera="overhed"), UNKNOWN_CAMERA),
-        (project().replace("world: table\n", ""), "grip.yaml: world: which world? None is named (available: table)"),
+        (project().replace("world: table\n", ""), f"grip.yaml: world: which world? None is named (available: {WORLDS})"),
         (project() + "scene: room.scene\n", "room.scene: can't be read: No such file or directory"),
     ],
 )
