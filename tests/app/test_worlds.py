@@ -18,6 +18,7 @@ sensors: {overhead: {camera: CAMERA}}
 world: WORLD
 """
 WORLDS = ", ".join(BUILTIN)
+NO_WORLD = f"grip.yaml: world: which world? None is named (available: {WORLDS})"
 GO, LOOK = "{node: arm/move_to, with: {state: home}}", "{node: sensor/overhead}"
 UNKNOWN_WORLD = f"grip.yaml: world: unknown world 'tabel'; did you mean 'table'? (available: {WORLDS})"
 UNKNOWN_CAMERA = (
@@ -81,7 +82,10 @@ def test_a_file_of_the_room_that_is_wrong_is_told_until_it_is_mended(said, tmp_p
     [
         (project(world="tabel"), UNKNOWN_WORLD),
         (project(camera="overhed"), UNKNOWN_CAMERA),
-        (project().replace("world: table\n", ""), f"grip.yaml: world: which world? None is named (available: {WORLDS})"),
+        (
+            project().replace("world: table\n", ""),
+            f"grip.yaml: world: which world? None is named (available: {WORLDS})",
+        ),
         (project() + "scene: room.scene\n", "room.scene: can't be read: No such file or directory"),
     ],
 )
