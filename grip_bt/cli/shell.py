@@ -36,6 +36,7 @@ VERBS = {
     "replay": "replay a run event by event, also one in progress",
     "capsule": "write a run as one HTML file that needs no server",
     "robot": "check a robot's files, show what a robot has, list ready-made ones",
+    "object": "list, show and check things that worlds hold, bring in other people's meshes",
     "world": "list, show, picture and check simulated worlds, make one of your own",
     "teach": "remember where an arm or a hand is now, under a name",
     "doctor": "check the installation, and say how to fix it",

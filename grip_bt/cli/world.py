@@ -62,7 +62,7 @@ def _run_show(args: argparse.Namespace) -> int:
     spec = load_world(args.world, args.seed, project.folder, "" if project.file.robot is None else project.robot_source)
     print(json.dumps(spec.to_json(), indent=2) if args.json else "\n".join(_told(spec)))
     if args.picture is not None:
-        _take_picture(spec, args.camera, args.picture)
+        take_picture(spec, args.camera, args.picture)
         print(f"{args.picture}: written", file=sys.stderr)
     return 0
 
@@ -71,6 +71,7 @@ def _told(spec: WorldSpec) -> Iterator[str]:
     yield f"robot: {spec.robot}"
     for thing in spec.objects:
         size = f"radius {thing.radius:.3f} m" + ("" if thing.shape == "sphere" else f", height {thing.height:.3f} m")
+        size = f"{Path(thing.model).stem}, {size}" if thing.model else size
         place = ", ".join(f"{each:.3f}" for each in thing.position)
         yield f"object {thing.name}: {size}, {thing.mass:.3f} kg, friction {thing.friction:g}, centre at {place}"
     yield from (f"fixture {box.name}" for box in spec.boxes)
@@ -84,7 +85,7 @@ def _told(spec: WorldSpec) -> Iterator[str]:
         yield f"judge {name}: {condition}"
 
 
-def _take_picture(spec: WorldSpec, camera: str, file: Path) -> None:
+def take_picture(spec: WorldSpec, camera: str, file: Path) -> None:
     """Write what a camera sees when everything has settled.
 
     Raises:

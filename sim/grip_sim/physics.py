@@ -5,12 +5,15 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 
+import numpy as np
+
 with warnings.catch_warnings():
     warnings.filterwarnings("ignore", message="Failed to find system libvulkan")
     import sapien
     from sapien import physx
 
-from grip_sim.specs import GRAVITY
+from grip_sim.objects import ObjectModel
+from grip_sim.specs import GRAVITY, ObjectSpec
 
 
 def make_scene(dt: float) -> sapien.Scene:
@@ -58,4 +61,24 @@ def movable(friction: float) -> physx.PhysxMaterial:
     return physx.PhysxMaterial(2 * friction, 2 * friction, 0.0)
 
 
-__all__ = ["FIXED", "movable", "ignore_each_other", "make_scene", "physx", "sapien"]
+def add_model(scene: sapien.Scene, spec: ObjectSpec, model: ObjectModel) -> physx.PhysxRigidDynamicComponent:
+    """Put an object of convex parts into a scene, with its mass and inertia [kg, kg m^2], and return its body."""
+    body, material = physx.PhysxRigidDynamicComponent(), movable(spec.friction)
+    for points in model.parts:
+        body.attach(physx.PhysxCollisionShapeConvexMesh(np.float32(points), np.full(3, spec.scale), material))
+    moments, axes = np.linalg.eigh(model.inertia)
+    frame = np.eye(4)
+    frame[:3, :3] = axes * np.linalg.det(axes)  # axes of inertia have no direction: a right-handed set is taken
+    frame[:3, 3] = model.centre * spec.scale
+    body.set_mass(spec.mass)
+    body.set_inertia(moments * spec.mass / model.mass * spec.scale**2)
+    body.set_cmass_local_pose(sapien.Pose(frame))
+    entity = sapien.Entity()
+    entity.set_name(spec.name)
+    entity.add_component(body)
+    entity.set_pose(sapien.Pose(spec.pose.position, spec.pose.quaternion))
+    scene.add_entity(entity)
+    return body
+
+
+__all__ = ["FIXED", "add_model", "movable", "ignore_each_other", "make_scene", "physx", "sapien"]

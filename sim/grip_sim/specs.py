@@ -118,19 +118,21 @@ class ObjectSpec:
 
     Attributes:
         name: its entity's name.
-        shape: `cylinder`, `box` with a square foot, or `sphere`.
-        radius: radius, or half the edge of the foot [m].
+        shape: `cylinder`, `box` with a square foot, `sphere`, or `model`.
+        radius: radius, or half the edge of the foot; of a model, that of the circle it stays within [m].
         height: [m]; a sphere's is twice its radius.
-        position: where its centre starts, in world [m].
+        position: where its centre starts, in world [m]; a model's is the middle of its bounding box.
         yaw: turn about the vertical [rad], after the tilt.
         mass: [kg].
         friction: coefficient against hands and everything that never moves. Between two objects theirs are added.
         colour: red green blue, 0-255.
         tilt: roll and pitch [rad].
+        model: path of a model's file.
+        scale: factor of a model's lengths.
     """
 
     name: str
-    shape: Literal["cylinder", "box", "sphere"]
+    shape: Literal["cylinder", "box", "sphere", "model"]
     radius: Positive
     height: Positive
     position: Vector
@@ -139,6 +141,8 @@ class ObjectSpec:
     friction: NotNegative = 1.0
     colour: Colour = (200, 60, 40)
     tilt: tuple[Finite, Finite] = (0.0, 0.0)
+    model: str = ""
+    scale: Positive = 1.0
 
     @property
     def pose(self) -> Pose:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,8 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_sim.cameras.frame import Frame
 from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.rig import Rig
-from grip_sim.physics import FIXED, make_scene, movable, physx, sapien
+from grip_sim.objects import load_object
+from grip_sim.physics import FIXED, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
 from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, Vector, WorldSpec
 
@@ -203,6 +205,8 @@ class World:
         return Target(_static(builder, mesh.name, mesh.pose), mesh.name, mesh.colour)
 
     def _add_object(self, spec: ObjectSpec) -> physx.PhysxRigidDynamicComponent:
+        if spec.shape == "model":
+            return add_model(self._scene, spec, load_object(Path(spec.model)))
         builder = self._scene.create_actor_builder()
         material = movable(spec.friction)
         r, h = spec.radius, spec.height
@@ -228,7 +232,9 @@ class World:
 
     def _object_targets(self) -> Iterator[Target]:
         for spec in self.spec.objects:
-            yield Target(self._objects[spec.name], spec.name, spec.colour)
+            looks = load_object(Path(spec.model)).looks if spec.shape == "model" else ()
+            drawn = tuple(look.moved(np.eye(4), spec.scale) for look in looks)
+            yield Target(self._objects[spec.name], spec.name, spec.colour, drawn=drawn)
 
 
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:

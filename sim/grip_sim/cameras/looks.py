@@ -57,12 +57,14 @@ class Target:
         name: for the referee's segmentation.
         colour: red green blue, 0-255, of what has no colour of its own.
         visuals: what it looks like; nothing for its collision shapes.
+        drawn: the same, as triangles.
     """
 
     body: physx.PhysxRigidBaseComponent
     name: str
     colour: Colour
     visuals: tuple[Visual, ...] = ()
+    drawn: tuple[Look, ...] = ()
 
     def looks(self, visual: bool = True) -> tuple[Look, ...]:
         """Return its triangles in its own frame; `visual` prefers visuals to collision shapes."""
@@ -71,7 +73,9 @@ class Target:
         except (GripError, OSError, ValueError, ET.ParseError) as error:
             _log.warning("%s is drawn by its collision shapes: %s", self.name, error)
             found = ()
-        return found or tuple(shape_look(shape) for shape in self.body.collision_shapes)
+        return (
+            found or (self.drawn if visual else ()) or tuple(shape_look(shape) for shape in self.body.collision_shapes)
+        )
 
 
 def visuals_of(urdf: str) -> Mapping[str, tuple[Visual, ...]]:

@@ -67,7 +67,7 @@ def read_mesh(file: Path) -> tuple[Look, ...]:
     try:
         scene = trimesh.load_scene(file, process=False, maintain_order=True)
         parts = tuple(_look(mesh) for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces))
-    except Exception as error:  # what trimesh's readers raise isn't told
+    except Exception as error:  # noqa: BLE001 - what trimesh's readers raise isn't told
         raise DocumentError(f"it can't be read as a mesh: {error}", str(file)) from None
     if not parts:
         raise DocumentError("it holds no triangles", str(file))

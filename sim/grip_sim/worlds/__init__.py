@@ -11,6 +11,7 @@ from pathlib import Path
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.files import note
+from grip_sim.objects import object_file
 from grip_sim.specs import WorldSpec
 
 from .arrange import ArrangementError, arrange
@@ -56,7 +57,8 @@ def load_world(name: str, seed: int = 0, project: Path | None = None, robot: str
     """
     world, path = read_world(name, project)
     own = "" if world.robot is None else world.robot if isinstance(world.robot, str) else str(path)
-    return arrange(world, seed, path.parent, robot or own)
+    home = project or path.parent.parent
+    return arrange(world, seed, path.parent, robot or own, lambda each: object_file(each, home))
 
 
 __all__ = ["BUILTIN", "ArrangementError", "WorldFile", "arrange", "load_world", "read_world", "world_files"]

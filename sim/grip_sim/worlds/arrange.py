@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
+from grip_sim.objects import load_object, object_file
 from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box
 
 from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span, WorldFile
@@ -18,13 +19,15 @@ from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span,
 TRIES, RESTARTS = 10_000, 30
 COLOURS: tuple[Colour, ...] = ((205, 60, 45), (60, 150, 70), (225, 170, 40), (120, 70, 160), (30, 140, 160))
 GREY: Colour = (150, 150, 150)
+Models: TypeAlias = Callable[[str], Path]
+"""Returns the file of an object that is named."""
 
 
 class ArrangementError(GripError):
     """Objects don't fit where they are to be drawn."""
 
 
-def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "") -> WorldSpec:
+def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: Models = object_file) -> WorldSpec:
     """Return the arrangement that a seed draws: the same file and seed give the same one.
 
     Args:
@@ -32,8 +35,10 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "") -> World
         seed: of what is drawn.
         folder: that the file's paths begin in.
         robot: what is simulated: a name or a file.
+        models: returns the file of an object that is named.
 
     Raises:
+        UnknownNameError, DocumentError: there is no such object, or its file is wrong.
         ArrangementError: drawn objects don't fit; it says how many do.
     """
     rng = np.random.default_rng(seed)
@@ -41,13 +46,13 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "") -> World
         RegionSpec(name, r.size, (r.at[0], r.at[1], r.at[2] + r.size[2] / 2), r.yaw, r.target)
         for name, r in world.regions.items()
     )
-    fixed = [_placed(name, thing) for name, thing in world.objects.items() if not thing.draw]
+    fixed = [_placed(name, thing, models) for name, thing in world.objects.items() if not thing.draw]
     taken = [np.array(thing.position[:2]) for thing in fixed]
     objects = list(fixed)
     for name, thing in world.objects.items():
         if thing.draw:
             region = next(region for region in regions if region.name == thing.region)
-            objects += _drawn(name, thing, region, taken, rng)
+            objects += _drawn(name, thing, region, taken, rng, models)
     return WorldSpec(
         robot=robot or "panda_allegro",
         seed=seed,
@@ -81,20 +86,25 @@ def _boxes(name: str, fixture: FixtureConfig) -> Iterator[BoxSpec]:
 class _Kind:
     """What one object consists of before it has a place."""
 
-    shape: Literal["cylinder", "box", "sphere"]
+    shape: Literal["cylinder", "box", "sphere", "model"]
     radius: float
     height: float
     mass: float
     friction: float
+    model: str = ""
+    scale: float = 1.0
 
     def at(
         self, name: str, place: Sequence[float], yaw: float, colour: Colour, tilt: tuple[float, float]
     ) -> ObjectSpec:
         """Return it with its underside's middle at a place in world [m]."""
         position = (float(place[0]), float(place[1]), float(place[2]) + self.height / 2)
-        return ObjectSpec(
-            name, self.shape, self.radius, self.height, position, yaw, self.mass, self.friction, colour, tilt
-        )
+        return ObjectSpec(name, position=position, yaw=yaw, colour=colour, tilt=tilt, **asdict(self))
+
+    @property
+    def name(self) -> str:
+        """What drawn ones are called after."""
+        return Path(self.model).stem if self.model else self.shape
 
 
 def _within(rng: np.random.Generator | None, span: Span) -> float:
@@ -103,40 +113,48 @@ def _within(rng: np.random.Generator | None, span: Span) -> float:
     return float(rng.uniform(*span)) if rng is not None else (span[0] + span[1]) / 2
 
 
-def _kind(config: ShapeConfig, rng: np.random.Generator | None) -> tuple[_Kind, float]:
+def _kind(config: ShapeConfig, rng: np.random.Generator | None, models: Models) -> tuple[_Kind, float]:
     """Return what a configuration stands for, and its yaw; where nothing is drawn, the middle of ranges and no turn.
 
-    Drawn: radius, height, yaw, mass, in that order, which seeds that people have noted depend on.
+    Drawn: radius and height or scale, yaw, mass, in that order, which seeds that people have noted depend on.
     """
-    assert config.shape is not None, "the file was checked"
-    assert config.radius is not None, "the file was checked"
-    radius = _within(rng, config.radius)
-    height = _within(rng, config.height) if config.height is not None else 2 * radius
+    if config.model is not None:
+        path = models(config.model)
+        model = load_object(path)
+        scale = _within(rng, config.scale)
+        kind = _Kind("model", model.radius * scale, model.size[2] * scale, model.mass, model.friction, str(path), scale)
+    else:
+        assert config.shape is not None, "the file was checked"
+        assert config.radius is not None, "the file was checked"
+        radius = _within(rng, config.radius)
+        height = _within(rng, config.height) if config.height is not None else 2 * radius
+        kind = _Kind(config.shape, radius, height, 0.2, 1.0)
     yaw = float(rng.uniform(-np.pi, np.pi)) if rng is not None else 0.0
-    return _Kind(config.shape, radius, height, _within(rng, config.mass), config.friction), yaw
+    mass = kind.mass if config.mass is None else _within(rng, config.mass)
+    return replace(kind, mass=mass, friction=kind.friction if config.friction is None else config.friction), yaw
 
 
-def _placed(name: str, thing: ObjectConfig) -> ObjectSpec:
+def _placed(name: str, thing: ObjectConfig, models: Models) -> ObjectSpec:
     assert thing.at is not None, "the file was checked"
-    kind, _ = _kind(thing, None)
+    kind, _ = _kind(thing, None, models)
     return kind.at(name, thing.at, thing.yaw, thing.colour or COLOURS[0], thing.tilt)
 
 
 def _drawn(
-    name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator
+    name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator, models: Models
 ) -> Iterator[ObjectSpec]:
-    clearance = thing.clearance or 0.01 + 2 * max(_kind(each, None)[0].radius for each in thing.of)
+    clearance = thing.clearance or 0.01 + 2 * max(_kind(each, None, models)[0].radius for each in thing.of)
     places = _places(thing.draw, region, clearance, taken, rng, name, thing.drop)
     floor = region.centre[2] - region.size[2] / 2
     for index, place in enumerate(places):
         config = thing.of[min(int(rng.random() * len(thing.of)), len(thing.of) - 1)]
-        kind, yaw = _kind(config, rng)
+        kind, yaw = _kind(config, rng, models)
         tilt, up = (0.0, 0.0), floor
         if thing.drop:
             tilt = (float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(-np.pi / 2, np.pi / 2)))
             up += index * clearance + (np.hypot(2 * kind.radius, kind.height) - kind.height) / 2
         colour = config.colour or COLOURS[index % len(COLOURS)]
-        yield kind.at(f"{kind.shape}_{index}", (place[0], place[1], up), yaw, colour, tilt)
+        yield kind.at(f"{kind.name}_{index}", (place[0], place[1], up), yaw, colour, tilt)
 
 
 def _places(

@@ -68,24 +68,31 @@ class RegionConfig(Settings):
 
 
 class ShapeConfig(Settings):
-    """An object of a simple shape; where numbers are ranges, the seed draws."""
+    """An object of a simple shape, or a model; where numbers are ranges, the seed draws."""
 
     shape: Literal["cylinder", "box", "sphere"] | None = None
     """A box has a square foot."""
+    model: str | None = None
+    """An object of the project's or the library, or the path of a file that describes one; in place of `shape`."""
+    scale: Span = 1.0
+    """Factor of a model's lengths."""
     radius: Span | None = None
     """Of a cylinder or sphere; half the edge of a box's foot [m]."""
     height: Span | None = None
     """Of a cylinder or box [m]."""
-    mass: Span = 0.2
-    """[kg]"""
-    friction: NotNegative = 1.0
-    """Coefficient against hands and fixtures."""
+    mass: Span | None = None
+    """[kg]; a model's own, and 0.2 of other shapes, without it."""
+    friction: NotNegative | None = None
+    """Coefficient against hands and fixtures; a model's own, and 1 of other shapes, without it."""
     colour: Colour | None = None
+    """Red green blue, 0-255; of a shape."""
 
     @model_validator(mode="after")
     def _one_form(self) -> ShapeConfig:
-        if self.shape is None and not getattr(self, "draw", 0):
-            raise ValueError("an object needs a `shape`: cylinder, box or sphere")
+        if self.shape and self.model:
+            raise ValueError("an object has either a `shape` or a `model`")
+        if not (self.shape or self.model or getattr(self, "draw", 0)):
+            raise ValueError("an object needs a `shape`, cylinder, box or sphere, or a `model`, such as mug")
         if self.shape and not self.radius:
             raise ValueError(f"a {self.shape} needs a `radius` [m]")
         if self.shape in ("cylinder", "box") and not self.height:
@@ -114,10 +121,10 @@ class ObjectConfig(ShapeConfig):
 
     @model_validator(mode="after")
     def _place(self) -> ObjectConfig:
-        if self.draw and (self.shape or self.at):
-            raise ValueError("drawn objects take `of` and `in`, not `shape` or `at`")
+        if self.draw and (self.shape or self.model or self.at):
+            raise ValueError("drawn objects take `of` and `in`, not `shape`, `model` or `at`")
         if self.draw and not (self.of and self.region):
-            raise ValueError("drawn objects need `of: [{shape: ...}, ...]` and `in: REGION`")
+            raise ValueError("drawn objects need `of: [{shape: ...}, {model: ...}, ...]` and `in: REGION`")
         if not self.draw and self.at is None:
             raise ValueError("an object needs a place: `at: [x, y, z]`, the middle of its underside")
         return self

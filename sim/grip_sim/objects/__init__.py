@@ -1,0 +1,61 @@
+"""Objects by name: files `objects/NAME.yaml` of a project, and the library that is built in (`BUILTIN`).
+
+A file says what an object is made of, or names a mesh with its convex parts; `load_object` makes an `ObjectModel` of
+it. Nothing here imports SAPIEN.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.yaml.models import read_model
+from grip_bt.commanders.description.files import note
+
+from .body import ObjectModel, build
+from .model import ObjectFile
+
+HERE = Path(__file__).parent / "library"
+BUILTIN = tuple(sorted(file.stem for file in HERE.glob("*.yaml")))
+FOLDER = "objects"
+
+
+def object_files(project: Path | None = None) -> dict[str, Path]:
+    """Return every object's file by name; a project's own come first, and hide built-in ones of the same name."""
+    own = {file.stem: file for file in sorted((project / FOLDER).glob("*.yaml"))} if project is not None else {}
+    return own | {name: HERE / f"{name}.yaml" for name in BUILTIN if name not in own}
+
+
+def object_file(name: str, project: Path | None = None) -> Path:
+    """Return the path of an object's file.
+
+    Args:
+        name: of an object of the project or of the library, or a path that ends in `.yaml`.
+
+    Raises:
+        UnknownNameError: there is no such object.
+    """
+    files = object_files(project)
+    path = Path(name) if name.endswith((".yaml", ".yml")) else files.get(name)
+    if path is None:
+        raise UnknownNameError("object", name, files)
+    return path
+
+
+def load_object(path: Path) -> ObjectModel:
+    """Return what a file describes.
+
+    Raises:
+        DocumentError: it, or a mesh that it names, is missing or wrong.
+    """
+    note(path)
+    return _load(path, path.stat().st_mtime_ns if path.is_file() else 0)
+
+
+@lru_cache(maxsize=256)
+def _load(path: Path, written: int) -> ObjectModel:
+    return build(read_model(path, ObjectFile), path)
+
+
+__all__ = ["BUILTIN", "ObjectFile", "ObjectModel", "load_object", "object_file", "object_files"]
