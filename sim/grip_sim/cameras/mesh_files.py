@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -55,7 +56,7 @@ def read_texture(file: Path) -> NDArray[np.uint8] | None:
 
 @lru_cache(maxsize=256)
 def read_mesh(file: Path) -> tuple[Look, ...]:
-    """Return the parts of a mesh file, one for each material and place of use; lengths as the file has them.
+    """Return the parts of a mesh file, one for each object, material and place of use; lengths as the file has them.
 
     Raises:
         DocumentError: it isn't there, or no mesh.
@@ -65,13 +66,21 @@ def read_mesh(file: Path) -> tuple[Look, ...]:
     if not file.is_file():
         raise DocumentError("there is no such mesh file", str(file))
     try:
-        scene = trimesh.load_scene(file, process=False, maintain_order=True)
+        own = {"split_objects": True} if file.suffix.lower() == ".obj" else {}
+        scene = trimesh.load_scene(file, process=False, maintain_order=True, **own)
         parts = tuple(_look(mesh) for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces))
     except Exception as error:  # noqa: BLE001 - what trimesh's readers raise isn't told
         raise DocumentError(f"it can't be read as a mesh: {error}", str(file)) from None
     if not parts:
         raise DocumentError("it holds no triangles", str(file))
     return parts
+
+
+def joined(looks: Iterable[Look]) -> trimesh.Trimesh:
+    """Return triangles as one surface, whose corners are shared where they agree."""
+    whole = trimesh.util.concatenate([trimesh.Trimesh(look.points, look.triangles) for look in looks])
+    whole.merge_vertices(merge_tex=True, merge_norm=True)
+    return whole
 
 
 def _look(mesh: trimesh.Trimesh) -> Look:

@@ -17,7 +17,7 @@ import trimesh
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError, GripError
-from grip_sim.cameras.mesh_files import FORMATS, Look, read_mesh
+from grip_sim.cameras.mesh_files import FORMATS, joined, read_mesh
 
 DENSITY = 400.0
 """Of things of which nobody says a mass: between wood and hollow plastic [kg/m^3]."""
@@ -89,10 +89,10 @@ def _described(path: Path) -> Found:
     visual, collision = (_mesh(links[0].find(f"{kind}/geometry/mesh"), path) for kind in ("visual", "collision"))
     mesh, scale = visual or collision or (path, 1.0)
     mass = links[0].find("inertial/mass")
-    said = None if mass is None else mass.get("value") or mass.text
+    weight = None if mass is None else mass.get("value") or mass.text
     friction = links[0].findtext(".//friction/ode/mu")
     own = collision[0] if collision is not None and collision != visual and collision[1] == scale else None
-    return Found(mesh, own, scale, *(float(text) if text else None for text in (said, friction)))
+    return Found(mesh, own, scale, *(float(text) if text else None for text in (weight, friction)))
 
 
 def _mesh(element: ET.Element | None, path: Path) -> tuple[Path, float] | None:
@@ -146,7 +146,7 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
     Raises:
         DocumentError: it has no volume, or a size that no hand can hold.
     """
-    whole = _whole(read_mesh(found.collision or found.mesh))
+    whole = joined(read_mesh(found.collision or found.mesh))
     remarks = []
     if not whole.is_watertight:
         remarks.append("its surface isn't closed: volume and inertia are those of its convex parts")
@@ -174,17 +174,14 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
     return Checked(tuple(points), (x, y, z), float(volume) * factor**3, factor, tuple(remarks))
 
 
-def _whole(looks: tuple[Look, ...]) -> trimesh.Trimesh:
-    whole = trimesh.util.concatenate([trimesh.Trimesh(look.points, look.triangles) for look in looks])
-    whole.merge_vertices(merge_tex=True, merge_norm=True)
-    return whole
-
-
 def _decomposed(whole: trimesh.Trimesh, most: int) -> list[Array]:
     import coacd
 
     coacd.set_log_level("error")
-    found = coacd.run_coacd(coacd.Mesh(whole.vertices, whole.faces), threshold=THRESHOLD, max_convex_hull=most, seed=0)
+    mesh = coacd.Mesh(whole.vertices, whole.faces)
+    found = coacd.run_coacd(
+        mesh, threshold=THRESHOLD, max_convex_hull=most, mcts_iterations=60, decimate=True, max_ch_vertex=64, seed=0
+    )
     return [np.array(points) for points, _ in found]
 
 

@@ -10,7 +10,7 @@ import trimesh
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError
-from grip_sim.cameras.mesh_files import Look, read_mesh
+from grip_sim.cameras.mesh_files import Look, joined, read_mesh
 from grip_sim.specs import Colour
 
 from .model import ObjectFile
@@ -69,8 +69,7 @@ def build(file: ObjectFile, path: Path) -> ObjectModel:
         surface = hulls
     else:
         looks = [look.moved(EYE, file.scale) for look in read_mesh(path.parent / str(file.mesh))]
-        whole = trimesh.util.concatenate([trimesh.Trimesh(look.points, look.triangles) for look in looks])
-        whole.merge_vertices()
+        whole = joined(looks)
         if file.parts:
             pieces = read_mesh(path.parent / file.parts)
             parts = [look.points[np.unique(look.triangles)] * file.scale for look in pieces]

@@ -91,7 +91,7 @@ class ShapeConfig(Settings):
     def _one_form(self) -> ShapeConfig:
         if self.shape and self.model:
             raise ValueError("an object has either a `shape` or a `model`")
-        if not (self.shape or self.model or getattr(self, "draw", 0)):
+        if not (self.shape or self.model or isinstance(self, ObjectConfig) and self.draw):
             raise ValueError("an object needs a `shape`, cylinder, box or sphere, or a `model`, such as mug")
         if self.shape and not self.radius:
             raise ValueError(f"a {self.shape} needs a `radius` [m]")
