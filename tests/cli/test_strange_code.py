@@ -14,7 +14,21 @@ from hostile_project import make, marks
 
 from grip_bt.cli.shell import VERBS
 
-RUN = {"run", "demo", "bench", "launch", "component", "import", "sim", "messages", "edit", "teach", "robot", "world"}
+RUN = {
+    "run",
+    "demo",
+    "bench",
+    "launch",
+    "component",
+    "import",
+    "sim",
+    "messages",
+    "edit",
+    "teach",
+    "robot",
+    "world",
+    "object",
+}
 """Verbs that run something, at least with one of their words; docs/trust.md says what."""
 LOOK = {"check", "fmt", "convert", "runs", "replay", "capsule", "new", "apply", "interfaces", "doctor"}
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import DocumentError, listing, nearest
-from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlValue, parse, read_file, to_data
+from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlValue, parse, read_file, to_data
 
 Diagnostic = tuple[str, int, int]
 """Message, line, column; both 1-based."""
@@ -77,7 +77,7 @@ def _unknown_keys(tree: YamlValue, model: type[BaseModel], name: str) -> Iterato
 def _models_below(
     annotation: object, value: YamlValue, name: str
 ) -> Iterator[tuple[tuple[str, type[BaseModel]], YamlValue]]:
-    """Yield the models that a field holds, itself or as the values of a dict, with their part of the file."""
+    """Yield the models that a field holds, itself or as the values of a dict or a list, with their part of the file."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield (name, annotation), value
         return
@@ -89,6 +89,9 @@ def _models_below(
     if models and isinstance(value, YamlMapping):
         for key, entry in value.entries.items():
             yield (f"{name}/{key}", models[0]), entry.value
+    if models and isinstance(value, YamlList):
+        for index, entry in enumerate(value.entries):
+            yield (f"{name}/{index}", models[0]), entry.value
 
 
 def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
