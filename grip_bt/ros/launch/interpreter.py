@@ -16,7 +16,6 @@ from grip_bt.ros.interfaces.packages import PackageError, executable_of
 from .element import Element, LaunchError, check_not_legacy, read_elements
 from .group import LaunchEvent, Member
 from .hints import TYPES, about_attributes, about_tag, form
-from .python_draft import in_python
 from .substitutions import LaunchContext, substitute, truth
 
 DEEPEST = 30
@@ -73,7 +72,7 @@ def read_arguments(path: Path) -> list[Argument]:
         LaunchError: it can't be read, or is one of ROS 1.
     """
     if path.suffix == ".py":
-        raise in_python(path)
+        raise _in_python(path)
     root = read_elements(path)
     check_not_legacy(root, path)
     return [
@@ -208,7 +207,7 @@ class _Reader:
         if len(above) >= DEEPEST:
             raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
         if path.suffix == ".py":
-            raise in_python(path)
+            raise _in_python(path)
         root = read_elements(path)
         check_not_legacy(root, path)
         files, outer, self._files, self._given = self._files, self._given, (*above, path), given
@@ -469,3 +468,14 @@ _INNER: dict[str, dict[str, set[str]]] = {
     "executable": {"env": _NAMED},
 }
 """What can stand in an element, with its attributes."""
+
+
+def _in_python(path: Path) -> LaunchError:
+    """Return the error of a Python launch file."""
+    if not path.is_file():
+        return LaunchError(str(path), None, "there is no such file")
+    reason = (
+        "a launch file in Python is a program of ROS's own `launch` package, which isn't here; source a ROS that has it"
+        f" (source /opt/ros/jazzy/setup.bash), or say the same in XML, as {path.name.removesuffix('.py')}.xml, or YAML"
+    )
+    return LaunchError(str(path), None, reason)
