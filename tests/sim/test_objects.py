@@ -218,11 +218,12 @@ def test_what_is_no_object_is_refused(tmp_path, name, content, told):
     assert not (tmp_path / "objects").exists()
 
 
-def test_what_is_as_large_as_a_house_needs_a_scale(tmp_path):
-    trimesh.creation.box((5e4, 5e4, 5e4)).export(tmp_path / "house.stl")
+@pytest.mark.parametrize("edge", [1.2, 4.0, 2e5])
+def test_a_size_that_is_no_usual_unit_needs_a_scale(tmp_path, edge):
+    trimesh.creation.box((edge, edge, edge)).export(tmp_path / "house.stl")
     with pytest.raises(DocumentError, match="which no hand holds: give a `--scale`"):
         added(tmp_path / "house.stl", tmp_path / "objects")
-    model, _ = added(tmp_path / "house.stl", tmp_path / "objects", scale=1e-6)
+    model, _ = added(tmp_path / "house.stl", tmp_path / "objects", scale=0.05 / edge)
     assert model.size == pytest.approx((0.05, 0.05, 0.05))
 
 

@@ -147,7 +147,7 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
 
     Args:
         found: the object.
-        scale: factor of lengths; None for that of its file, or a guess where its size can't be in metres.
+        scale: factor of lengths; None for that of its file, or a guess where a mesh alone can't be in metres.
         parts: most convex parts; 1 for its hull.
         progress: told what takes time.
 
@@ -161,7 +161,8 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
     factor = scale or found.scale
     longest = float(whole.extents.max()) * factor
     if scale is None and not SIZES[0] <= longest <= SIZES[1]:
-        guess = next((f for f in (1e-3, 1e-2, 0.0254) if SIZES[0] <= longest * f <= SIZES[1]), None)
+        bare = found.mass is None and longest > 5 * SIZES[1]
+        guess = next((f for f in (1e-3, 1e-2) if bare and SIZES[0] <= longest * f <= SIZES[1]), None)
         if guess is None:
             raise DocumentError(f"it is {longest:g} m long, which no hand holds: give a `--scale`", str(found.mesh))
         factor *= guess
