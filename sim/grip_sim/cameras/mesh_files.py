@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -67,7 +68,9 @@ def read_mesh(file: Path) -> tuple[Look, ...]:
         raise DocumentError("there is no such mesh file", str(file))
     try:
         own = {"split_objects": True} if file.suffix.lower() == ".obj" else {}
-        scene = trimesh.load_scene(file, process=False, maintain_order=True, **own)
+        with warnings.catch_warnings():  # about corners that have no place in a picture
+            warnings.simplefilter("ignore", RuntimeWarning)
+            scene = trimesh.load_scene(file, process=False, **own)
         parts = tuple(_look(mesh) for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces))
     except Exception as error:  # noqa: BLE001 - what trimesh's readers raise isn't told
         raise DocumentError(f"it can't be read as a mesh: {error}", str(file)) from None
