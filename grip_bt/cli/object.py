@@ -12,8 +12,9 @@ from pathlib import Path
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.cli.world import take_picture
-from grip_sim.objects import BUILTIN, FOLDER, ObjectModel, load_object, object_file, object_files
+from grip_sim.objects import BUILTIN, FOLDER, load_object, object_file, object_files
 from grip_sim.objects.adding import PARTS, check_mesh, find_object, write_object
+from grip_sim.objects.body import ObjectModel
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.worlds import load_world
 

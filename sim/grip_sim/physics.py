@@ -12,7 +12,7 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-from grip_sim.objects import ObjectModel
+from grip_sim.objects.body import ObjectModel
 from grip_sim.specs import GRAVITY, ObjectSpec
 
 

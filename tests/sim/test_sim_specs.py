@@ -76,7 +76,7 @@ def test_the_top_of_the_table_is_at_height_zero():
     [
         ({"mass": -1}, r"mass\n.*greater than 0.*input_value=-1"),
         ({"mass": float("nan")}, r"mass\n.*(greater than 0|finite)"),
-        ({"shape": "mug"}, r"shape\n.*'cylinder', 'box' or 'sphere'.*'mug'"),
+        ({"shape": "mug"}, r"shape\n.*'cylinder', 'box', 'sphere' or 'model'.*'mug'"),
         ({"radius": 0}, r"radius\n.*greater than 0"),
         ({"friction": -0.1}, r"friction\n.*greater than or equal to 0"),
         ({"position": (0.5, 0.0, float("inf"))}, r"position.2\n.*finite"),

@@ -128,7 +128,7 @@ def test_the_world_of_the_docs_is_one(tmp_path):
     text = (Path(__file__).parents[2] / "docs" / "worlds.md").read_text()
     example = text.split("```yaml\n")[1].split("```")[0]
     spec = load_world(str(written(tmp_path, example.removeprefix("grip: 1\n"))))
-    assert [thing.name for thing in spec.objects] == ["ball", "cylinder_0", "cylinder_1"]
+    assert [thing.name for thing in spec.objects] == ["ball", "mug", "cylinder_0", "cylinder_1"]
     assert all(f"`{name}`" in text for name in BUILTIN)
 
 

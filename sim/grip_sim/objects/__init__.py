@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.files import note
 
-from .body import ObjectModel, build
 from .model import ObjectFile
+
+if TYPE_CHECKING:
+    from .body import ObjectModel
 
 HERE = Path(__file__).parent / "library"
 BUILTIN = tuple(sorted(file.stem for file in HERE.glob("*.yaml")))
@@ -55,7 +58,9 @@ def load_object(path: Path) -> ObjectModel:
 
 @lru_cache(maxsize=256)
 def _load(path: Path, written: int) -> ObjectModel:
+    from .body import build  # which needs trimesh and scipy; worlds of simple shapes start without
+
     return build(read_model(path, ObjectFile), path)
 
 
-__all__ = ["BUILTIN", "ObjectFile", "ObjectModel", "load_object", "object_file", "object_files"]
+__all__ = ["BUILTIN", "ObjectFile", "load_object", "object_file", "object_files"]
