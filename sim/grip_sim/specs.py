@@ -64,7 +64,7 @@ class MeshSpec:
 
     Attributes:
         name: its entity's name.
-        file: path of a mesh: obj, stl, ply, glb or dae.
+        file: path of a mesh: obj, stl, ply or dae.
         position: of the mesh's origin in world [m].
         yaw: turn about the vertical [rad].
         scale: factor of its lengths.

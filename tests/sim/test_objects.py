@@ -218,6 +218,14 @@ def test_what_is_no_object_is_refused(tmp_path, name, content, told):
     assert not (tmp_path / "objects").exists()
 
 
+def test_a_mass_that_is_no_number_is_told(tmp_path):
+    trimesh.creation.box((0.04, 0.05, 0.06)).export(tmp_path / "b.obj")
+    file = tmp_path / "a.sdf"
+    file.write_text(f"<m><link><inertial><mass>1 kg</mass></inertial><visual>{MESH}</visual></link></m>")
+    with pytest.raises(DocumentError, match="'1 kg' stands where a number is meant"):
+        find_object(file)
+
+
 @pytest.mark.parametrize("edge", [1.2, 4.0, 2e5])
 def test_a_size_that_is_no_usual_unit_needs_a_scale(tmp_path, edge):
     trimesh.creation.box((edge, edge, edge)).export(tmp_path / "house.stl")
@@ -235,6 +243,7 @@ def test_a_size_that_is_no_usual_unit_needs_a_scale(tmp_path, edge):
         ("solids: [{bent: [[0, 0, 0], [0, 0, 1]]}]", "needs a `radius`"),
         ("solids: [{turned: [[0.1, 0.5], [0.1, 0.2]]}]", "heights don't sink"),
         ("solids: [{bal: 0.1}]", "did you mean 'ball'"),
+        ("solids: [{prism: [[0, 0], [1, 1], [2, 2]], height: 1}]", "is flat"),
         ("mesh: nowhere.stl", "no such mesh file"),
         ("", "either `solids` or a `mesh`"),
     ],

@@ -100,14 +100,21 @@ def _described(path: Path) -> Found:
     weight = None if mass is None else mass.get("value") or mass.text
     friction = links[0].findtext(".//friction/ode/mu")
     own = collision[0] if collision is not None and collision != visual and collision[1] == scale else None
-    return Found(mesh, own, scale, *(float(text) if text else None for text in (weight, friction)))
+    return Found(mesh, own, scale, *(_number(text, path) if text else None for text in (weight, friction)))
+
+
+def _number(text: str, path: Path) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise DocumentError(f"{text.strip()!r} stands where a number is meant", str(path)) from None
 
 
 def _mesh(element: ET.Element | None, path: Path) -> tuple[Path, float] | None:
     if element is None:
         return None
     name = element.get("filename") or element.findtext("uri") or ""
-    scale = {float(word) for word in (element.get("scale") or element.findtext("scale") or "1").split()}
+    scale = {_number(word, path) for word in (element.get("scale") or element.findtext("scale") or "1").split()}
     if len(scale) > 1:
         raise DocumentError(
             f"its mesh is scaled differently along its axes, {sorted(scale)}: scale the mesh itself", str(path)
@@ -129,14 +136,12 @@ class Checked:
 
     Attributes:
         parts: corners of convex parts [m, as the file has them].
-        size: of its bounding box, scaled [m].
         volume: scaled [m^3].
         scale: factor of lengths.
         remarks: what was found and what was done about it, a sentence each.
     """
 
     parts: tuple[Array, ...]
-    size: tuple[float, float, float]
     volume: float
     scale: float
     remarks: tuple[str, ...]
@@ -166,9 +171,7 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
         if guess is None:
             raise DocumentError(f"it is {longest:g} m long, which no hand holds: give a `--scale`", str(found.mesh))
         factor *= guess
-        remarks.append(
-            f"it would be {longest:g} m long: its lengths are taken times {factor:g}, as in mm, cm or inches"
-        )
+        remarks.append(f"it would be {longest:g} m long: its lengths are taken times {factor:g}")
     hull = whole.convex_hull
     convex = whole.is_volume and whole.volume > CONVEX * hull.volume
     points: list[Array] = [np.array(hull.vertices)]
@@ -178,9 +181,8 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
         remarks.append(f"{len(points)} convex parts")
     else:
         remarks.append("it is convex" if convex else "its hull is what it collides by")
-    x, y, z = (float(edge) * factor for edge in whole.extents)
     volume = whole.volume if whole.is_volume else sum(trimesh.convex.convex_hull(p).volume for p in points)
-    return Checked(tuple(points), (x, y, z), float(volume) * factor**3, factor, tuple(remarks))
+    return Checked(tuple(points), float(volume) * factor**3, factor, tuple(remarks))
 
 
 def _decomposed(whole: trimesh.Trimesh, most: int) -> list[Array]:

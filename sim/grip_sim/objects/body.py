@@ -35,7 +35,6 @@ class ObjectModel:
         centre: its centre of mass [m].
         inertia: about its centre of mass, shape (3, 3) [kg m^2].
         friction: coefficient against hands and fixtures.
-        solidity: volume of its surface over that of its convex parts; nan where the surface isn't closed.
     """
 
     name: str
@@ -47,7 +46,6 @@ class ObjectModel:
     centre: Array
     inertia: Array
     friction: float
-    solidity: float = float("nan")
 
     @property
     def radius(self) -> float:
@@ -77,7 +75,7 @@ def build(file: ObjectFile, path: Path) -> ObjectModel:
             parts = [np.array(whole.vertices)]
         hulls = [_hull(points, path) for points in parts]
         surface = [whole] if whole.is_volume else hulls
-    return _in_the_middle(file, path.stem, [np.array(hull.vertices) for hull in hulls], looks, hulls, surface)
+    return _in_the_middle(file, path.stem, [np.array(hull.vertices) for hull in hulls], looks, surface)
 
 
 def _in_the_middle(
@@ -85,7 +83,6 @@ def _in_the_middle(
     name: str,
     parts: list[Array],
     looks: list[Look],
-    hulls: list[trimesh.Trimesh],
     surface: list[trimesh.Trimesh],
 ) -> ObjectModel:
     low = np.min([points.min(axis=0) for points in parts], axis=0)
@@ -107,7 +104,6 @@ def _in_the_middle(
         centre=centre + back[:3, 3],
         inertia=inertia,
         friction=file.friction,
-        solidity=volume / sum(float(hull.volume) for hull in hulls) if surface is not hulls else float("nan"),
     )
 
 
@@ -123,8 +119,8 @@ def _mass_properties(bodies: list[trimesh.Trimesh], density: float) -> tuple[Arr
 
 
 def _hull(points: Array, path: Path) -> trimesh.Trimesh:
-    if np.ptp(points, axis=0).min() < THIN:
-        raise DocumentError(f"a part of it is flat: it is less than {THIN * 1e3:g} mm thick along an axis", str(path))
+    if len(points) < 4 or np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[2] < THIN:
+        raise DocumentError(f"a part of it is flat: it is less than {THIN * 1e3:g} mm thick", str(path))
     return trimesh.convex.convex_hull(points)
 
 

@@ -34,7 +34,7 @@ class FixtureConfig(Settings):
     wall: Positive = 0.01
     """Thickness of an open box's walls [m]."""
     mesh: str | None = None
-    """Path of an obj, stl, ply, glb or dae file, beside this one; its origin is put at `at`."""
+    """Path of an obj, stl, ply or dae file, beside this one; its origin is put at `at`."""
     scale: Positive = 1.0
     """Factor of the mesh's lengths; 0.001 for one in millimetres."""
     at: Vector = (0.0, 0.0, 0.0)
