@@ -146,17 +146,23 @@ class HandCommander:
         """
         return self.move(posture, seconds=self._opening_time)
 
-    def close(self, posture: JointState | str = "closed", torque_limit: float | None = None) -> Operation[JointState]:
-        """Close towards a posture until the fingers stop; the result is what was measured then.
+    def close(
+        self, posture: JointState | str = "closed", torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
+        """Close towards a posture until the fingers stop, or press with a force [N]; the result is measured then.
 
         Ends with NoContactError when no link of the hand touches anything.
 
         Raises:
             UnknownNameError: there is no such posture or joint.
-            ValueError: the torque limit isn't positive.
+            ValueError: the torque limit or the force isn't positive, both are given, or the hand regulates no force.
         """
+        if torque_limit is not None and force is not None:
+            raise ValueError(f"hand {self._name!r}: closes with at most a torque, or to a force, not with both")
         goal = self._posture(posture)
-        return self.move(goal, torque_limit, self._closing_time).then(lambda measured: self._held(goal, measured))
+        return self._move(goal, torque_limit, self._closing_time, force).then(
+            lambda measured: self._held(goal, measured)
+        )
 
     def closing(self) -> Closing | None:
         """Return what the hand did when it closed; see `ports.Hand`."""
@@ -166,12 +172,18 @@ class HandCommander:
         self, posture: JointState | str, torque_limit: float | None = None, seconds: float | None = None
     ) -> Operation[JointState]:
         """Move the fingers towards a posture; see `ports.Hand`."""
-        for what, number in (("torque limit [N m]", torque_limit), ("time [s]", seconds)):
+        return self._move(posture, torque_limit, seconds, None)
+
+    def _move(
+        self, posture: JointState | str, torque_limit: float | None, seconds: float | None, force: float | None
+    ) -> Operation[JointState]:
+        given = (("torque limit [N m]", torque_limit), ("time [s]", seconds), ("force [N]", force))
+        for what, number in given:
             if number is not None and not 0 < number < np.inf:
                 raise ValueError(f"hand {self._name!r}: a {what} is a positive number, not {number}")
         goal = self._posture(posture)
         self._closing = None
-        return self._port.move(goal, seconds or self._opening_time, torque_limit)
+        return self._port.move(goal, seconds or self._opening_time, torque_limit, force)
 
     def finger_posture(self, closing: Mapping[str, float]) -> JointState:
         """Return the posture of some fingers; see `ports.Hand`."""

@@ -296,15 +296,17 @@ class PausableExecutor(_InParts[Trajectory]):
         return rest_of(trajectory, measured, passed, accelerations, jerks)
 
 
-class PausableHand(_InParts[tuple[JointState, float, float | None]]):
+class PausableHand(_InParts[tuple[JointState, float, float | None, float | None]]):
     """Implements `grip_bt.base.ports.HandPort` and `Pausable` over a hand that can be stopped."""
 
     def __init__(self, hand: HandPort):
         super().__init__(
-            hand, lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), job[2])
+            hand, lambda job: hand.move(*job), lambda job, passed: (job[0], max(job[1] - passed, SHORTEST), *job[2:])
         )
         self.contacts = hand.contacts
 
-    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
         """Move towards a posture, however often it is held; see `grip_bt.base.ports.HandPort`."""
-        return self._begin((posture, duration, torque_limit))
+        return self._begin((posture, duration, torque_limit, force))

@@ -44,14 +44,14 @@ class Close(HandLeaf):
     """Close a hand until the fingers stop; touching nothing is the failure `no_contact`."""
 
     def start(self) -> Operation[JointState]:
-        """Close to the grasp's own posture or a named one; the parameter's torque limit wins over the grasp's."""
+        """Close to the grasp's own posture or a named one; torque limit and force win over the grasp's limit."""
         grasp: Grasp | None = self.read("grasp")
         posture: JointState | str = self.params["posture"]
-        limit = self.params["torque_limit"]
+        limit, force = self.params["torque_limit"], self.params["force"]
         if grasp is not None:
             posture = grasp.posture if grasp.posture is not None else posture
-            limit = grasp.torque_limit if limit is None else limit
-        return self.hand.close(posture, limit)
+            limit = grasp.torque_limit if limit is None and force is None else limit
+        return self.hand.close(posture, limit, force)
 
 
 class ReadState(HandLeaf):

@@ -21,6 +21,8 @@ STILL = 0.05
 """Joints slower than this stand still [rad/s]."""
 STILL_TIME = 0.1
 """Fingers have come to rest when they stood still for so long [s]."""
+NEARLY = 0.1
+"""A hand presses as it is to when it does but for this part of the force."""
 _PAST = 0.1
 """What was followed longer ago is forgotten when a motion is amended [s]."""
 
@@ -187,10 +189,13 @@ class MoveHand:
         goal: shape (n,) [rad].
         duration: how long the targets take to get there [s].
         begun: simulated time now [s].
+        force: with which they press then [N]; None for as hard as the drives do.
     """
 
-    def __init__(self, robot: SimRobot, rows: Indices, goal: Array, duration: float, begun: float):
-        self.rows, self._robot, self._goal = rows, robot, goal
+    def __init__(
+        self, robot: SimRobot, rows: Indices, goal: Array, duration: float, begun: float, force: float | None = None
+    ):
+        self.rows, self._robot, self._goal, self._force = rows, robot, goal, force
         self._start = robot.targets(rows)
         self._duration, self._begun = duration, begun
         self._still_since: float | None = None
@@ -202,12 +207,16 @@ class MoveHand:
         self._robot.drive(self.rows, self._start + (self._goal - self._start) * part)
         if t <= self._duration:
             return None
-        if np.abs(self._robot.velocities()[self.rows]).max() > STILL:
+        if np.abs(self._robot.velocities()[self.rows]).max() > STILL or not self._presses_as_told(world):
             self._still_since = None
         elif self._still_since is None:
             self._still_since = world.time
         still = 0.0 if self._still_since is None else world.time - self._still_since
         return Ended() if still > STILL_TIME or t > self._duration + GRACE else None
+
+    def _presses_as_told(self, world: World) -> bool:
+        pressed = world.pressed() if self._force else 0.0
+        return not self._force or not pressed or abs(pressed - self._force) < NEARLY * self._force
 
     def braking(self, world: World) -> Motion:
         """Brake evenly from where the fingers are, behind their targets; what stands still goes on pressing."""

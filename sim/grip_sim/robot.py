@@ -17,6 +17,15 @@ from grip_sim.physics import ignore_each_other, physx, sapien
 NEAR_BASE, THUMB = 30, 29
 PAIRS = range(28, 11, -1)
 """For pairs of a finger's links that touch by construction; no hand that we know has as many."""
+GENTLE = 0.1
+"""Part of the drives' torque with which a hand presses at first, when it touches something."""
+CALM = 4.0
+"""Armature of linked joints over their drive's stiffness times dt^2, at least: a joint that is aimed at where another
+was one step ago chatters with less."""
+REGULATION = 8.0
+"""Rate at which that torque grows or sinks while fingers don't press at all, or twice as hard as they are to [1/s]."""
+LEAST, MOST = 1e-3, 0.999
+"""Torques that regulation leaves a drive, as parts of what it can; all of it has one that has touched nothing yet."""
 
 
 @dataclass(frozen=True)
@@ -47,11 +56,11 @@ class SimRobot:
         count = len(self._joints)
         self._target, self._speed = np.zeros(count), np.zeros(count)
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
-        self._limit = np.zeros(count)
+        self._limit, self._force = np.zeros(count), np.zeros(count)
         self._followers: dict[int, list[tuple[int, Mimic]]] = {}
         for name, mimic in description.mimics.items():
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
-        self._set_drives()
+        self._set_drives(scene.timestep)
         self._let_neighbours_pass()
         self.place(self._with_followers({j: q for j, q in description.at_rest.items() if j in self._rows}))
 
@@ -92,10 +101,35 @@ class SimRobot:
         leading = rows.tolist()
         for row in [*leading, *(f for leader in leading for f, _ in self._followers.get(leader, ()))]:
             joint = self._joints[row]
-            most = self.description.drives[joint.name].limit
-            value = most if limit is None else min(limit, most)
+            value = self._most(row) if limit is None else min(limit, self._most(row))
             joint.set_drive_properties(self._stiffness[row], self._damping[row], force_limit=value, mode="force")
             self._limit[row] = value
+
+    def press(self, rows: Indices, force: float | None) -> None:
+        """Have the drives' torque regulated so that the hand presses with a force [N]; None ends that."""
+        self._force[rows] = force or 0.0
+
+    @property
+    def presses(self) -> bool:
+        """Whether a force is regulated."""
+        return bool(self._force.any())
+
+    def regulate(self, pressed: float, dt: float) -> None:
+        """Let torques grow or sink towards their force, after a step of `dt` [s] in which the hand pressed [N].
+
+        Until something is touched the fingers close as they are driven.
+        """
+        for row in np.flatnonzero(self._force).tolist():
+            error = float(np.clip(1 - pressed / self._force[row], -1, 1))
+            most = self._most(row)
+            if self._limit[row] < most:
+                grown = self._limit[row] * np.exp(REGULATION * error * dt)
+                self.limit_torque(np.array([row]), float(np.clip(grown, LEAST * most, MOST * most)))
+            elif pressed:
+                self.limit_torque(np.array([row]), GENTLE * most)
+
+    def _most(self, row: int) -> float:
+        return self.description.drives[self._joints[row].name].limit
 
     def hold(self, rows: Indices) -> None:
         """Make the present positions the targets."""
@@ -125,6 +159,7 @@ class SimRobot:
             "targets": self._target.copy(),
             "speeds": self._speed.copy(),
             "limits": self._limit.copy(),
+            "forces": self._force.copy(),
         }
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
@@ -142,6 +177,7 @@ class SimRobot:
         for row in range(count):
             self._aim(row, float(kept["targets"][row]), float(kept["speeds"][row]))
             self.limit_torque(np.array([row]), float(kept["limits"][row]))
+        self._force[:] = kept["forces"]
 
     def measure(self, rows: Indices) -> Measured:
         """Return the state of joints; the efforts are what the drives give, without the weight that is compensated."""
@@ -164,11 +200,13 @@ class SimRobot:
         follow = {j: m.multiplier * positions.get(m.joint, 0.0) + m.offset for j, m in mimics.items()}
         return {**positions, **follow}
 
-    def _set_drives(self) -> None:
+    def _set_drives(self, dt: float) -> None:
+        linked = {*self._followers, *(row for each in self._followers.values() for row, _ in each)}
         for row, joint in enumerate(self._joints):
             drive = self.description.drives[joint.name]
             joint.set_friction(0.0)  # the Allegro's URDF says 5-10 N m, ten times what its motors give
-            joint.set_armature(np.array([drive.armature], dtype=np.float32))
+            armature = max(drive.armature, CALM * drive.stiffness * dt**2) if row in linked else drive.armature
+            joint.set_armature(np.array([armature], dtype=np.float32))
             self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
         self.limit_torque(np.arange(len(self._joints)), None)
 

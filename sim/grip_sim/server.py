@@ -248,12 +248,15 @@ class Server:
         amended = motion is not None and motion.amend(self.world.time, at, times, positions, velocities)
         return {"amended": amended}, None
 
-    def _call_move_hand(self, number: int, names: list[str], goal: Array, duration: float, limit: float | None) -> None:
+    def _call_move_hand(
+        self, number: int, names: list[str], goal: Array, duration: float, limit: float | None, force: float | None
+    ) -> None:
         self._allow_motion()
         robot, rows = self.world.robot, self.world.robot.rows(names)
         self._replace(rows)
         robot.limit_torque(rows, limit)
-        self._motions[number] = MoveHand(robot, rows, goal, duration, self.world.time)
+        robot.press(rows, force)
+        self._motions[number] = MoveHand(robot, rows, goal, duration, self.world.time, force)
 
     def _call_wait(self, number: int, seconds: float) -> None:
         self._motions[number] = Wait(self.world.time + seconds)

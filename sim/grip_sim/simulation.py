@@ -91,20 +91,24 @@ class SimExecutor(_Joints):
 class SimHand(_Joints):
     """Implements `grip_bt.base.ports.HandPort`."""
 
-    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
         """Move the fingers towards a posture; see the port.
 
         Raises:
             KeyError: the posture lacks a joint.
-            ValueError: the posture isn't finite, or the duration or the limit isn't positive.
+            ValueError: the posture isn't finite, or the duration, the limit or the force isn't positive.
         """
         goal = posture.ordered(self._names)
         _check_finite("a posture", goal)
         check_positive("the duration of a motion", duration)
         if torque_limit is not None:
             check_positive("a torque limit", torque_limit)
+        if force is not None:
+            check_positive("a force", force)
         moved = self._client.move(
-            "move_hand", {"goal": goal}, names=list(self._names), duration=duration, limit=torque_limit
+            "move_hand", {"goal": goal}, names=list(self._names), duration=duration, limit=torque_limit, force=force
         )
         return _measured(moved)
 

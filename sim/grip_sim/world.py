@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -94,6 +94,8 @@ class World:
         self._scene.step()
         self._steps += 1
         self._moved.clear()
+        if self.robot.presses:
+            self.robot.regulate(self.pressed(), self.spec.dt)
         self.cameras.stepped(self.time)
 
     # --- what is where ---
@@ -141,6 +143,15 @@ class World:
                 if link in self.robot.hand_links and other not in robot:
                     forces[link] = forces.get(link, 0.0) + contact.force
         return forces
+
+    def pressed(self) -> float:
+        """Return how hard the hand presses on objects [N]: half of all forces, as two sides oppose each other."""
+        total = 0.0
+        for contact in self._scene.get_contacts():
+            one, two = (body.entity.name for body in contact.bodies)
+            if _between(one, two, self.robot.hand_links, self._objects) and self._moved.isdisjoint((one, two)):
+                total += float(np.linalg.norm(sum(point.impulse for point in contact.points))) / self.spec.dt
+        return total / 2
 
     def look(self, camera: str) -> Frame:
         """Take a frame with a camera.
@@ -244,6 +255,10 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")
+
+
+def _between(one: str, two: str, links: Container[str], things: Container[str]) -> bool:
+    return (one in links and two in things) or (two in links and one in things)
 
 
 def _static(builder: sapien.ActorBuilder, name: str, pose: Pose) -> physx.PhysxRigidStaticComponent:

@@ -102,6 +102,8 @@ def test_a_hand_keeps_the_torque_limits_that_it_was_given():
     assert hand.torque_limits == [0.3]
     assert hand.state().position == pytest.approx([0.5])
     assert hand.contacts() == {"fingertip": 5.0}
+    commander.close(force=3.0).result()
+    assert hand.contacts() == {"fingertip": 3.0}
     with pytest.raises(ValueError, match="positive"):
         commander.close(torque_limit=0.0)
     with pytest.raises(UnknownNameError, match="joint"):

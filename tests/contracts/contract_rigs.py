@@ -73,6 +73,8 @@ class HandRig(Rig):
     """Takes it away again. None: the fingers stay where they were stopped then, and nothing in the hand can tell."""
     slow_down: Callable[[], None] = lambda: None
     """Makes motions slow where a duration doesn't, as with a gripper that has its own speed."""
+    regulates: bool = True
+    """Whether it can press with a force that it is told."""
 
 
 @dataclass

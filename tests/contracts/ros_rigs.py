@@ -111,7 +111,7 @@ def controlled_hand(ros_robot: tuple[Any, Any]) -> Iterator[HandRig]:
 def commanded_ros_hand(ros_robot: tuple[Any, Any]) -> Iterator[HandRig]:
     with controlled_hand(ros_robot) as rig:
         hand = HandCommander("right", PausableHand(rig.port), {"open": rig.open, "closed": rig.closed})
-        yield HandRig(hand, rig.let_pass, rig.open, rig.closed, rig.offer)
+        yield HandRig(hand, rig.let_pass, rig.open, rig.closed, rig.offer, regulates=False)
 
 
 def spoilt(rig: ExecutorRig, at: float) -> ExecutorRig:

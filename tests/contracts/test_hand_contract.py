@@ -56,6 +56,21 @@ def test_contacts_are_told_while_a_thing_is_held(hand_rig):
     assert hand_rig.port.contacts()
 
 
+def test_closing_to_a_force_presses_with_that(hand_rig):
+    hand_rig.offer()
+    if hand_rig.regulates:
+        hand_rig.wait(hand_rig.port.close(force=4.0)).result()
+        both = hand_rig.port.contacts()
+        assert sum(both.values()) / (2 if len(both) > 1 else 1) == pytest.approx(4.0, rel=0.15)
+    else:
+        with pytest.raises(ValueError, match="takes positions and no forces"):
+            hand_rig.port.close(force=4.0)
+    with pytest.raises(ValueError, match="not with both"):
+        hand_rig.port.close(torque_limit=0.5, force=4.0)
+    with pytest.raises(ValueError, match=r"force \[N\] is a positive number"):
+        hand_rig.port.close(force=0.0)
+
+
 def test_a_taught_posture_is_a_named_one(hand_rig):
     taught = hand_rig.port.teach("shown")
     assert hand_rig.port.named_states()["shown"] == taught

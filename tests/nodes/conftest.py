@@ -151,7 +151,7 @@ class FakeHand(Steps):
     def open(self, posture="open"):
         return self.operation("open", posture, self.state)
 
-    def close(self, posture="closed", torque_limit=None):
+    def close(self, posture="closed", torque_limit=None, force=None):
         return self.operation("close", (posture, torque_limit), self.state)
 
     def stop(self):

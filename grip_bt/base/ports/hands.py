@@ -21,11 +21,17 @@ class HandPort(Protocol):
     def state(self) -> JointState:
         """Return the measured state, with efforts [N m] where they are known."""
 
-    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
         """Move the fingers towards a posture during `duration` [s] with at most `torque_limit` [N m].
 
         The result is the measured state when the time is over or all fingers have stopped moving, also when contact
-        kept them from the posture.
+        kept them from the posture. With a `force` [N] the hand presses with that, from then on until it moves again:
+        half of all forces on what it holds, as two sides oppose each other.
+
+        Raises:
+            ValueError: the hand can't regulate a force.
         """
 
     def contacts(self) -> Mapping[str, float]:
@@ -101,8 +107,13 @@ class Hand(Protocol):
     def teach(self, name: str) -> JointState:
         """Remember the fingers' present posture as a named one, and return it; see `Arm.teach`."""
 
-    def close(self, posture: JointState | str = "closed", torque_limit: float | None = None) -> Operation[JointState]:
-        """Close towards a posture until the fingers stop. Ends with NoContactError when nothing was touched."""
+    def close(
+        self, posture: JointState | str = "closed", torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
+        """Close towards a posture until the fingers stop, or press with a force [N]; see `HandPort.move`.
+
+        Ends with NoContactError when nothing was touched.
+        """
 
     def closing(self) -> Closing | None:
         """Return what the hand did when it closed; None when it has moved in another way since, or never closed."""

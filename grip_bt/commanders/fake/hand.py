@@ -46,6 +46,7 @@ class FakeHand:
         self._forces = dict(forces or {"fingertip": 5.0})
         self._script = steps_of(script)
         self.torque_limits: list[float | None] = []
+        self.forces: list[float | None] = []
         self.thing = thing
 
     @property
@@ -59,11 +60,14 @@ class FakeHand:
         effort = 0.5 * self._pressing().astype(float)
         return JointState(self._names, position, np.zeros(len(position)), effort, self._schedule.stamp())
 
-    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
         """Move towards a posture; see `ports.HandPort`."""
         start, goal = self._blocked(self.kept()), posture.ordered(self._names)
         self._joints.end_at(start)
         self.torque_limits.append(torque_limit)
+        self.forces.append(force)
         failure = next(self._script)
         if failure is not None:
             return Operation.failed(failure)
@@ -75,8 +79,11 @@ class FakeHand:
         return moved.then(lambda _: Operation.finished(self.state()))
 
     def contacts(self) -> Mapping[str, float]:
-        """Return the forces while the fingers press on the thing."""
-        return dict(self._forces) if self._pressing().any() else {}
+        """Return the forces while the fingers press on the thing; each is what was asked for, where a force was."""
+        if not self._pressing().any():
+            return {}
+        asked = self.forces[-1] if self.forces else None
+        return dict(self._forces if asked is None else dict.fromkeys(self._forces, asked))
 
     def stop(self) -> None:
         """Bring the fingers to rest by a ramp; a motion under way ends as cancelled when they are."""

@@ -57,8 +57,10 @@ class GripperHand:
         """
         return self._states.state(self.joint_names)
 
-    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
-        """Move to a posture with at most `torque_limit` [N or N m, as the gripper has it].
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
+        """Move to a posture with at most `torque_limit` or `force` [N or N m, as the gripper has it].
 
         The gripper decides how long that takes. It ends also when something stops the fingers. Cancelled or given up,
         it ends when they were measured at rest; see `RosExecutor.execute`.
@@ -67,7 +69,7 @@ class GripperHand:
             self._motion.preempt()
         goal = self._type.Goal()
         (goal.command.position,) = map(float, posture.ordered(self.joint_names))
-        goal.command.max_effort = float(torque_limit or 0.0)
+        goal.command.max_effort = float(force or torque_limit or 0.0)
         self._force = 0.0
         sent = self._client.send(goal, duration + LATE, self._wait)
         part = as_motion(sent.then(_stalls_are_ends), self._action).then(self._ended)
@@ -134,11 +136,18 @@ class ControlledHand:
         """Return the measured state, with efforts where they are published."""
         return self._executor.state()
 
-    def move(self, posture: JointState, duration: float, torque_limit: float | None = None) -> Operation[JointState]:
+    def move(
+        self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
+    ) -> Operation[JointState]:
         """Move the fingers towards a posture; see `grip_bt.base.ports.HandPort`.
 
         A torque limit can't be given to a position controller: set it in the controller.
+
+        Raises:
+            ValueError: a force is asked for.
         """
+        if force is not None:
+            raise ValueError("this hand's controller takes positions and no forces: close it without `force`")
         names = self.joint_names
         start, goal = self.state().ordered(names), posture.ordered(names)
         self._goal = JointState(names, goal)

@@ -1,0 +1,87 @@
+"""A hand presses with the force that it is told, and lets slip what that can't hold."""
+
+import numpy as np
+import pytest
+
+from grip_bt.commanders.description.load import load_robot
+
+pytestmark = pytest.mark.sim
+pytest.importorskip("sapien")
+
+
+def held(friction, force, name="panda", mass=0.2, stand=False):
+    """Return a world whose gripper holds a box in the air with a force, and its finger's row."""
+    from grip_bt.commanders.kinematics.model import RobotModel
+    from grip_sim.motions import MoveHand
+    from grip_sim.specs import BoxSpec, ObjectSpec, WorldSpec
+    from grip_sim.world import World
+
+    robot = load_robot(name)
+    tcp = RobotModel(robot).grasp_pose(group="arm")
+    yaw = float(np.arctan2(*tcp.rotation()[1::-1, 1]))
+    x, y, z = (float(c) for c in tcp.position)
+    thing = ObjectSpec("thing", "box", 0.015, 0.05, (x, y, z - 0.01), yaw, mass, friction=friction)
+    below = BoxSpec("stand", (0.01, 0.01, 0.05), (x, y, z - 0.06), (90, 90, 90))
+    world = World(WorldSpec(robot=name, objects=(thing,), boxes=(below,) if stand else ()))
+    rows = world.robot.rows(world.robot.description.group("hand"))
+    begin, closed = world.object_pose("thing"), robot.named_state("hand", "closed").position[:1]
+    world.robot.press(rows, force)
+    motion = MoveHand(world.robot, rows, np.array(closed), 0.5, 0.0, force)
+    while motion.advance(world) is None:
+        world.step()
+        if not stand and world.pressed() < 1.2 * mass * 9.81 / (2 * friction):
+            world.move_object("thing", begin)  # until it is held
+    return world, rows
+
+
+def run(world, seconds):
+    """Step, and return how hard the hand pressed at each step [N]."""
+    found = []
+    for _ in range(round(seconds / world.spec.dt)):
+        world.step()
+        found.append(world.pressed())
+    return np.array(found)
+
+
+@pytest.mark.parametrize("name", ["panda", "ur5_gripper", "ur5_robotiq", "xarm7_gripper"])
+@pytest.mark.parametrize("force", [3.0, 8.0, 15.0])
+def test_a_gripper_presses_with_the_force_that_it_is_told(name, force):
+    world, _ = held(0.5, force, name, stand=True)
+    run(world, 0.5)
+    assert run(world, 1.0).mean() == pytest.approx(force, rel=0.05)
+
+
+@pytest.mark.parametrize("mass", [0.2, 0.5])
+@pytest.mark.parametrize("friction", [0.3, 0.5, 0.8])
+@pytest.mark.parametrize("name", ["panda", "ur5_gripper"])
+def test_what_two_fingers_hold_slips_at_half_its_weight_over_the_friction(name, friction, mass):
+    """Coulomb: two pads carry 2 mu F. The force sinks by a fifth a second until the box sinks 0.5 mm in 0.1 s."""
+    should = mass * 9.81 / (2 * friction)
+    world, rows = held(friction, 2 * should, name, mass)
+    run(world, 0.5)
+    force, heights, forces = 2 * should, [], []
+    while len(heights) < 25 or heights[-25] - heights[-1] < 5e-4:
+        force -= should * 0.2 * world.spec.dt
+        assert force > 0.3 * should, "it never slips"
+        world.robot.press(rows, force)
+        world.step()
+        heights.append(world.object_pose("thing").position[2])
+        forces.append(world.pressed())
+    assert np.mean(forces[-48:-24]) == pytest.approx(should, rel=0.1)
+
+
+def test_a_hand_that_closes_without_a_force_regulates_none_any_more():
+    world, rows = held(0.5, 4.0, "ur5_gripper")
+    world.robot.limit_torque(rows, None)
+    world.robot.press(rows, None)
+    assert not world.robot.presses
+    assert run(world, 1.0)[-1] > 6.0
+
+
+def test_a_regulated_force_is_kept_and_put_back():
+    world, _ = held(0.5, 4.0, "ur5_gripper")
+    kept = world.kept()
+    other, _ = held(0.5, 9.0, "ur5_gripper")
+    other.put_back(kept)
+    run(other, 0.5)
+    assert run(other, 0.5).mean() == pytest.approx(4.0, rel=0.05)
