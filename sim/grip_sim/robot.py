@@ -20,8 +20,8 @@ PAIRS = range(28, 11, -1)
 GENTLE = 0.1
 """Part of the drives' torque with which a hand presses at first, when it touches something."""
 CALM = 4.0
-"""Armature of linked joints over their drive's stiffness times dt^2, at least: a joint that is aimed at where another
-was one step ago chatters with less."""
+"""Armature of fingers that slide together over their drive's stiffness times dt^2, at least: one that is aimed at where
+the other was a step ago chatters with less."""
 REGULATION = 8.0
 """Rate at which that torque grows or sinks while fingers don't press at all, or twice as hard as they are to [1/s]."""
 LEAST, MOST = 1e-3, 0.999
@@ -205,8 +205,8 @@ class SimRobot:
         for row, joint in enumerate(self._joints):
             drive = self.description.drives[joint.name]
             joint.set_friction(0.0)  # the Allegro's URDF says 5-10 N m, ten times what its motors give
-            armature = max(drive.armature, CALM * drive.stiffness * dt**2) if row in linked else drive.armature
-            joint.set_armature(np.array([armature], dtype=np.float32))
+            calm = CALM * drive.stiffness * dt**2 if row in linked and joint.type == "prismatic" else 0.0
+            joint.set_armature(np.array([max(drive.armature, calm)], dtype=np.float32))
             self._stiffness[row], self._damping[row] = drive.stiffness, drive.damping
         self.limit_torque(np.arange(len(self._joints)), None)
 

@@ -44,7 +44,7 @@ def run(world, seconds):
 
 
 @pytest.mark.parametrize("name", ["panda", "ur5_gripper", "ur5_robotiq", "xarm7_gripper"])
-@pytest.mark.parametrize("force", [3.0, 8.0, 15.0])
+@pytest.mark.parametrize("force", [3.0, 8.0, 12.0])
 def test_a_gripper_presses_with_the_force_that_it_is_told(name, force):
     world, _ = held(0.5, force, name, stand=True)
     run(world, 0.5)
