@@ -55,10 +55,11 @@ class Close(HandLeaf):
 
 
 class ReadState(HandLeaf):
-    """Hand out the hand's measured joints."""
+    """Hand out the hand's measured joints, and how hard its links press."""
 
     def update(self) -> Status:
-        return self.end(state=self.hand.state())
+        forces = self.hand.contacts() if "forces" in self.writers else {}
+        return self.end(state=self.hand.state(), forces=dict(forces))
 
 
 class _MovingHandLeaf(HandLeaf):

@@ -279,6 +279,14 @@ def test_where_the_arm_is_can_be_read(cell):
 def test_where_the_fingers_are_can_be_read(cell):
     assert cell.run(cell.leaf("hand/read_state")) == SUCCESS
     assert cell.data["state"].as_mapping() == cell.hand.state().as_mapping()
+    assert cell.data["forces"] == {}
+
+
+def test_how_hard_the_hand_presses_can_be_read(cell):
+    cell.port.thing = JointState(OPEN.names, [0.5, 0.5])
+    cell.run(cell.leaf("hand/close", force=3.0))
+    cell.run(cell.leaf("hand/read_state"))
+    assert cell.data["forces"] == {"fingertip": 3.0}
 
 
 # --- teaching ---

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +96,15 @@ def test_a_world_draws_models_as_it_draws_shapes(tmp_path):
     file.write_text(file.read_text().replace("model: mug", "model: mag"))
     with pytest.raises(GripError, match="unknown object 'mag'; did you mean 'mug'"):
         load_world("mine", 0, tmp_path)
+
+
+def test_a_mesh_that_was_written_again_is_read_again(tmp_path):
+    file = tmp_path / "thing.yaml"
+    file.write_text("grip: 1\nmass: 0.1\nmesh: thing.stl\n")
+    for number, height in enumerate((0.06, 0.09)):
+        trimesh.creation.box((0.04, 0.05, height)).export(tmp_path / "thing.stl")
+        os.utime(tmp_path / "thing.stl", ns=(number + 1, number + 1))
+        assert load_object(file).size[2] == pytest.approx(height)
 
 
 @pytest.mark.sim

@@ -55,7 +55,6 @@ def read_texture(file: Path) -> NDArray[np.uint8] | None:
     return None if found is None else np.ascontiguousarray(found[:, :, ::-1], np.uint8)
 
 
-@lru_cache(maxsize=256)
 def read_mesh(file: Path) -> tuple[Look, ...]:
     """Return the parts of a mesh file, one for each object, material and place of use; lengths as the file has them.
 
@@ -66,6 +65,11 @@ def read_mesh(file: Path) -> tuple[Look, ...]:
         raise DocumentError(f"a mesh is a file of one of the formats {', '.join(f[1:] for f in FORMATS)}", str(file))
     if not file.is_file():
         raise DocumentError("there is no such mesh file", str(file))
+    return _read(file, file.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=256)
+def _read(file: Path, written: int) -> tuple[Look, ...]:
     try:
         own = {"split_objects": True} if file.suffix.lower() == ".obj" else {}
         with warnings.catch_warnings():  # about corners that have no place in a picture

@@ -53,14 +53,26 @@ def load_object(path: Path) -> ObjectModel:
         DocumentError: it, or a mesh that it names, is missing or wrong.
     """
     note(path)
-    return _load(path, path.stat().st_mtime_ns if path.is_file() else 0)
+    file = _read(path, _written(path))
+    meshes = (_written(path.parent / mesh) for mesh in (file.mesh, file.parts) if mesh)
+    return _load(path, _written(path), tuple(meshes))
 
 
 @lru_cache(maxsize=256)
-def _load(path: Path, written: int) -> ObjectModel:
+def _read(path: Path, written: int) -> ObjectFile:
+    return read_model(path, ObjectFile)
+
+
+@lru_cache(maxsize=256)
+def _load(path: Path, written: int, meshes: tuple[int, ...]) -> ObjectModel:
     from .body import build  # which needs trimesh and scipy; worlds of simple shapes start without
 
-    return build(read_model(path, ObjectFile), path)
+    return build(_read(path, written), path)
+
+
+def _written(path: Path) -> int:
+    """Return when a file was written last, by which it is read again."""
+    return path.stat().st_mtime_ns if path.is_file() else 0
 
 
 __all__ = ["BUILTIN", "ObjectFile", "load_object", "object_file", "object_files"]
