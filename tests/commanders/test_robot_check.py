@@ -20,12 +20,10 @@ URDF_FAULTS = [
     ((J1, '<axis xyz="0 0 1"/>'), "missing-limit", r"joint 'j1' has no <limit>; add .*\[rad\]"),
     ((J1, '<limit velocity="1"/>'), "missing-limit", "it lacks lower and upper"),
     ((J1, '<limit lower="1" upper="-1" velocity="1"/>'), "missing-limit", "lower 1 isn't below upper -1"),
-    ((J1, '<limit lower="-1" upper="1"/>'), "missing-limit", "no velocity limit above zero"),
     ((J1, J1.replace("2.8", "nan")), "bad-number", "lower='-nan' of <limit> has to be a finite number"),
     ((J1, J1.replace("0 0 1", "0 0 0")), "zero-axis", "the axis of joint 'j1' is 0 0 0"),
     (('xyz="0 0 0.2"', 'xyz="0 0 NaN"'), "bad-number", "xyz='0 0 NaN' of <origin> has to be 3 finite numbers"),
     ((MASS, '<mass value="-1"/>'), "bad-inertia", "link 'base' has a mass of -1 kg"),
-    ((INERTIA, 'ixx="-0.01"'), "bad-inertia", "a principal moment of inertia of -0.01"),
     ((MASS, ""), "bad-inertia", "<inertial> of link 'base' has no <mass>"),
     (('<cylinder radius="0.06" length="0.1"/>', "<cone/>"), "bad-shape", "has <cone>; it has to be one of: box"),
     (
@@ -61,6 +59,31 @@ def test_every_fault_of_a_urdf_is_told_with_its_place(tmp_path, change, code, sa
     assert mine
     assert any(re.search(says, f.message) for f in mine), mine
     assert all(f.source.endswith("r.urdf") and f.line is not None for f in mine)
+
+
+@pytest.mark.parametrize("velocity", ["", ' velocity="0"'])
+def test_a_joint_without_a_velocity_limit_gets_one_and_it_is_told(tmp_path, velocity):
+    found = inspected(tmp_path, urdf().replace(J1, f'<limit lower="-1" upper="1"{velocity}/>'))
+    (told,) = [f for f in found.findings if f.code == "no-speed"]
+    assert "'j1' has no velocity limit above zero; 1 rad/s is taken" in told.message
+    assert 'velocity="1.0"' in found.description.urdf
+
+
+@pytest.mark.parametrize("value", ["0", "-0.01"])
+def test_a_link_without_inertia_gets_that_of_a_small_ball_and_it_is_told(tmp_path, value):
+    text = re.sub(r'i(xx|yy|zz)="[^"]*"', lambda found: f'i{found[1]}="{value}"', urdf(), count=3)
+    found = inspected(tmp_path, text)
+    (told,) = [f for f in found.findings if f.code == "no-inertia"]
+    assert "those of a ball of its mass with a radius of 0.02 m are taken" in told.message
+    assert f'ixx="{0.4 * 1 * 0.02**2!r}"' in found.description.urdf
+
+
+def test_an_end_effector_of_a_group_that_is_not_there_is_left_out_and_told(tmp_path):
+    ghost = '<end_effector name="ghost" parent_link="l6" group="nothing"/></robot>'
+    found = inspected(tmp_path, srdf=SRDF.replace("</robot>", ghost))
+    (told,) = [f for f in found.findings if f.code == "unknown-end"]
+    assert "'ghost' names groups that aren't there: nothing; it is left out" in told.message
+    assert "ghost" not in [end.name for end in found.description.end_effectors]
 
 
 def test_all_faults_are_told_at_once_each_on_its_line(tmp_path):

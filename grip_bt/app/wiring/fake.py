@@ -163,7 +163,7 @@ def arm_states(robot: RobotDescription | None, group: str) -> tuple[JointState |
     if robot is None or group not in robot.groups:
         return None, {}
     joints, at_rest = robot.group(group), robot.at_rest
-    own = JointState(joints, [at_rest[joint] for joint in joints])
+    own = JointState(joints, [at_rest.get(joint, 0.0) for joint in joints])
     states, known = {}, robot.named_states.get(group, {})
     for number, name in enumerate(name for name in known if name != "home"):
         place = FakeArm(home=Pose((0.3, -0.4, 0.55 + 0.05 * number))).state()

@@ -12,6 +12,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 
+from .check_urdf import BALL, INERTIA, NO_SPEED, principal_moments
 from .config import RobotConfig
 from .files import errors
 from .moveit_files import JointLimits
@@ -80,6 +81,7 @@ def normal(
     result.extend(copy.deepcopy(e) for e in robot if e.tag in ("material", "link", "joint"))
     for link in result.findall("link"):
         _with_found_meshes(link, folder, packages)
+        _with_inertia(link)
     for joint in result.findall("joint"):
         _with_limits(joint, limits.get(joint.get("name", ""), JointLimits()))
     return result
@@ -96,6 +98,16 @@ def _with_found_meshes(link: ET.Element, folder: Path, packages: Packages) -> No
             mesh.set("filename", str(path))
             if visual.tag == "visual" and not path.is_file():
                 link.remove(visual)
+
+
+def _with_inertia(link: ET.Element) -> None:
+    """Give a link of which the file says no inertia that of a small ball of its mass."""
+    mass, inertia = link.find("inertial/mass"), link.find("inertial/inertia")
+    if mass is None or inertia is None or not (weight := float(mass.get("value", "0"))) > 0:
+        return
+    if principal_moments(*(float(inertia.get(name, "0")) for name in INERTIA))[0] <= 0:
+        moment = repr(0.4 * weight * BALL**2)
+        inertia.attrib.update(dict.fromkeys(INERTIA, "0") | {"ixx": moment, "iyy": moment, "izz": moment})
 
 
 def _with_limits(joint: ET.Element, override: JointLimits) -> None:
@@ -119,6 +131,8 @@ def _with_limits(joint: ET.Element, override: JointLimits) -> None:
     for key in ("lower", "upper", "velocity"):
         if (value := getattr(override, key)) is not None:
             limit.set(key, repr(value))
+    if float(limit.get("velocity", "0")) <= 0:
+        limit.set("velocity", repr(NO_SPEED["m" if kind == "prismatic" else "rad"]))
     if float(limit.get("effort", "0")) <= 0:
         limit.set("effort", repr(NO_EFFORT))
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError, MissingPartError, listing, nearest
 
 from .files import Finding, Severity
@@ -17,7 +18,11 @@ from .xml import line_of, numbers
 
 SHAPES = {"box": ("size", 3), "cylinder": ("length", 1), "sphere": ("radius", 1), "mesh": ("scale", 3)}
 FORMATS = (".dae", ".obj", ".ply", ".stl")
-_INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+NO_SPEED = {"rad": 1.0, "m": 0.1}
+"""Velocity limits [rad/s, m/s] of joints that have none."""
+BALL = 0.02
+"""Radius [m] of the ball whose inertia a link gets that has none."""
+INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 def _link(link: ET.Element, report: _Report) -> None:
@@ -38,7 +43,7 @@ def _inertial(inertial: ET.Element, name: str, report: _Report) -> None:
         return
     value, *moments = (
         report.numbers(mass, "value", 1, ""),
-        *(report.numbers(inertia, attribute, 1, "") for attribute in _INERTIA),
+        *(report.numbers(inertia, attribute, 1, "") for attribute in INERTIA),
     )
     if not value or not all(moments):
         return
@@ -50,13 +55,19 @@ def _inertial(inertial: ET.Element, name: str, report: _Report) -> None:
         _moments(inertia, [each[0] for each in moments], name, report)
 
 
+def principal_moments(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> Array:
+    """Return the principal moments of an inertia [kg m^2], the least first."""
+    return np.asarray(np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), dtype=float)
+
+
 def _moments(inertia: ET.Element, values: list[float], name: str, report: _Report) -> None:
     xx, yy, zz, xy, xz, yz = values
-    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    moments = principal_moments(xx, yy, zz, xy, xz, yz)
     if moments[0] <= 0:
-        report.error(
-            "bad-inertia",
-            f"link {name!r} has a principal moment of inertia of {moments[0]:.3g} kg m^2; all have to be positive",
+        taken = f"those of a ball of its mass with a radius of {BALL:g} m are taken"
+        report.warning(
+            "no-inertia",
+            f"link {name!r} has a principal moment of inertia of {moments[0]:.3g} kg m^2, which no body has; {taken}",
             inertia,
         )
     elif moments[2] > 1.01 * (moments[0] + moments[1]):
@@ -223,11 +234,8 @@ def _limit(joint: ET.Element, name: str, kind: str, report: _Report) -> None:
         why = f"it lacks {' and '.join(missing)}" if missing else f"lower {lower:g} isn't below upper {upper:g}"
         report.error("missing-limit", f"joint {name!r} can't move: {why} [{unit}]", limit)
     if velocity <= 0:
-        report.error(
-            "missing-limit",
-            f"joint {name!r} has no velocity limit above zero [{unit}/s]; motions can't be timed",
-            limit,
-        )
+        taken = f"{NO_SPEED[unit]:g} {unit}/s is taken, unless joint_limits.yaml has one"
+        report.warning("no-speed", f"joint {name!r} has no velocity limit above zero; {taken}", limit)
     if effort <= 0:
         report.warning("no-effort", f"joint {name!r} has no effort limit; simulation takes 100", limit)
 

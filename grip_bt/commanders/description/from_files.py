@@ -20,7 +20,7 @@ from grip_bt.commanders.description.moveit_files import JointLimits
 from grip_bt.commanders.description.moveit_package import MoveItPackage, preferences_of, read_package
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.description.srdf import Srdf, check_srdf, read_srdf
+from grip_bt.commanders.description.srdf import Srdf, check_srdf, read_srdf, with_known_ends
 from grip_bt.commanders.description.tree import Tree
 from grip_bt.commanders.description.xml import Element, parse_xml, read_xml
 from grip_bt.commanders.settings import PLANNERS
@@ -130,7 +130,9 @@ class _Single:
 
     def _described(self, robot: ET.Element, source: Path) -> RobotDescription | None:
         tree = Tree(robot)
-        srdf = with_config(self._srdf(), self.config)
+        known, told = with_known_ends(self._srdf())
+        self.findings += told
+        srdf = with_config(known, self.config)
         self.findings += check_srdf(srdf, tree)
         if self._wrong():
             return None

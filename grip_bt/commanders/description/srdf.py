@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from grip_bt.base.errors import DocumentError, listing, nearest
 
@@ -201,6 +201,19 @@ def check_srdf(srdf: Srdf, tree: Tree) -> list[Finding]:
                 message = f"group {name!r} has no joint that can be driven; nothing can be planned for it"
                 found.append(Finding("warning", "empty-group", message, srdf.source, srdf.groups[name].line))
     return [*found, *check.states()]
+
+
+def with_known_ends(srdf: Srdf) -> tuple[Srdf, list[Finding]]:
+    """Return an SRDF without the end effectors of groups that it lacks, which vendors ship, and what is left out."""
+    kept, found = [], []
+    for end in srdf.end_effectors:
+        absent = [name for name in (end.group, end.parent_group) if name and name not in srdf.groups]
+        if absent:
+            message = f"end effector {end.name!r} names groups that aren't there: {listing(absent)}; it is left out"
+            found.append(Finding("warning", "unknown-end", message, srdf.source))
+        else:
+            kept.append(end)
+    return replace(srdf, end_effectors=tuple(kept)), found
 
 
 class _Check:
