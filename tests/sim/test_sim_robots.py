@@ -26,6 +26,28 @@ def test_a_ready_made_robot_stands_still_where_it_rests(name):
     assert driven.position == pytest.approx(list(rest.values()), abs=0.01)
 
 
+@pytest.mark.parametrize("dynamics", ['friction="0"', 'damping="0.1"', ""])
+def test_a_joint_may_say_friction_or_damping_alone(dynamics, tmp_path):
+    from grip_bt.commanders.description.config import RobotConfig
+    from grip_bt.commanders.description.load import load_robot as load
+    from grip_sim.world import World
+
+    inertial = '<inertial><mass value="1"/><inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial>'
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r"><link name="base"/><link name="arm">{inertial}</link><joint name="j" type="revolute">'
+        f'<parent link="base"/><child link="arm"/><axis xyz="0 1 0"/><dynamics {dynamics}/>'
+        '<limit lower="-1" upper="1" effort="9"/></joint></robot>'
+    )
+    (tmp_path / "r.srdf").write_text(
+        '<robot name="r"><group name="arm"><chain base_link="base" tip_link="arm"/></group></robot>'
+    )
+    robot = load(RobotConfig(urdf="r.urdf", srdf="r.srdf"), tmp_path)
+    world = World(WorldSpec(robot="r"), robot)
+    for _ in range(60):
+        world.step()
+    assert np.abs(world.robot.positions()).max() < 0.01
+
+
 def test_the_second_finger_of_a_gripper_follows_the_first():
     from grip_sim.world import World
 

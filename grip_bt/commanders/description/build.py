@@ -120,6 +120,9 @@ def _with_limits(joint: ET.Element, override: JointLimits) -> None:
         x, y, z = numbers(axis, "xyz", 3, "1 0 0")
         length = math.hypot(x, y, z)
         axis.set("xyz", f"{x / length!r} {y / length!r} {z / length!r}")
+    for dynamics in joint.findall("dynamics"):  # simulators take both or none
+        for name in ("damping", "friction"):
+            dynamics.set(name, dynamics.get(name, "0"))
     limit = joint.find("limit")
     if limit is None:
         limit = ET.SubElement(joint, "limit")
