@@ -201,3 +201,11 @@ def test_a_chain_of_a_thousand_links_is_refused_not_recursed_into(tmp_path):
     )
     found = inspected(tmp_path, f'<robot name="long">{links}{joints}</robot>', '<robot name="long"/>')
     assert any(f.code == "cycle" and "more than 500 joints deep" in f.message for f in found.findings)
+
+
+def test_an_xml_file_is_what_its_outermost_element_says(tmp_path):
+    (tmp_path / "r.xml").write_text(urdf())
+    found = inspect_robot("r.xml", tmp_path)
+    assert not [f for f in found.findings if f.severity == "error"]
+    (tmp_path / "r.xml").write_text("<mujocu/>")
+    assert any("has to be <mujoco>, not <mujocu>" in f.message for f in inspect_robot("r.xml", tmp_path).findings)

@@ -5,6 +5,7 @@ Ready-made robots are built on this machine from models that installed packages 
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
@@ -152,8 +153,8 @@ def _renamed(inspected: Inspected, config: RobotConfig, file: str) -> Inspected:
 def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
     """Return the configuration that a path stands for, and the folder that its relative paths begin in.
 
-    `*.urdf`, `*.xacro` and `*.xml` (MJCF) are robots by themselves, `*.yaml` holds a configuration; a project's and
-    a world's file under `robot:`. A folder is a project, or a MoveIt configuration package.
+    `*.urdf`, `*.xacro` and `*.xml` (URDF or MJCF) are robots by themselves, `*.yaml` holds a configuration; a project's
+    and a world's file under `robot:`. A folder is a project, or a MoveIt configuration package.
 
     Raises:
         UnknownNameError: there is neither such a file nor such a ready-made robot.
@@ -169,14 +170,24 @@ def config_of(word: str, folder: Path) -> tuple[RobotConfig, Path]:
         if "/" in word or path.suffix:
             raise DocumentError("there is no such file", str(path))
         raise UnknownNameError("robot", word, ROBOTS, where="not a file, and not a ready-made robot")
-    kinds = {".urdf": "urdf", ".xacro": "xacro", ".xml": "mjcf"}
-    if path.suffix in kinds:
-        return RobotConfig(**{kinds[path.suffix]: str(path)}), path.parent
+    if path.suffix in (".urdf", ".xacro", ".xml"):
+        return RobotConfig(**{_kind(path): str(path)}), path.parent
     if path.suffix in (".yaml", ".yml"):
         return _of_yaml(path), path.parent
     raise DocumentError(
-        "a robot is a .urdf, .xacro, .xml (MJCF) or .yaml file, or a MoveIt package's folder", str(path)
+        "a robot is a .urdf, .xacro, .xml (URDF or MJCF) or .yaml file, or a MoveIt package's folder", str(path)
     )
+
+
+def _kind(path: Path) -> str:
+    """Return what a robot's file is; of an .xml file, its outermost element tells."""
+    if path.suffix != ".xml":
+        return path.suffix[1:]
+    try:
+        robot = next(iter(ET.iterparse(path, ("start",))))[1].tag == "robot"
+    except (ET.ParseError, StopIteration):
+        robot = False  # reading it says what is wrong
+    return "urdf" if robot else "mjcf"
 
 
 def _of_yaml(path: Path) -> RobotConfig:
