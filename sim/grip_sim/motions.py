@@ -215,7 +215,7 @@ class MoveHand:
         return Ended() if still > STILL_TIME or t > self._duration + GRACE else None
 
     def _presses_as_told(self, world: World) -> bool:
-        pressed = world.pressed() if self._force else 0.0
+        pressed = world.pressed(self._robot.hand_of(int(self.rows[0]))) if self._force else 0.0
         return not self._force or not pressed or abs(pressed - self._force) < NEARLY * self._force
 
     def braking(self, world: World) -> Motion:

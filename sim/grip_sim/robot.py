@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -109,17 +109,24 @@ class SimRobot:
         """Have the drives' torque regulated so that the hand presses with a force [N]; None ends that."""
         self._force[rows] = force or 0.0
 
-    @property
-    def presses(self) -> bool:
-        """Whether a force is regulated."""
-        return bool(self._force.any())
+    def pressing(self) -> dict[str, list[int]]:
+        """Return the hands whose force is regulated, each with the rows of its joints."""
+        found: dict[str, list[int]] = {}
+        for row in np.flatnonzero(self._force).tolist():
+            found.setdefault(self.hand_of(row), []).append(row)
+        return found
 
-    def regulate(self, pressed: float, dt: float) -> None:
-        """Let torques grow or sink towards their force, after a step of `dt` [s] in which the hand pressed [N].
+    def hand_of(self, row: int) -> str:
+        """Return the hand that a joint belongs to; the first where its group doesn't tell."""
+        hands, groups = self.description.hands, self.description.groups
+        return next((hand for hand in hands if self._joints[row].name in groups.get(hand, ())), next(iter(hands)))
+
+    def regulate(self, rows: Iterable[int], pressed: float, dt: float) -> None:
+        """Let a hand's torques grow or sink towards their force, after a step of `dt` [s] in which it pressed [N].
 
         Until something is touched the fingers close as they are driven.
         """
-        for row in np.flatnonzero(self._force).tolist():
+        for row in rows:
             error = float(np.clip(1 - pressed / self._force[row], -1, 1))
             most = self._most(row)
             if self._limit[row] < most:

@@ -94,8 +94,8 @@ class World:
         self._scene.step()
         self._steps += 1
         self._moved.clear()
-        if self.robot.presses:
-            self.robot.regulate(self.pressed(), self.spec.dt)
+        for hand, rows in self.robot.pressing().items():
+            self.robot.regulate(rows, self.pressed(hand), self.spec.dt)
         self.cameras.stepped(self.time)
 
     # --- what is where ---
@@ -144,12 +144,12 @@ class World:
                     forces[link] = forces.get(link, 0.0) + contact.force
         return forces
 
-    def pressed(self) -> float:
-        """Return how hard the hand presses on objects [N]: half of all forces, as two sides oppose each other."""
-        total = 0.0
+    def pressed(self, hand: str) -> float:
+        """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
+        total, links = 0.0, self.robot.description.hands[hand]
         for contact in self._scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
-            if _between(one, two, self.robot.hand_links, self._objects) and self._moved.isdisjoint((one, two)):
+            if _between(one, two, links, self._objects) and self._moved.isdisjoint((one, two)):
                 total += float(np.linalg.norm(sum(point.impulse for point in contact.points))) / self.spec.dt
         return total / 2
 

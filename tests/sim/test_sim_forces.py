@@ -29,7 +29,7 @@ def held(friction, force, name="panda", mass=0.2, stand=False):
     motion = MoveHand(world.robot, rows, np.array(closed), 0.5, 0.0, force)
     while motion.advance(world) is None:
         world.step()
-        if not stand and world.pressed() < 1.2 * mass * 9.81 / (2 * friction):
+        if not stand and world.pressed("hand") < 1.2 * mass * 9.81 / (2 * friction):
             world.move_object("thing", begin)  # until it is held
     return world, rows
 
@@ -39,7 +39,7 @@ def run(world, seconds):
     found = []
     for _ in range(round(seconds / world.spec.dt)):
         world.step()
-        found.append(world.pressed())
+        found.append(world.pressed("hand"))
     return np.array(found)
 
 
@@ -66,7 +66,7 @@ def test_what_two_fingers_hold_slips_at_half_its_weight_over_the_friction(name, 
         world.robot.press(rows, force)
         world.step()
         heights.append(world.object_pose("thing").position[2])
-        forces.append(world.pressed())
+        forces.append(world.pressed("hand"))
     assert np.mean(forces[-48:-24]) == pytest.approx(should, rel=0.1)
 
 
@@ -74,7 +74,7 @@ def test_a_hand_that_closes_without_a_force_regulates_none_any_more():
     world, rows = held(0.5, 4.0, "ur5_gripper")
     world.robot.limit_torque(rows, None)
     world.robot.press(rows, None)
-    assert not world.robot.presses
+    assert not world.robot.pressing()
     assert run(world, 1.0)[-1] > 6.0
 
 
@@ -85,3 +85,17 @@ def test_a_regulated_force_is_kept_and_put_back():
     other.put_back(kept)
     run(other, 0.5)
     assert run(other, 0.5).mean() == pytest.approx(4.0, rel=0.05)
+
+
+def test_each_of_two_hands_has_a_force_of_its_own():
+    from grip_sim.specs import WorldSpec
+    from grip_sim.world import World
+
+    robot = World(WorldSpec(robot="two_ur5_allegro")).robot
+    hands = list(robot.description.hands)
+    rows = {hand: robot.rows(robot.description.group(hand)) for hand in hands}
+    robot.press(rows[hands[1]], 4.0)
+    assert robot.pressing() == {hands[1]: sorted(rows[hands[1]].tolist())}
+    robot.press(rows[hands[0]], 3.0)
+    assert set(robot.pressing()) == set(hands)
+    assert len(hands) == 2
