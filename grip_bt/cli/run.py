@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.runs.execute import MOST_SEED, RunOptions, open_session
+from grip_bt.app.runs.injection import read_faults
 from grip_bt.app.runs.mocks import read_mocks
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.runs.tables import failures
@@ -56,6 +57,14 @@ def add_run(parser: argparse.ArgumentParser) -> None:
         "--mock", action="append", default=[], metavar="NODE=SCRIPT", help="script such as failure.no_ik,success"
     )
     mocked.add_argument("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
+    parser.add_argument(
+        "--fault",
+        dest="faults",
+        action="append",
+        default=[],
+        metavar="NAME: {fault: KIND, ...}",
+        help="what goes wrong in the simulated world, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'",
+    )
     way = parser.add_argument_group("control").add_mutually_exclusive_group()
     way.add_argument("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
     way.add_argument(
@@ -142,6 +151,7 @@ def run(args: argparse.Namespace) -> int:
         breaks=args.breaks,
         paused=debug and not args.breaks,
         mocks=read_mocks(args.mocks, args.mock),
+        faults=read_faults(args.faults),
         durable=args.durable,
     )
     if args.resume or args.fork:

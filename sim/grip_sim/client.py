@@ -114,6 +114,7 @@ class SimClient:
     Attributes:
         clock: the run's.
         sent: how many requests were sent, without what is said of turns.
+        on_fault: told of each fault of the world that begins or is over: its name, what happened, whether it is over.
 
     Args:
         pace: simulated seconds per second; None for as fast as it goes.
@@ -130,6 +131,7 @@ class SimClient:
         self._pending: dict[int, tuple[Operation[Reply], bool]] = {}
         self._completions: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self.sent = 0
+        self.on_fault: Callable[[str, str, bool], None] = lambda name, words, over: None
         self._in_turn: InTurnOf | None = None
         self._stood: Callable[[], None] = lambda: None
         self._lost: SimulatorLostError | None = None
@@ -280,6 +282,8 @@ class SimClient:
                 # Under the lock: once nothing is pending and all is lost, the last completion is in the queue.
                 self._completions.put(partial(complete, operation, reply))
                 return
+            if "fault" in fields:
+                self._completions.put(partial(self.on_fault, *fields["fault"]))
             if fields.get("stands"):  # behind the ends that came before
                 self._completions.put(self._stood)
         if operation is not None:

@@ -48,6 +48,9 @@ def ignore_each_other(shapes: Iterable[physx.PhysxCollisionShape], bit: int) -> 
         shape.set_collision_groups(words)
 
 
+SOLID, HAND, SLIPPERY = (1, 1), (4, 5), (2, 1)
+"""Words 0 and 1 of collision groups: two shapes touch where word 0 of one and word 1 of the other have a bit in common.
+So what is slippery touches everything but hands, and hands touch themselves."""
 FIXED = physx.PhysxMaterial(0.0, 0.0, 0.0)
 """Of hands and of everything that never moves; see `movable`."""
 
@@ -81,4 +84,15 @@ def add_model(scene: sapien.Scene, spec: ObjectSpec, model: ObjectModel) -> phys
     return body
 
 
-__all__ = ["FIXED", "add_model", "movable", "ignore_each_other", "make_scene", "physx", "sapien"]
+__all__ = [
+    "FIXED",
+    "HAND",
+    "SLIPPERY",
+    "SOLID",
+    "add_model",
+    "movable",
+    "ignore_each_other",
+    "make_scene",
+    "physx",
+    "sapien",
+]

@@ -12,7 +12,7 @@ import numpy as np
 from grip_bt.base.arrays import Array, Indices
 from grip_bt.commanders.description.robot import Mimic, RobotDescription
 from grip_bt.commanders.trajectory.stopping import accelerations_of
-from grip_sim.physics import ignore_each_other, physx, sapien
+from grip_sim.physics import HAND, ignore_each_other, physx, sapien
 
 NEAR_BASE, THUMB = 30, 29
 PAIRS = range(28, 11, -1)
@@ -57,6 +57,7 @@ class SimRobot:
         self._target, self._speed = np.zeros(count), np.zeros(count)
         self._stiffness, self._damping = np.zeros(count), np.zeros(count)
         self._limit, self._force = np.zeros(count), np.zeros(count)
+        self._ranges: dict[int, tuple[float, float]] = {}
         self._followers: dict[int, list[tuple[int, Mimic]]] = {}
         for name, mimic in description.mimics.items():
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
@@ -109,6 +110,16 @@ class SimRobot:
         """Have the drives' torque regulated so that the hand presses with a force [N]; None ends that."""
         self._force[rows] = force or 0.0
 
+    def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
+        """Have a joint's drive keep it within a range [rad or m], where it is for an empty one; None ends that."""
+        row = self._rows[joint]
+        if between is None:
+            self._ranges.pop(row, None)
+            return
+        here = float(self.positions()[row])
+        self._ranges[row] = between if between[0] <= between[1] else (here, here)
+        self._aim(row, float(self._target[row]), 0.0)
+
     def pressing(self) -> dict[str, list[int]]:
         """Return the hands whose force is regulated, each with the rows of its joints."""
         found: dict[str, list[int]] = {}
@@ -137,6 +148,11 @@ class SimRobot:
 
     def _most(self, row: int) -> float:
         return self.description.drives[self._joints[row].name].limit
+
+    def groups_of(self, rows: Indices) -> list[str]:
+        """Return the groups that one of these joints belongs to."""
+        names = {self._joints[row].name for row in rows.tolist()}
+        return [group for group, joints in self.description.groups.items() if names.intersection(joints)]
 
     def hold(self, rows: Indices) -> None:
         """Make the present positions the targets."""
@@ -198,6 +214,10 @@ class SimRobot:
         self.body.set_qf(self.body.compute_passive_force(True, True))
 
     def _aim(self, row: int, position: float, speed: float) -> None:
+        if row in self._ranges:
+            low, high = self._ranges[row]
+            kept = min(max(position, low), high)
+            position, speed = kept, speed if kept == position else 0.0
         self._target[row], self._speed[row] = position, speed
         self._joints[row].set_drive_target(position)
         self._joints[row].set_drive_velocity_target(speed)
@@ -219,6 +239,9 @@ class SimRobot:
 
     def _let_neighbours_pass(self) -> None:
         fingers = list(self.description.finger_links.values())
+        for link in self.links:
+            for shape in link.collision_shapes if link.name in self.hand_links else ():
+                shape.set_collision_groups([*HAND, *shape.get_collision_groups()[2:]])
         distal = {link for finger in fingers for link in finger[2:]}
         thumb = set(fingers[-1][:3]) if fingers else set()
         for link in self.links:

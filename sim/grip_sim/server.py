@@ -148,7 +148,7 @@ class Server:
             if self._in_turns:
                 if self._until is not None and self.world.time >= self._until:
                     return self._call_stand()
-            ends = [(number, end) for number, motion in self._motions.items() if (end := motion.advance(self.world))]
+            ends = [(number, end) for number, motion in self._motions.items() if (end := self._advanced(motion))]
             for number, end in ends:
                 self._finish(number, end)
             if ends and self._in_turns:
@@ -156,6 +156,7 @@ class Server:
             if not self._motions and not self._in_turns:
                 return
             self.world.step()
+            self._tell_faults()
             if self._film is not None:
                 self._film.stepped(self.world.time)
         if self._pace is not None:  # messages are obeyed meanwhile, so that a stop isn't late
@@ -163,6 +164,20 @@ class Server:
         if time.monotonic() - self._told > TELL_TIME:
             self._told = time.monotonic()
             self._send({"id": 0})
+
+    def _advanced(self, motion: Motion) -> Ended | None:
+        robot = self.world.robot
+        if (
+            motion.rows.size
+            and not isinstance(motion, Brake)
+            and (why := self.world.faults.aborted(robot.groups_of(motion.rows)))
+        ):
+            return Ended("aborted", why)
+        return motion.advance(self.world)
+
+    def _tell_faults(self) -> None:
+        for event in self.world.faults.told():
+            self._send({"id": 0, "fault": [event.name, event.words, event.over]})
 
     def _finish(self, number: int, end: Ended) -> None:
         motion = self._motions.pop(number)
@@ -322,6 +337,10 @@ class Server:
 
     def _call_move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> None:
         self.world.move_object(name, Pose(position, quaternion))
+
+    def _call_entered(self, number: int, node: str) -> None:
+        self.world.faults.entered(node)
+        self._tell_faults()
 
     def _call_kept(self, number: int) -> Answer:
         return {}, self.world.kept()

@@ -218,6 +218,10 @@ class Simulation(SimClient):
             raise UnknownNameError("camera", name, cameras)
         return SimCamera(self, cameras[name])
 
+    def entered(self, node: str) -> None:
+        """Say that a node of the task begins: faults may wait for that."""
+        self.ask("entered", node=node)
+
     def settle(self, seconds: float = SETTLE) -> None:
         """Let simulated time pass and wait for it.
 

@@ -16,6 +16,7 @@ from pydantic.dataclasses import dataclass
 
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.base.values.pose import quaternion_of
+from grip_sim.faults import Fault
 from grip_sim.noise import Noise
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -252,6 +253,7 @@ class WorldSpec:
         dt: time step of the physics [s].
         jerks: joint -> limit with which it is braked [rad/s^3 or m/s^3]; any for a motion of none of these.
         judge: name -> condition over what the referee finds, see `grip_sim.referee`.
+        faults: name -> what goes wrong on purpose.
     """
 
     robot: str = "panda_allegro"
@@ -266,6 +268,7 @@ class WorldSpec:
     dt: Positive = 1 / 240
     jerks: Mapping[str, Positive] = field(default_factory=dict)
     judge: Mapping[str, str] = field(default_factory=dict)
+    faults: Mapping[str, Fault] = field(default_factory=dict)
 
     def to_json(self) -> object:
         """Return the spec as JSON data."""

@@ -18,8 +18,9 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_sim.cameras.frame import Frame
 from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.rig import Rig
+from grip_sim.faults import Faults
 from grip_sim.objects import load_object
-from grip_sim.physics import FIXED, add_model, make_scene, movable, physx, sapien
+from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
 from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, Vector, WorldSpec
 
@@ -77,8 +78,9 @@ class World:
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self._steps = 0
         self._moved: set[str] = set()
+        self.faults = Faults(spec.faults, spec.seed, self)
         seen = [*still, *self._robot_targets(), *self._object_targets()]
-        self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links})
+        self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
 
     # --- time ---
 
@@ -89,6 +91,7 @@ class World:
 
     def step(self) -> None:
         """Advance by `spec.dt`."""
+        self.faults.stepped()
         self.robot.follow()
         self.robot.compensate()
         self._scene.step()
@@ -118,6 +121,32 @@ class World:
         body.set_angular_velocity(np.zeros(3))
         body.wake_up()
         self._moved.add(name)
+
+    # --- what goes wrong on purpose ---
+
+    def held_objects(self) -> list[str]:
+        """Return the objects that a hand touches."""
+        pairs = {pair for contact in self.contacts() for pair in (contact[:2], contact[1::-1])}
+        return [name for name in self._objects if any((name, link) in pairs for link in self.robot.hand_links)]
+
+    def let_slip(self, name: str, slips: bool) -> None:
+        """Have an object pass through hands, or not any more."""
+        body = self._object(name)
+        for shape in body.collision_shapes:
+            shape.set_collision_groups([*(SLIPPERY if slips else SOLID), *shape.get_collision_groups()[2:]])
+        body.wake_up()
+
+    def push(self, name: str, by: Vector) -> None:
+        """Change an object's velocity [m/s]."""
+        body = self._object(name)
+        body.set_linear_velocity(np.add(body.linear_velocity, by))
+        body.wake_up()
+
+    def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
+        """Keep a joint within a range [rad or m], where it is for an empty one; None ends it."""
+        self.robot.restrict(joint, between)
+
+    # --- what is where ---
 
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""

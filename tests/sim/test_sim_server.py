@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import socket
+import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -171,3 +173,28 @@ def test_at_a_pace_physics_is_not_faster_however_many_questions_come(make_server
     answers(server, ends)
     assert wall.now > 0.2
     assert 0.85 * 2.0 * wall.now < server.world.time < 2.0 * wall.now + 0.02
+
+
+def test_a_controller_that_aborts_ends_its_motion_and_the_client_is_told_why(ends):
+    from grip_sim.faults import Fault
+    from grip_sim.server import Server
+
+    spec = replace(SPEC, faults={"stop": Fault(fault="abort", of="arm", at=0.5)})
+    server = Server(ends[1], spec, None)
+    way = arm_way(server)
+    ends[0].sendall(pack({"id": 1, "call": "follow", "names": ARM}, way))
+    ends[0].sendall(pack({"id": 2, "call": "wait", "seconds": 3.0}))
+    got, told = {}, []
+    ends[0].settimeout(None)
+    thread = threading.Thread(target=server.serve)
+    thread.start()
+    while 2 not in got:
+        fields, _ = receive(ends[0])
+        got[fields["id"]] = fields
+        told += [fields["fault"]] if "fault" in fields else []
+    ends[0].shutdown(socket.SHUT_WR)
+    thread.join()
+    assert told == [["stop", "abort of arm", False]]
+    assert got[1]["error"] == "aborted"
+    assert got[1]["message"] == "the controller has aborted (fault 'stop')"
+    assert got[1]["time"] == pytest.approx(0.5, abs=0.01)

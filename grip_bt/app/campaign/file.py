@@ -16,6 +16,7 @@ from grip_bt.app.runs.execute import MOST_SEED
 from grip_bt.app.runs.mocks import Script
 from grip_bt.base.errors import CampaignError, NotWritableError
 from grip_bt.base.yaml.models import read_model
+from grip_sim.faults import Fault
 
 MOST_SEEDS = 100_000
 Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]
@@ -44,6 +45,8 @@ class Variant(_Config):
     """Initial values of the task's variables."""
     mocks: dict[str, Script] = {}
     """Scripts in place of nodes."""
+    faults: dict[Key, Fault] = {}
+    """What goes wrong in the simulated world, besides the faults of its file."""
 
 
 class CampaignFile(_Config):

@@ -15,6 +15,7 @@ from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.project.judging import STATES
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
+from grip_bt.app.runs.injection import check_nodes
 from grip_bt.app.runs.mocks import apply_mocks, scripted
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.base.errors import CampaignError, EvaluationError, ExpressionError, nearest
@@ -116,6 +117,7 @@ class Trials:
             seed=seed,
             data=settings.set,
             mocks=scripted(settings.mocks),
+            faults=settings.faults,
             journal=self._journal,
             watchdog=self._watchdog,
         )
@@ -144,6 +146,7 @@ def check(campaign: Campaign) -> None:
         task, catalog, _ = apply_mocks(document.task, catalogue_of(project), mocks)
         refuse(of_task(project, task, catalog, said.robot, mocks))
         paths = [part.path for part in resolve(document.task, catalogue_of(project)).root.walk()]
+        check_nodes(settings.faults, paths)
         for name, path in said.count.items():
             if path not in paths:
                 text = f"count/{name}: {variant!r} has no node {path!r}{nearest(path, paths)}"

@@ -16,6 +16,8 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.scene_file import load_scene
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
+from grip_sim.faults import check_faults
+from grip_sim.specs import WorldSpec
 from grip_sim.worlds import world_files
 
 from .folder import Project
@@ -150,6 +152,12 @@ def faults_of_world(project: Project) -> Iterator[GripError]:
         error = _scenes.get(file, lambda: _fault_of_scene(file))
         if error is not None:
             yield error
+
+
+def faults_of_faults(project: Project, spec: WorldSpec, robot: RobotDescription) -> Iterator[GripError]:
+    """Yield the faults of a world, what is to go wrong on purpose, that name what isn't there."""
+    objects, cameras = [thing.name for thing in spec.objects], [camera.name for camera in spec.cameras]
+    return check_faults(spec.faults, robot, objects, cameras, project.component_folders())
 
 
 def faults_of_camera(project: Project, sensor: str, world: str | None = None) -> Iterator[UnknownNameError]:

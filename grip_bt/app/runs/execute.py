@@ -25,11 +25,13 @@ from grip_bt.runtime.observers import Durable
 from grip_bt.task import Document, Variable, read, read_text
 from grip_bt.task.model import type_of
 from grip_bt.task.validation import validate
+from grip_sim.faults import Fault
 
 from ..project.folder import Project, find_project
 from ..project.foreign_code import of_task, refuse
 from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
+from .injection import check_nodes, injected
 from .mocks import apply_mocks
 from .resume import ResumeRequest, policy_of, start_resumed
 
@@ -53,6 +55,7 @@ class RunOptions:
         breaks: breakpoints that are set before it begins: fields of the command `break`.
         paused: whether it begins paused.
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
+        faults: what goes wrong in the simulated world besides its file's faults, by name.
         durable: whether no motion begins before the journal on disk says so.
         resume: the run that is resumed; None for a new one.
         video: where a film of the simulated world is written, 25 frames a second of its time; None for nowhere.
@@ -71,6 +74,7 @@ class RunOptions:
     breaks: Sequence[Mapping[str, Any]] = ()
     paused: bool = False
     mocks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+    faults: Mapping[str, Fault] = field(default_factory=dict)
     durable: bool = False
     resume: ResumeRequest | None = None
     video: Path | None = None
@@ -80,7 +84,7 @@ class RunOptions:
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "target"}
+_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target"}
 
 
 @dataclass
@@ -156,6 +160,9 @@ def open_session(
     working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
     for point in options.breaks:
         make_breakpoint(compiled, 0, **point)  # refused before anything is started
+    if options.faults and options.robot != "sim":
+        raise GripError(f"faults happen in a simulated world, not with --robot {options.robot}; mocks fail anywhere")
+    check_nodes(options.faults, compiled.by_path)
     needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
     running: list[Runner] = []
 
@@ -164,7 +171,8 @@ def open_session(
         for runner in running:
             runner.tell(part, words)
 
-    opening = Opening(project, options.seed, options.pace, told, hold)
+    faults = options.faults if resume is None else None  # what has happened doesn't happen again
+    opening = Opening(project, options.seed, options.pace, told, hold, faults)
     parts = open_resources(opening, needs, options.robot, own)
     with parts as resources, Journal(options.journal or project.journal) as journal:
         log = re_execution = None
@@ -209,7 +217,7 @@ def open_session(
             runner.pause()
         running.append(runner)
         try:
-            with _filmed(resources, options):
+            with _filmed(resources, options), injected(resources, runner, told):
                 yield Session(project, document, report, resources, runner, journal.file)
         finally:
             runner.dismiss()

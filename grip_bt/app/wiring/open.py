@@ -74,7 +74,14 @@ def open_resources(
         elif names or asks_ros:
             of_ros = load_part("ros", "ROS", "ros").open_ros(opening, names, sensors, needs, stack)
             clock = of_ros.clock or parts.clock
-            parts = replace(parts, components=of_ros.components, sensors=of_ros.sensors, ros=of_ros.ros, clock=clock)
+            parts = replace(
+                parts,
+                components=of_ros.components,
+                sensors=of_ros.sensors,
+                ros=of_ros.ros,
+                clock=clock,
+                servers=of_ros.servers,
+            )
         if "messages" in asked or any(node.startswith("messages/") for node in needs):
             parts = replace(parts, messages=_open_messages(opening, stack, server=robot != "fake"))
         yield parts

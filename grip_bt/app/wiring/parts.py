@@ -15,6 +15,7 @@ from grip_bt.base.ports import Clock
 from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.runtime import RunContext, RunParts
+from grip_sim.faults import Fault
 from grip_sim.simulation import SimReferee, Simulation
 
 Progress = Callable[[str, str], None]
@@ -101,11 +102,13 @@ class Resources(RunParts):
         clock: of the run, where a part has one of its own.
         world: the simulated world.
         fakes: what changes in fake parts.
+        servers: component -> id of its server's process, of those that were started for the run.
     """
 
     clock: Clock | None = None
     world: Simulation | None = None
     fakes: FakeState | None = None
+    servers: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def referee(self) -> SimReferee | None:
@@ -127,6 +130,7 @@ class Opening:
         pace: simulated seconds per second; None for as fast as it goes.
         progress: told of each part that came up.
         hold: file descriptor over which somebody else may have the robot hold; None for nobody.
+        faults: what goes wrong in the simulated world besides its own faults; None for nothing at all.
     """
 
     project: Project
@@ -134,6 +138,7 @@ class Opening:
     pace: float | None = None
     progress: Progress = silent
     hold: int | None = None
+    faults: Mapping[str, Fault] | None = field(default_factory=dict)
 
 
 class RobotBackend(Protocol):

@@ -59,8 +59,10 @@ def open_ros(
     built = (
         f"interfaces built in {components.build_seconds:.1f} s" if components.build_seconds else "interfaces in cache"
     )
+    servers: dict[str, int] = {}
     for name in names:
         process = components.process(name)
+        servers |= {name: process.pid} if process is not None else {}
         where = f"ROS 2 server in process {process.pid}" if process is not None else "ROS 2 server already running"
         progress("component", f"{name}: {where}, ready after {components.ready_seconds:.1f} s; {built}")
     opened = open_sensors({name: project.file.sensors[name] for name in sensors}, ros, project.folder, domain)
@@ -68,7 +70,8 @@ def open_ros(
     for name, sensor in opened.items():
         topics = ", ".join(topic.topic for topic in project.file.sensors[name].topics.values())
         progress("sensor", f"{name}: {topics}" if isinstance(sensor, TopicSensor) else f"{name}: {sensor.reason}")
-    return Resources(components={name: components.client(name) for name in names}, sensors=opened, ros=ros, clock=clock)
+    clients = {name: components.client(name) for name in names}
+    return Resources(components=clients, sensors=opened, ros=ros, clock=clock, servers=servers)
 
 
 def simulated_clock(bus: Bus, stack: ExitStack) -> RosClock:

@@ -9,7 +9,7 @@ from grip_bt.commanders.planning.requests import PlanningService
 from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_sim import start_simulation
 
-from ..project.faults import check, faults_of_simulation, jerks_of_arms
+from ..project.faults import check, faults_of_faults, faults_of_simulation, jerks_of_arms
 from ..project.worlds import regions_of, room_of, world_of
 from .commanders import PlannedRobot, commanded
 from .parts import Opening, Resources
@@ -27,6 +27,8 @@ class SimulatedBackend:
         robot = PlannedRobot.begin(opening, stack)
         jerks = jerks_of_arms(file.arms, robot.description)
         spec = replace(world_of(project, opening.seed), jerks=jerks)
+        spec = replace(spec, faults={} if opening.faults is None else {**spec.faults, **opening.faults})
+        check(faults_of_faults(project, spec, robot.description))
         simulation = stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
         objects = ", ".join(thing.name for thing in spec.objects)
         progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")

@@ -15,6 +15,7 @@ from grip_bt.base.values import Pose
 from grip_sim.cameras.frame import Frame, Places, Renderer
 from grip_sim.cameras.looks import Target
 from grip_sim.cameras.raster import RasterRenderer
+from grip_sim.faults import Faults, darkened
 from grip_sim.physics import physx
 from grip_sim.render_support import vulkan_works
 from grip_sim.specs import CameraSpec, WorldSpec
@@ -27,12 +28,20 @@ class Rig:
         spec: of the world, with its cameras.
         targets: all that can be seen.
         links: what cameras may be mounted on.
+        faults: of the world.
 
     Raises:
         UnknownNameError: a camera is mounted on a link that the robot doesn't have.
     """
 
-    def __init__(self, spec: WorldSpec, targets: Sequence[Target], links: Mapping[str, physx.PhysxRigidBaseComponent]):
+    def __init__(
+        self,
+        spec: WorldSpec,
+        targets: Sequence[Target],
+        links: Mapping[str, physx.PhysxRigidBaseComponent],
+        faults: Faults,
+    ):
+        self._faults, self._last = faults, dict[str, Frame]()
         self._seed, self._targets = spec.seed, list(targets)
         self._specs = {camera.name: camera for camera in spec.cameras}
         carriers = dict.fromkeys(camera.link for camera in spec.cameras if camera.link is not None)
@@ -44,6 +53,7 @@ class Rig:
         self._taken = dict.fromkeys(self._specs, 0)
         self._renderers: dict[CameraSpec, Renderer] = {}
         late = max((camera.noise.latency for camera in spec.cameras if camera.noise is not None), default=0.0)
+        late += max((fault.lag or 0.0 for fault in spec.faults.values()), default=0.0)
         self._past: deque[tuple[float, Array]] = deque(maxlen=int(np.ceil(late / spec.dt)) + 1 if late else 0)
         self._time = 0.0
         self.stepped(0.0)
@@ -61,15 +71,27 @@ class Rig:
             UnknownNameError: there is no such camera.
         """
         spec = self._spec(name)
-        if spec.noise is None:
-            return self.view(spec)
-        frame = self._drawn(spec, *self._shown(spec.noise.latency))
-        self._taken[name] += 1
-        seed, info = [self._seed, crc32(name.encode()), self._taken[name]], spec.info()
+        if self._faults.of_camera("freeze", name) and name in self._last:
+            return replace(self._last[name], time=self._time)
+        late = self._faults.of_camera("late", name)
+        frame = self._sensed(spec, 0.0 if late is None else late.lag or 0.0)
+        if self._faults.of_camera("blackout", name):
+            frame = replace(frame, image=np.zeros_like(frame.image), depth=np.zeros_like(frame.depth))
+        self._last[name] = replace(frame, image=darkened(frame.image, self._faults.brightness))
+        return self._last[name]
+
+    def _sensed(self, spec: CameraSpec, lag: float) -> Frame:
+        """Return a frame as the camera's sensor gives it, `lag` later than it would [s]."""
+        noise = spec.noise
+        frame = self._drawn(spec, *self._shown(lag + (0.0 if noise is None else noise.latency)))
+        if noise is None:
+            return frame
+        self._taken[spec.name] += 1
+        seed, info = [self._seed, crc32(spec.name.encode()), self._taken[spec.name]], spec.info()
         rays = info.rays()
         cosine = -np.einsum("ijk,ijk->ij", frame.normals, rays) / np.linalg.norm(rays, axis=2)
-        depth = spec.noise.on_depth(frame.depth, cosine, float(info.matrix[0, 0]), seed)
-        return replace(frame, depth=depth, image=spec.noise.on_image(frame.image, seed))
+        depth = noise.on_depth(frame.depth, cosine, float(info.matrix[0, 0]), seed)
+        return replace(frame, depth=depth, image=noise.on_image(frame.image, seed))
 
     def view(self, camera: str | CameraSpec) -> Frame:
         """Show what is there now by a camera, or one that isn't among them, without its sensor's faults.

@@ -68,6 +68,7 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: 
         floor=world.floor,
         fallen_below=world.fallen_below,
         judge=world.judge,
+        faults=world.faults,
     )
 
 

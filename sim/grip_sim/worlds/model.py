@@ -8,19 +8,14 @@ from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from grip_bt.base.yaml.models import Settings, exactly_one
 from grip_bt.commanders.description.config import RobotConfig
+from grip_sim.faults import Fault, rising
 from grip_sim.noise import Noise
 from grip_sim.specs import Colour, Finite, NotNegative, Positive, Size, Vector
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
 
-def _rising(span: tuple[float, float]) -> tuple[float, float]:
-    if not span[0] <= span[1]:
-        raise ValueError(f"from {span[0]:g} to {span[1]:g} is no range: the first number is the smaller one")
-    return span
-
-
-Span = Positive | Annotated[tuple[Positive, Positive], AfterValidator(_rising)]
+Span = Positive | Annotated[tuple[Positive, Positive], AfterValidator(rising)]
 """A number, or from and to, which a seed draws between."""
 
 
@@ -173,6 +168,8 @@ class WorldFile(Settings):
     cameras: dict[Name, CameraConfig] = {}
     judge: dict[Name, str] = {}
     """Name -> condition over what the referee finds in the end, such as `placed == objects`; see docs/worlds.md."""
+    faults: dict[Name, Fault] = {}
+    """What goes wrong on purpose; see docs/worlds.md."""
     floor: Annotated[float, Field(le=0, allow_inf_nan=False)] = -0.75
     """Height of the floor [m]."""
     fallen_below: Finite = -0.05

@@ -1,0 +1,293 @@
+"""What goes wrong on purpose in a simulated world: drops, stuck joints, blind cameras, at times, at nodes, by chance.
+
+Nothing here imports SAPIEN. Everything is drawn by the world's seed, the fault's name, and how often it was due, so
+that the same run meets the same faults.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Literal, Protocol
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, Field, model_validator
+
+from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.yaml.models import Settings
+from grip_bt.commanders.description.robot import RobotDescription
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Vector = tuple[Finite, Finite, Finite]
+FaultKind = Literal[
+    "drop",
+    "push",
+    "stuck",
+    "limit",
+    "abort",
+    "blackout",
+    "freeze",
+    "late",
+    "light",
+    "component_death",
+    "component_hang",
+]
+SLIPPING = 0.5
+"""For so long an object that is dropped passes through hands, where nothing else is said [s]."""
+
+
+def rising(span: tuple[float, float]) -> tuple[float, float]:
+    """Return a range.
+
+    Raises:
+        ValueError: its first number isn't the smaller one.
+    """
+    if not span[0] <= span[1]:
+        raise ValueError(f"from {span[0]:g} to {span[1]:g} is no range: the first number is the smaller one")
+    return span
+
+
+Range = Annotated[tuple[Finite, Finite], AfterValidator(rising)]
+_TAKES: Mapping[str, str] = {"push": "by", "limit": "between", "late": "lag", "light": "factor"}
+"""Fault -> the field that only it has, and needs."""
+
+
+class Fault(Settings):
+    """Something that goes wrong at a time, or when a node begins."""
+
+    fault: FaultKind
+    """`drop`: a hand lets go of an object. `push`: an object is struck. `stuck`: a joint doesn't move.
+    `limit`: a joint meets a stop. `abort`: a controller gives its motions up. `blackout`, `freeze`, `late`: a camera
+    sees nothing, repeats its last frame, shows what was. `light`: the light changes. `component_death`,
+    `component_hang`: a component's server is killed, or doesn't go on."""
+    of: str = ""
+    """Object, joint, group, camera or component; without it what is held, every arm and hand, or every camera."""
+    node: str = ""
+    """Path of the task's node with whose beginning it is due; without it, it is due once."""
+    at: Seconds | Annotated[tuple[Seconds, Seconds], AfterValidator(rising)] = 0.0
+    """How long after the start, or the node's beginning [simulated s]; from and to, which the seed draws between."""
+    chance: Annotated[float, Field(ge=0, le=1)] = 1.0
+    """With which probability it happens when it is due."""
+    times: Annotated[int, Field(ge=1)] | None = None
+    """How often it happens at most."""
+    lasts: Positive | None = None
+    """For how long [s of simulated time]; to the end without it. A drop: 0.5 s."""
+    by: Vector | None = None
+    """Of a push: what the object's velocity changes by, in world [m/s]."""
+    between: Range | None = None
+    """Of a limit: where the joint can go [rad or m]."""
+    lag: Positive | None = None
+    """Of `late`: how old the frames are [s]."""
+    factor: Positive | None = None
+    """Of light: what colours are multiplied with."""
+
+    @model_validator(mode="after")
+    def _has_what_it_needs(self) -> Fault:
+        for kind, field in _TAKES.items():
+            if (getattr(self, field) is not None) != (self.fault == kind):
+                word = "needs" if self.fault == kind else "takes no"
+                raise ValueError(f"the fault `{self.fault}` {word} `{field}`")
+        if self.fault in ("push", "stuck", "limit", "component_death", "component_hang") and not self.of:
+            raise ValueError(f"the fault `{self.fault}` needs `of`: the name of {_NAMED[self.fault]}")
+        return self
+
+
+NOWHERE = (np.inf, -np.inf)
+"""The range of a joint that is stuck."""
+ALL: Mapping[str, str] = {"drop": "nothing: no hand holds anything", "abort": "every motion", "light": "everything"} | {
+    kind: "every camera" for kind in ("blackout", "freeze", "late")
+}
+_NAMED: Mapping[str, str] = {
+    "drop": "an object",
+    "push": "an object",
+    "stuck": "a joint",
+    "limit": "a joint",
+    "abort": "a group",
+    "blackout": "a camera",
+    "freeze": "a camera",
+    "late": "a camera",
+    "component_death": "a component",
+    "component_hang": "a component",
+}
+
+
+def check_faults(
+    faults: Mapping[str, Fault],
+    robot: RobotDescription,
+    objects: Collection[str],
+    cameras: Collection[str],
+    components: Collection[str],
+) -> Iterator[GripError]:
+    """Yield the faults that name what isn't there."""
+    there: Mapping[str, Collection[str]] = {
+        "an object": objects,
+        "a joint": robot.drives,
+        "a group": robot.groups,
+        "a camera": cameras,
+        "a component": components,
+    }
+    for name, fault in faults.items():
+        kind = _NAMED.get(fault.fault)
+        if kind is None:
+            if fault.of:
+                yield GripError(f"faults/{name}: the fault `{fault.fault}` takes no `of`: it is everywhere")
+        elif fault.of and fault.of not in there[kind]:
+            yield UnknownNameError(kind.partition(" ")[2], fault.of, there[kind], f"faults/{name}/of")
+
+
+class Disturbed(Protocol):
+    """The world that faults happen in."""
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+
+    def held_objects(self) -> list[str]:
+        """Return the objects that a hand touches."""
+
+    def let_slip(self, name: str, slips: bool) -> None:
+        """Have an object pass through hands, or not any more."""
+
+    def push(self, name: str, by: Vector) -> None:
+        """Change an object's velocity [m/s]."""
+
+    def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
+        """Keep a joint within a range [rad or m], where it is for `NOWHERE`; None ends it."""
+
+
+@dataclass
+class _Due:
+    """A fault that is to begin, or that is on, at a time [s]."""
+
+    name: str
+    time: float
+    begins: bool = True
+    on: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Event:
+    """A fault that has begun, or is over.
+
+    Attributes:
+        name: of the fault.
+        words: what happened.
+        over: whether it ended.
+    """
+
+    name: str
+    words: str
+    over: bool = False
+
+
+class Faults:
+    """Has the faults of a world happen.
+
+    Args:
+        faults: by name.
+        seed: of what is drawn.
+        world: where.
+    """
+
+    def __init__(self, faults: Mapping[str, Fault], seed: int, world: Disturbed):
+        self._faults, self._seed, self._world = faults, seed, world
+        self._due: list[_Due] = []
+        self._counts = dict.fromkeys(faults, 0)
+        self._happened = dict.fromkeys(faults, 0)
+        self._on: dict[str, Fault] = {}
+        self._told: list[Event] = []
+        for name, fault in faults.items():
+            if not fault.node:
+                self._draw(name, 0.0)
+
+    def entered(self, node: str) -> None:
+        """A node of the task begins."""
+        for name, fault in self._faults.items():
+            if fault.node == node:
+                self._draw(name, self._world.time)
+        self.stepped()
+
+    def stepped(self) -> None:
+        """Begin what is due, and end what is over."""
+        if not self._due:
+            return
+        ready = [due for due in self._due if due.time <= self._world.time + 1e-9]
+        if ready:
+            self._due = [due for due in self._due if due not in ready]
+            for due in ready:
+                self._begin(due) if due.begins else self._end(due)
+
+    def told(self) -> list[Event]:
+        """Return what has happened since this was asked last."""
+        events, self._told = self._told, []
+        return events
+
+    # --- what is on ---
+
+    def aborted(self, groups: Iterable[str]) -> str:
+        """Return why a controller of one of these groups gives up now, or an empty string."""
+        groups = set(groups)
+        for name, fault in self._on.items():
+            if fault.fault == "abort" and (not fault.of or fault.of in groups):
+                return f"the controller has aborted (fault {name!r})"
+        return ""
+
+    def of_camera(self, kind: FaultKind, camera: str) -> Fault | None:
+        """Return the fault of a kind that a camera has now."""
+        found = (f for f in self._on.values() if f.fault == kind and f.of in ("", camera))
+        return next(found, None)
+
+    @property
+    def brightness(self) -> float:
+        """What colours are multiplied with now."""
+        return float(np.prod([f.factor for f in self._on.values() if f.factor is not None]))
+
+    # --- beginning and ending ---
+
+    def _draw(self, name: str, now: float) -> None:
+        fault = self._faults[name]
+        rng = np.random.default_rng([self._seed, crc32(name.encode()), self._counts[name]])
+        self._counts[name] += 1
+        happens, wait = rng.random() < fault.chance, fault.at
+        if happens:
+            self._due.append(_Due(name, now + (wait if isinstance(wait, float) else float(rng.uniform(*wait)))))
+
+    def _begin(self, due: _Due) -> None:
+        fault, name = self._faults[due.name], due.name
+        if fault.times is not None and self._happened[name] >= fault.times:
+            return
+        self._happened[name] += 1
+        lasts, on = fault.lasts, tuple(name for name in [fault.of] if name)
+        if fault.fault == "drop":
+            on, lasts = on or tuple(self._world.held_objects()), lasts or SLIPPING
+            for thing in on:
+                self._world.let_slip(thing, True)
+        elif fault.by is not None:
+            self._world.push(fault.of, fault.by)
+        elif fault.fault in ("stuck", "limit"):
+            self._world.restrict(fault.of, fault.between or NOWHERE)
+        else:
+            self._on[name] = fault
+            lasts = lasts or 0.0 if fault.fault == "abort" else lasts
+        self._told.append(Event(name, f"{fault.fault} of {', '.join(on) or ALL[fault.fault]}"))
+        if lasts is not None and fault.fault != "push":
+            self._due.append(_Due(name, self._world.time + lasts, False, on))
+
+    def _end(self, due: _Due) -> None:
+        fault = self._faults[due.name]
+        for thing in due.on if fault.fault == "drop" else ():
+            self._world.let_slip(thing, False)
+        if fault.fault in ("stuck", "limit"):
+            self._world.restrict(fault.of, None)
+        self._on.pop(due.name, None)
+        if fault.lasts is not None:
+            self._told.append(Event(due.name, f"{fault.fault} is over", over=True))
+
+
+def darkened(image: NDArray[np.uint8], factor: float) -> NDArray[np.uint8]:
+    """Return colours of shape (height, width, 3) uint8, multiplied and kept within 0-255."""
+    return image if factor == 1.0 else np.clip(np.rint(image * factor), 0, 255).astype(np.uint8)
