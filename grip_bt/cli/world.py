@@ -76,6 +76,8 @@ def _told(spec: WorldSpec) -> Iterator[str]:
         yield f"object {thing.name}: {size}, {thing.mass:.3f} kg, friction {thing.friction:g}, centre at {place}"
     yield from (f"fixture {box.name}" for box in spec.boxes)
     yield from (f"fixture {mesh.name}" for mesh in spec.meshes)
+    for name, said in spec.articulated.items():
+        yield f"articulated {name}: {said.kind}, {', '.join(said.measures(name))}"
     for region in spec.regions:
         size = " x ".join(f"{each:g}" for each in region.size)
         yield f"region {region.name}: {size} m" + (", a target" if region.target else "")
@@ -83,6 +85,8 @@ def _told(spec: WorldSpec) -> Iterator[str]:
         yield f"camera {camera.name}: {camera.width} x {camera.height} px"
     for name, condition in spec.judge.items():
         yield f"judge {name}: {condition}"
+    for name, fault in spec.faults.items():
+        yield f"fault {name}: {fault.fault}" + (f" of {fault.of}" if fault.of else "")
 
 
 def take_picture(spec: WorldSpec, camera: str, file: Path) -> None:

@@ -11,6 +11,7 @@ with warnings.catch_warnings():
     warnings.filterwarnings("ignore", message="Failed to find system libvulkan")
     import sapien
     from sapien import physx
+    from sapien.wrapper.articulation_builder import LinkBuilder
 
 from grip_sim.objects.body import ObjectModel
 from grip_sim.specs import GRAVITY, ObjectSpec
@@ -89,10 +90,11 @@ __all__ = [
     "HAND",
     "SLIPPERY",
     "SOLID",
+    "LinkBuilder",
     "add_model",
-    "movable",
     "ignore_each_other",
     "make_scene",
+    "movable",
     "physx",
     "sapien",
 ]

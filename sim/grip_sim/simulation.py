@@ -155,6 +155,10 @@ class SimReferee:
         verdicts = [ObjectTruth.from_json(data) for data in self._client.ask("truth").fields["truth"]]
         return {verdict.name: verdict for verdict in verdicts}
 
+    def measures(self) -> dict[str, float]:
+        """Return the numbers that it has of articulated objects, such as `cabinet_opened` [m]."""
+        return dict(self._client.ask("truth").fields["measures"])
+
     def fingerprint(self) -> str:
         """Return a hash over the state of everything that moves."""
         return str(self._client.ask("fingerprint").fields["fingerprint"])

@@ -16,6 +16,7 @@ from pydantic.dataclasses import dataclass
 
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.base.values.pose import quaternion_of
+from grip_sim.articulated.model import ArticulatedConfig
 from grip_sim.faults import Fault
 from grip_sim.noise import Noise
 
@@ -254,6 +255,7 @@ class WorldSpec:
         jerks: joint -> limit with which it is braked [rad/s^3 or m/s^3]; any for a motion of none of these.
         judge: name -> condition over what the referee finds, see `grip_sim.referee`.
         faults: name -> what goes wrong on purpose.
+        articulated: name -> a drawer, a button, a bottle with a screw cap. A drawer's cabinet is among the boxes.
     """
 
     robot: str = "panda_allegro"
@@ -269,6 +271,12 @@ class WorldSpec:
     jerks: Mapping[str, Positive] = field(default_factory=dict)
     judge: Mapping[str, str] = field(default_factory=dict)
     faults: Mapping[str, Fault] = field(default_factory=dict)
+    articulated: Mapping[str, ArticulatedConfig] = field(default_factory=dict)
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """Names of the numbers that the referee has of articulated objects."""
+        return tuple(measure for name, said in self.articulated.items() for measure in said.measures(name))
 
     def to_json(self) -> object:
         """Return the spec as JSON data."""

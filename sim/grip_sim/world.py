@@ -15,6 +15,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
+from grip_sim.articulated.bodies import make_articulated
 from grip_sim.cameras.frame import Frame
 from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.rig import Rig
@@ -76,10 +77,16 @@ class World:
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
+        self.articulated = {
+            name: make_articulated(self._scene, name, said, lambda link, body: self.cameras.replaced(link, body))
+            for name, said in spec.articulated.items()
+        }
+        self._touchable = frozenset(self._objects) | {link.name for link in self._moving_links()}
         self._steps = 0
         self._moved: set[str] = set()
         self.faults = Faults(spec.faults, spec.seed, self)
-        seen = [*still, *self._robot_targets(), *self._object_targets()]
+        moving = (Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items())
+        seen = [*still, *self._robot_targets(), *self._object_targets(), *moving]
         self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
 
     # --- time ---
@@ -94,6 +101,8 @@ class World:
         self.faults.stepped()
         self.robot.follow()
         self.robot.compensate()
+        for each in self.articulated.values():
+            each.before_step()
         self._scene.step()
         self._steps += 1
         self._moved.clear()
@@ -178,9 +187,13 @@ class World:
         total, links = 0.0, self.robot.description.hands[hand]
         for contact in self._scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
-            if _between(one, two, links, self._objects) and self._moved.isdisjoint((one, two)):
+            if _between(one, two, links, self._touchable) and self._moved.isdisjoint((one, two)):
                 total += float(np.linalg.norm(sum(point.impulse for point in contact.points))) / self.spec.dt
         return total / 2
+
+    def measures(self) -> dict[str, float]:
+        """Return the numbers that the referee has of articulated objects, such as `cabinet_opened`."""
+        return {f"{name}_{key}": n for name, each in self.articulated.items() for key, n in each.measures().items()}
 
     def look(self, camera: str) -> Frame:
         """Take a frame with a camera.
@@ -199,6 +212,7 @@ class World:
             **self.robot.kept(),
             "poses": np.array(poses, float).reshape(-1, 7),
             "object_speeds": np.array(speeds, float).reshape(-1, 6),
+            **{f"articulated.{name}": each.kept() for name, each in self.articulated.items()},
         }
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
@@ -210,7 +224,10 @@ class World:
         poses, speeds = np.asarray(kept["poses"]), np.asarray(kept["object_speeds"])
         if len(poses) != len(self._objects):
             raise ValueError(f"the state is of another world: this one has {len(self._objects)} objects")
+        states = {name: kept[f"articulated.{name}"] for name in self.articulated}
         self.robot.put_back(kept)
+        for name, state in states.items():
+            self.articulated[name].put_back(state)
         for body, pose, speed in zip(self._objects.values(), poses, speeds, strict=True):
             body.set_entity_pose(sapien.Pose(pose[:3], pose[3:]))
             body.set_linear_velocity(speed[:3])
@@ -225,9 +242,14 @@ class World:
             pose = body.entity_pose
             for part in (pose.p, pose.q, body.linear_velocity, body.angular_velocity):
                 digest.update(np.asarray(part, dtype=np.float32).tobytes())
+        for each in self.articulated.values():
+            digest.update(np.asarray(each.kept(), dtype=np.float32).tobytes())
         return digest.hexdigest()
 
     # --- building ---
+
+    def _moving_links(self) -> Iterator[physx.PhysxRigidBodyComponent]:
+        return (link for each in self.articulated.values() for link in each.links)
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:
@@ -280,7 +302,7 @@ class World:
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
     """Raise ValueError when two things of a world have one name: contacts and images tell them apart by it."""
     fixtures = (*(box.name for box in spec.boxes), *(mesh.name for mesh in spec.meshes))
-    names = [*links, FLOOR, *fixtures, *(thing.name for thing in spec.objects)]
+    names = [*links, FLOOR, *fixtures, *(thing.name for thing in spec.objects), *spec.articulated]
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")

@@ -1,7 +1,8 @@
 """Conditions over what the referee of a simulated world finds: a project's `goals` and a world's `judge`.
 
 They name how many objects are in a state (`held`, `placed`, `fallen`, `standing`, `lying`, `elsewhere`), how many there
-are (`objects`), and how many have their centre in a region (`in_REGION`).
+are (`objects`), how many have their centre in a region (`in_REGION`), and what is known of articulated objects, such as
+`cabinet_opened` [m].
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from grip_sim.referee import ObjectTruth, Status
 
 STATES: tuple[str, ...] = get_args(Status)
 """What a referee may say of an object."""
-Counts = Mapping[str, int]
+Counts = Mapping[str, float]
 
 
 class WorldCondition:
@@ -26,6 +27,7 @@ class WorldCondition:
     Args:
         text: the condition.
         regions: names of the world's regions.
+        measures: names of what is known of articulated objects.
         where: what to name in errors, such as `goals/pick`.
         file: that it stands in.
 
@@ -33,9 +35,9 @@ class WorldCondition:
         DocumentError: it isn't a condition over these names.
     """
 
-    def __init__(self, text: str, regions: Iterable[str], where: str, file: str):
+    def __init__(self, text: str, regions: Iterable[str], measures: Iterable[str], where: str, file: str):
         self.text = text
-        known = ("objects", *STATES, *(f"in_{region}" for region in regions))
+        known = ("objects", *STATES, *(f"in_{region}" for region in regions), *measures)
         self._counts: Counts = dict.fromkeys(known, 0)
         try:
             parsed = parse_expression(text)
@@ -53,12 +55,12 @@ class WorldCondition:
         self._counts = counts
         return self._compute()
 
-    def _reader(self, name: str) -> Callable[[], int]:
+    def _reader(self, name: str) -> Callable[[], float]:
         return lambda: self._counts.get(name, 0)
 
 
-def counted(truth: Iterable[ObjectTruth], regions: Iterable[str]) -> Counts:
-    """Return how many objects are in each state and region, and how many there are."""
+def counted(truth: Iterable[ObjectTruth], regions: Iterable[str], measures: Counts) -> Counts:
+    """Return how many objects are in each state and region, how many there are, and the measures."""
     truth = tuple(truth)
     states: Counter[str] = Counter(thing.status for thing in truth)
     inside = Counter(region for thing in truth for region in thing.regions)
@@ -66,4 +68,5 @@ def counted(truth: Iterable[ObjectTruth], regions: Iterable[str]) -> Counts:
         "objects": len(truth),
         **{state: states[state] for state in STATES},
         **{f"in_{region}": inside[region] for region in regions},
+        **measures,
     }

@@ -45,7 +45,7 @@ def _read(project: Project, world: str) -> WorldSpec | GripError:
     try:
         spec = load_world(world, 0, project.folder)
         for name, text in spec.judge.items():
-            WorldCondition(text, (region.name for region in spec.regions), f"judge/{name}", f"world {world}")
+            WorldCondition(text, [r.name for r in spec.regions], spec.measures, f"judge/{name}", f"world {world}")
         return spec
     except GripError as error:
         return error

@@ -17,7 +17,7 @@ from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd
 from grip_sim.referee import ObjectTruth
 
-from ..project.judging import STATES, WorldCondition, counted
+from ..project.judging import STATES, Counts, WorldCondition, counted
 from .execute import Session
 
 PLACE = "grip_bt.nodes.place:Place"
@@ -37,13 +37,14 @@ class Verdict(Observer):
         self._referee = session.resources.referee
         spec = session.resources.world.spec if session.resources.world is not None else None
         self._regions = tuple(region.name for region in spec.regions) if spec is not None else ()
+        measures = spec.measures if spec is not None else ()
         text, where = session.project.file.goals.get(session.document.task.name, ""), session.document.task.name
         file = str(session.project.folder / "grip.yaml")
-        self._goal = WorldCondition(text, self._regions, f"goals/{where}", file) if text else None
+        self._goal = WorldCondition(text, self._regions, measures, f"goals/{where}", file) if text else None
         judge = spec.judge if spec is not None else {}
         world = f"world {session.project.file.world}"
         self._judge = {
-            name: WorldCondition(text, self._regions, f"judge/{name}", world) for name, text in judge.items()
+            name: WorldCondition(text, self._regions, measures, f"judge/{name}", world) for name, text in judge.items()
         }
         leaves = session.runner.compiled.leaves.items()
         self._places = {
@@ -65,18 +66,18 @@ class Verdict(Observer):
         if self._referee is None:
             return {}
         try:
-            found = self._referee.truth().values()
+            found, measures = self._referee.truth().values(), self._referee.measures()
         except GripError:
             return {}
-        why = self._contradiction(found) if result.status == "success" else ""
+        counts = counted(found, self._regions, measures)
+        why = self._contradiction(found, counts) if result.status == "success" else ""
         said: RunEnd = {"contradiction": why, "message": f"the referee contradicts: {why}"} if why else {}
-        counts = counted(found, self._regions)
         if self._judge:
             said["judged"] = {name: condition.holds(counts) for name, condition in self._judge.items()}
         return {"truth": _states(found), **said}
 
-    def _contradiction(self, found: Iterable[ObjectTruth]) -> str:
-        counts, told = counted(found, self._regions), words(_states(found))
+    def _contradiction(self, found: Iterable[ObjectTruth], counts: Counts) -> str:
+        told = words(_states(found))
         if self._goal is not None:
             return "" if self._goal.holds(counts) else f"`{self._goal.text}` is false; {told}"
         if self._placed > counts["placed"]:

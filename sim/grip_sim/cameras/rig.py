@@ -58,6 +58,10 @@ class Rig:
         self._time = 0.0
         self.stepped(0.0)
 
+    def replaced(self, old: physx.PhysxRigidBaseComponent, new: physx.PhysxRigidBaseComponent) -> None:
+        """Show a body where another of the same shape is from now on."""
+        self._bodies = [new if body is old else body for body in self._bodies]
+
     def stepped(self, time: float) -> None:
         """Keep where everything is after a step [s], for cameras that show it late."""
         self._time = time

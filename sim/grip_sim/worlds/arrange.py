@@ -11,14 +11,16 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
+from grip_sim.articulated.model import ArticulatedConfig
 from grip_sim.objects import load_object, object_file
-from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box
+from grip_sim.specs import BoxSpec, CameraSpec, Colour, MeshSpec, ObjectSpec, RegionSpec, WorldSpec, open_box, upright
 
 from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span, WorldFile
 
 TRIES, RESTARTS = 10_000, 30
 COLOURS: tuple[Colour, ...] = ((205, 60, 45), (60, 150, 70), (225, 170, 40), (120, 70, 160), (30, 140, 160))
 GREY: Colour = (150, 150, 150)
+WOOD: Colour = (150, 112, 74)
 Models: TypeAlias = Callable[[str], Path]
 """Returns the file of an object that is named."""
 
@@ -57,7 +59,10 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: 
         robot=robot or "panda_allegro",
         seed=seed,
         objects=tuple(objects),
-        boxes=tuple(box for name, fixture in world.fixtures.items() for box in _boxes(name, fixture)),
+        boxes=tuple(
+            [box for name, fixture in world.fixtures.items() for box in _boxes(name, fixture)]
+            + [box for name, said in world.articulated.items() for box in _cabinets(name, said)]
+        ),
         meshes=tuple(
             MeshSpec(name, str(folder / each.mesh), each.at, each.yaw, each.scale, each.colour or GREY)
             for name, each in world.fixtures.items()
@@ -69,6 +74,7 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: 
         fallen_below=world.fallen_below,
         judge=world.judge,
         faults=world.faults,
+        articulated=world.articulated,
     )
 
 
@@ -81,6 +87,13 @@ def _boxes(name: str, fixture: FixtureConfig) -> Iterator[BoxSpec]:
     elif fixture.open_box is not None:
         colour = {"colour": fixture.colour} if fixture.colour is not None else {}
         yield from open_box(name, fixture.open_box, fixture.at, fixture.wall, **colour)
+
+
+def _cabinets(name: str, said: ArticulatedConfig) -> Iterator[BoxSpec]:
+    if said.drawer is not None:
+        for wall, size, at in said.drawer.cabinet():
+            x, y, z = (float(number) for number in upright(said.at, said.yaw).apply([at])[0])
+            yield BoxSpec(f"{name}_{wall}", size, (x, y, z), WOOD, said.yaw)
 
 
 @dataclass(frozen=True)

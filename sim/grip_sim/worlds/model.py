@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from grip_bt.base.yaml.models import Settings, exactly_one
 from grip_bt.commanders.description.config import RobotConfig
+from grip_sim.articulated.model import ArticulatedConfig
 from grip_sim.faults import Fault, rising
 from grip_sim.noise import Noise
 from grip_sim.specs import Colour, Finite, NotNegative, Positive, Size, Vector
@@ -165,6 +166,8 @@ class WorldFile(Settings):
     fixtures: dict[Name, FixtureConfig] = {}
     regions: dict[Name, RegionConfig] = {}
     objects: dict[Name, ObjectConfig] = {}
+    articulated: dict[Name, ArticulatedConfig] = {}
+    """What has joints of its own: drawers, buttons, bottles with a screw cap."""
     cameras: dict[Name, CameraConfig] = {}
     judge: dict[Name, str] = {}
     """Name -> condition over what the referee finds in the end, such as `placed == objects`; see docs/worlds.md."""

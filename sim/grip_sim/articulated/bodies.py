@@ -1,0 +1,315 @@
+"""The physics of articulated objects.
+
+SAPIEN knows neither screws nor dry friction. Friction is a drive to rest whose force is limited, which the solver
+treats as Coulomb's. A screw is a slide and a turn: the slide's stiff drive aims at where the turn has it, and what the
+slide bears goes back to the turn as a torque, so that both move each other and the thread locks itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.values import Pose
+from grip_sim.physics import FIXED, LinkBuilder, ignore_each_other, movable, physx, sapien
+from grip_sim.specs import Colour, upright
+
+from .model import WALL, ArticulatedConfig, ButtonConfig, DrawerConfig, ScrewBottleConfig
+
+ALONG_Z = sapien.Pose(q=[np.sqrt(0.5), 0, -np.sqrt(0.5), 0])
+"""Turns x, along which joints and cylinders lie, to z."""
+UPWARDS = ALONG_Z
+BACKWARDS = sapien.Pose(q=[0, 0, 0, 1])
+"""Turns x to -x."""
+GRIP = 1.0
+"""Coefficient of friction of what is grasped: bars and caps."""
+OWN, STIFF, DAMPED = 11, 1e6, 2e3
+"""Bit of links that pass through one another; drive of a thread [N/m, N s/m], of which 1 kg of armature is a part."""
+KEY_ARMATURE = 0.1
+"""A key's inertia [kg]: with less, a step would carry it past the click."""
+GAP, BAR_AT, BAR_LENGTH = 0.002, 0.045, 0.1
+"""Of a drawer: around it; of the middle of its bar from its front; of the bar [m]."""
+FRONT, METAL, RED, GLASS, BLUE = (186, 146, 100), (120, 122, 128), (196, 44, 40), (150, 190, 200), (40, 90, 180)
+
+
+class Articulated:
+    """An articulated object in a scene.
+
+    Attributes:
+        body: its links and joints.
+        links: what can be seen and touched, with its colour.
+    """
+
+    body: physx.PhysxArticulation
+    links: Mapping[physx.PhysxRigidBodyComponent, Colour]
+
+    def before_step(self) -> None:
+        """Apply what its joints do by themselves."""
+
+    def measures(self) -> Mapping[str, float]:
+        """Return the numbers that the referee has of it, without its name: `opened` [m], `presses`, `turns`, `off`."""
+        return {}
+
+    def kept(self) -> Array:
+        """Return all that makes it go on as it does, as numbers."""
+        root = self.body.links[0]
+        return np.concatenate([self.body.get_qpos(), self.body.get_qvel(), moving(root), self.extra()])
+
+    def put_back(self, kept: Array) -> None:
+        """Bring it to where it was kept."""
+        count = len(self.body.active_joints)
+        self.body.set_qpos(np.float32(kept[:count]))
+        self.body.set_qvel(np.float32(kept[count : 2 * count]))
+        root = kept[2 * count :]
+        self.body.set_root_pose(sapien.Pose(root[:3], root[3:7]))
+        self.body.set_root_linear_velocity(root[7:10])
+        self.body.set_root_angular_velocity(root[10:13])
+        self.put_back_extra(root[13:])
+
+    def extra(self) -> Array:
+        """Return what is kept besides joints and the root."""
+        return np.zeros(0)
+
+    def put_back_extra(self, extra: Array) -> None:
+        """Bring that back."""
+
+
+def moving(body: physx.PhysxRigidBodyComponent) -> Array:
+    """Return where a body is and how it moves: position, quaternion w x y z, velocity, turning rate."""
+    pose = body.entity_pose
+    return np.array([*pose.p, *pose.q, *body.linear_velocity, *body.angular_velocity], float)
+
+
+Replaced = Callable[[physx.PhysxRigidBodyComponent, physx.PhysxRigidBodyComponent], None]
+"""Told of a link whose place another body takes."""
+
+
+def make_articulated(scene: sapien.Scene, name: str, said: ArticulatedConfig, replaced: Replaced) -> Articulated:
+    """Put an articulated object into a scene."""
+    pose = upright(said.at, said.yaw)
+    if said.drawer is not None:
+        return _Drawer(scene, name, said.drawer, pose)
+    if said.button is not None:
+        return _Button(scene, name, said.button, pose)
+    assert said.screw_bottle is not None, "the file was checked"
+    return _ScrewBottle(scene, name, said.screw_bottle, pose, replaced)
+
+
+Shape = Callable[[LinkBuilder], None]
+
+
+def _build(
+    scene: sapien.Scene,
+    pose: Pose,
+    links: Mapping[str, tuple[str, tuple[float, float], sapien.Pose, Shape]],
+    fixed: bool,
+) -> physx.PhysxArticulation:
+    """Return a chain of links; each has the kind, limits and axis of its joint to the one before, and a shape."""
+    builder = scene.create_articulation_builder()
+    parent: LinkBuilder | None = None
+    for name, (kind, limits, axis, shape) in links.items():
+        link = builder.create_link_builder(parent)
+        link.set_name(name)
+        if parent is not None:
+            link.set_joint_name(f"{name}_joint")
+            link.set_joint_properties(kind, [limits], axis, axis)
+        shape(link)
+        parent = link
+    builder.set_initial_pose(sapien.Pose(pose.position, pose.quaternion))
+    body = builder.build(fix_root_link=fixed)
+    body.set_solver_position_iterations(32)
+    body.set_solver_velocity_iterations(1)
+    body.set_qpos(body.get_qpos())  # else links are at the origin before the first step
+    for joint in body.active_joints:
+        joint.set_friction(0.0)
+    for link in body.links:
+        link.set_linear_damping(0.0)
+        link.set_angular_damping(0.0)
+    ignore_each_other([shape for link in body.links for shape in link.collision_shapes], OWN)
+    return body
+
+
+def _light(mass: float) -> Shape:
+    """Return what makes a link of a mass [kg] without a shape."""
+    return lambda link: link.set_mass_and_inertia(mass, sapien.Pose(), [mass * 1e-4] * 3)
+
+
+class _Drawer(Articulated):
+    def __init__(self, scene: sapien.Scene, name: str, said: DrawerConfig, pose: Pose):
+        depth, width, height = said.size
+        inner, wide, high = depth - WALL, width - 2 * WALL - 2 * GAP, height - 2 * WALL - 2 * GAP
+        thin = WALL / 2
+        plates = [
+            ((thin, width, height), (-depth / 2 - thin / 2 - GAP, 0, height / 2)),
+            ((inner, wide, thin), (-WALL / 2, 0, WALL + GAP + thin / 2)),
+            ((thin, wide, 0.6 * high), (inner / 2 - WALL, 0, WALL + GAP + 0.3 * high)),
+            *(
+                ((inner, thin, 0.6 * high), (-WALL / 2, y, WALL + GAP + 0.3 * high))
+                for y in ((wide - thin) / 2, (thin - wide) / 2)
+            ),
+        ]
+        front, middle = -depth / 2 - thin - GAP, height / 2
+        handle = [
+            ((said.bar, BAR_LENGTH, said.bar), (front - BAR_AT, 0, middle)),
+            *(
+                ((BAR_AT, said.bar, said.bar), (front - BAR_AT / 2, y, middle))
+                for y in (BAR_LENGTH / 2, -BAR_LENGTH / 2)
+            ),
+        ]
+
+        def shape(link: LinkBuilder) -> None:
+            for boxes, material in ((plates, movable(0.5)), (handle, movable(GRIP))):
+                for size, at in boxes:
+                    link.add_box_collision(sapien.Pose(at), [edge / 2 for edge in size], material)
+            link.set_mass_and_inertia(said.mass, sapien.Pose([0, 0, height / 2]), [said.mass * 0.01] * 3)
+
+        moving = f"{name}_drawer"
+        links = {f"{name}_rail": ("", (0.0, 0.0), sapien.Pose(), _light(1.0))}
+        self.body = _build(scene, pose, {**links, moving: ("prismatic", (0.0, said.travel), BACKWARDS, shape)}, True)
+        self.links = {self.body.links[1]: FRONT}
+        (joint,) = self.body.active_joints
+        joint.set_drive_properties(0.0, 1e4, force_limit=said.friction, mode="force")
+        joint.set_drive_velocity_target(0.0)
+
+    def measures(self) -> Mapping[str, float]:
+        return {"opened": float(self.body.get_qpos()[0])}
+
+
+class _Button(Articulated):
+    """Its force rises to the click, falls behind it to two fifths of that, and rises again."""
+
+    def __init__(self, scene: sapien.Scene, name: str, said: ButtonConfig, pose: Pose):
+        self._said, self._pressed, self._count = said, False, 0
+        r, t = said.radius, said.travel
+        edge = 1.5 * r
+
+        def base(link: LinkBuilder) -> None:
+            link.add_box_collision(sapien.Pose([0, 0, 0.01]), [edge, edge, 0.01], FIXED)
+
+        def key(link: LinkBuilder) -> None:
+            middle = sapien.Pose([0, 0, 0.02 + t / 2 + 0.0035], ALONG_Z.q)
+            link.add_cylinder_collision(middle, r, t / 2 + 0.0035, movable(GRIP))
+            link.set_mass_and_inertia(0.01, sapien.Pose([0, 0, 0.025]), [1e-6] * 3)
+
+        down = sapien.Pose(q=[np.sqrt(0.5), 0, np.sqrt(0.5), 0])
+        links = {
+            f"{name}_base": ("", (0.0, 0.0), sapien.Pose(), base),
+            f"{name}_key": ("prismatic", (0.0, t), down, key),
+        }
+        self.body = _build(scene, pose, links, True)
+        self.links = {self.body.links[0]: METAL, self.body.links[1]: RED}
+        (self._joint,) = self.body.active_joints
+        self._joint.set_armature(np.array([KEY_ARMATURE], np.float32))
+        self._damping = 2 * float(np.sqrt(0.85 * said.force / (0.4 * t) * KEY_ARMATURE))
+
+    def before_step(self) -> None:
+        """Press back: rising parts are an implicit spring, the falling one is a force, since no spring is unstable."""
+        depth, force, travel = float(self.body.get_qpos()[0]), self._said.force, self._said.travel
+        click, low = 0.4 * travel, 0.55 * travel
+        if depth < click:
+            stiffness, aim = 0.85 * force / click, -0.15 * force / (0.85 * force / click)
+            self._spring(stiffness, aim, 0.0)
+        elif depth < low:
+            self._spring(0.0, 0.0, force * (1 - 0.6 * (depth - click) / (low - click)))
+        else:
+            stiffness = 1.2 * force / (travel - low)
+            self._spring(stiffness, low - 0.4 * force / stiffness, 0.0)
+        if self._pressed and depth < travel / 3:
+            self._pressed = False
+        elif not self._pressed and depth > travel * 2 / 3:
+            self._pressed, self._count = True, self._count + 1
+
+    def _spring(self, stiffness: float, aim: float, against: float) -> None:
+        self._joint.set_drive_properties(stiffness, self._damping, force_limit=100.0, mode="force")
+        self._joint.set_drive_target(aim)
+        weight = self.body.compute_passive_force(True, True)
+        self.body.set_qf(np.float32(weight - [against]))
+
+    def measures(self) -> Mapping[str, float]:
+        return {"presses": float(self._count)}
+
+    def extra(self) -> Array:
+        return np.array([self._pressed, self._count], float)
+
+    def put_back_extra(self, extra: Array) -> None:
+        self._pressed, self._count = bool(extra[0]), int(extra[1])
+
+
+class _ScrewBottle(Articulated):
+    """A bottle, a slide and a cap; when the thread lets go, a body of its own takes the cap's place."""
+
+    def __init__(self, scene: sapien.Scene, name: str, said: ScrewBottleConfig, pose: Pose, replaced: Replaced):
+        self._scene, self._name, self._said, self._replaced = scene, name, said, replaced
+        self._lift = said.pitch / (2 * np.pi)
+        self._free: physx.PhysxRigidDynamicComponent | None = None
+        top, travel = said.height, said.pitch * said.turns
+
+        def bottle(link: LinkBuilder) -> None:
+            density = said.mass / (np.pi * said.radius**2 * top)
+            middle = sapien.Pose([0, 0, top / 2], ALONG_Z.q)
+            link.add_cylinder_collision(middle, said.radius, top / 2, movable(GRIP), density=density)
+
+        def cap(link: LinkBuilder) -> None:
+            density = said.cap_mass / (np.pi * said.cap_radius**2 * said.cap_height)
+            middle = sapien.Pose([0, 0, top + said.cap_height / 2 + 0.001], ALONG_Z.q)
+            link.add_cylinder_collision(middle, said.cap_radius, said.cap_height / 2, movable(GRIP), density=density)
+
+        links = {
+            name: ("", (0.0, 0.0), sapien.Pose(), bottle),
+            f"{name}_thread": ("prismatic", (0.0, travel + 0.001), UPWARDS, _light(0.002)),
+            f"{name}_cap": ("revolute_unwrapped", (-0.001, 2 * np.pi * said.turns + 1), UPWARDS, cap),
+        }
+        self.body = _build(scene, pose, links, said.held)
+        self._cap = self.body.links[2]
+        self.links = {self.body.links[0]: GLASS, self._cap: BLUE}
+        self._slide, self._turn = self.body.active_joints
+        self._slide.set_armature(np.array([1.0], np.float32))
+        self._slide.set_drive_properties(STIFF, DAMPED, force_limit=1e5, mode="force")
+        self._turn.set_armature(np.array([2e-6], np.float32))
+        self._turn.set_drive_properties(0.0, 50.0, force_limit=said.friction, mode="force")
+        self._turn.set_drive_velocity_target(0.0)
+
+    def before_step(self) -> None:
+        """Couple the slide and the turn, both ways; let the cap go at the end of its thread."""
+        if self._free is not None:
+            return
+        angle, speed = float(self.body.get_qpos()[1]), float(self.body.get_qvel()[1])
+        self._slide.set_drive_target(self._lift * (angle + speed * self._scene.get_timestep()))
+        self._slide.set_drive_velocity_target(self._lift * speed)
+        borne = float(self.body.get_link_incoming_joint_forces()[1][0])
+        self.body.set_qf(np.array([0.0, -self._lift * borne], np.float32))
+        if angle > 2 * np.pi * self._said.turns:
+            self._let_go()
+
+    def _let_go(self) -> None:
+        said = self._said
+        middle = sapien.Pose([0, 0, said.height + said.cap_height / 2 + 0.001], ALONG_Z.q)
+        builder = self._scene.create_actor_builder()
+        density = said.cap_mass / (np.pi * said.cap_radius**2 * said.cap_height)
+        builder.add_cylinder_collision(middle, said.cap_radius, said.cap_height / 2, movable(GRIP), density=density)
+        builder.set_initial_pose(self._cap.entity_pose)
+        free = builder.build(name=f"{self._name}_cap").find_component_by_type(physx.PhysxRigidDynamicComponent)
+        free.set_linear_velocity(self._cap.linear_velocity)
+        free.set_angular_velocity(self._cap.angular_velocity)
+        for shape in self._cap.collision_shapes:  # the articulation's cap stays, and touches nothing any more
+            shape.set_collision_groups([0, 0, *shape.get_collision_groups()[2:]])
+        self._cap.set_mass(1e-4)
+        self._free = free
+        self._replaced(self._cap, free)
+
+    def measures(self) -> Mapping[str, float]:
+        turns = float(self.body.get_qpos()[1]) / (2 * np.pi) if self._free is None else self._said.turns
+        return {"turns": turns, "off": float(self._free is not None)}
+
+    def extra(self) -> Array:
+        return np.zeros(0) if self._free is None else moving(self._free)
+
+    def put_back_extra(self, extra: Array) -> None:
+        if len(extra) and self._free is None:
+            self._let_go()
+        if self._free is not None:
+            self._free.set_entity_pose(sapien.Pose(extra[:3], extra[3:7]))
+            self._free.set_linear_velocity(extra[7:10])
+            self._free.set_angular_velocity(extra[10:])
