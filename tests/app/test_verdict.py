@@ -35,7 +35,7 @@ def verdict_over(
     place = SimpleNamespace(manifest=SimpleNamespace(implementation=PLACE), params={"target": target})
     session = SimpleNamespace(
         resources=SimpleNamespace(
-            referee=None if states is None else SimpleNamespace(truth=lambda: truth),
+            referee=None if states is None else SimpleNamespace(truth=lambda: truth, measures=dict),
             world=None if states is None else world,
         ),
         project=SimpleNamespace(folder=Path(), file=SimpleNamespace(goals={"t": goal} if goal else {}, world="table")),
