@@ -10,7 +10,6 @@ import pytest
 EXTRAS = (
     *("coal", "ompl", "pinocchio", "pytracik", "toppra", "xacro", "eaik", "sapien", "mcap", "fastapi", "uvicorn"),
     *("websockets", "rclpy", "rosidl_adapter", "rosidl_parser", "geometry_msgs", "sensor_msgs", "example_robot_data"),
-    *("airo_models", "gym_xarm", "robopianist"),
 )
 HOOK = """import importlib.metadata
 from importlib.machinery import PathFinder

@@ -120,33 +120,27 @@ def test_a_robot_without_arguments_says_so(name):
     assert "takes no arguments" in found.message
 
 
-@pytest.mark.parametrize(
-    ("name", "package", "extra"),
-    [
-        ("xarm_gripper", "gym_xarm", "grippers"),
-        ("xarm7_gripper", "gym_xarm", "grippers"),
-        ("robotiq_2f_85", "airo_models", "grippers"),
-        ("ur5_robotiq", "airo_models", "grippers"),
-        ("shadow_right", "robopianist", "shadow"),
-    ],
-)
-def test_a_robot_whose_models_are_not_installed_is_missed_with_what_to_install(name, package, extra, without, capsys):
-    without(package)
+@pytest.mark.parametrize("name", ["ur5", "ur5_robotiq", "xarm7_gripper", "panda_allegro"])
+def test_a_robot_whose_models_are_not_installed_is_missed_with_what_to_install(name, without, capsys):
+    without("example-robot-data")
     assert main(["robot", "check", name]) == 1
     said = capsys.readouterr()
     assert said.err.count("\n") == 1
-    assert f"{package!r}" in said.err
-    assert f"Fix: pip install 'grip-bt[{extra}]'" in said.err
-    with pytest.raises(MissingPartError, match=rf"robot {name!r}, in the package {package!r}"):
+    assert "Fix: pip install 'grip-bt[motion]'" in said.err
+    with pytest.raises(MissingPartError, match=rf"robot {name!r}, in the package 'example-robot-data'"):
         load_robot(name)
 
 
-def test_the_other_robots_and_the_list_do_without_these_models(without, capsys):
-    without("airo_models", "gym_xarm", "robopianist")
-    for name in ("parallel_gripper", "xarm7", "ur5_gripper", "panda_allegro"):
-        assert main(["robot", "check", name]) == 0
+def test_hands_that_come_with_us_need_no_package_and_say_their_licences(without, capsys):
+    without("example-robot-data")
+    for name in ("parallel_gripper", "xarm_gripper", "robotiq_2f_85", "shadow_left", "shadow_right"):
+        assert main(["robot", "check", name]) == 0, capsys.readouterr()
     assert main(["robot", "list"]) == 0
     assert {"xarm7_gripper", "ur5_robotiq", "shadow_left"} <= set(capsys.readouterr().out.split())
+    folder = packages.ROBOTS["shadow_left"].parent
+    for models in (each for each in folder.iterdir() if each.is_dir()):
+        assert (models / "LICENSE").is_file()
+        assert f"`{models.name}`" in (folder / "LICENSES.md").read_text()
 
 
 @pytest.fixture

@@ -174,7 +174,7 @@ def test_packages_are_found_in_given_folders_in_ros_and_among_installed_ones(tmp
     assert packages.resolve("package://mine/a.stl", tmp_path) == here / "a.stl"
     assert packages.find("smally_description") == prefix / "share" / "smally_description"
     assert packages.find("example-robot-data").name == "example-robot-data"
-    assert (packages.find("robopianist") / "models").is_dir()
+    assert (packages.find("scipy") / "spatial").is_dir()
     with pytest.raises(MissingPartError, match=r"package 'nowhere' isn't available.*`packages:` \(given: mine\)"):
         packages.find("nowhere")
 
