@@ -1,6 +1,6 @@
 """Writes the models of hands that come with us, from the packages that carry them, made small.
 
-    pip download --no-deps robopianist==1.0.10 airo-models==0.0.12 gym-xarm==0.1.1     # and unpack the wheels into FOLDER
+    pip download --no-deps robopianist==1.0.10 airo-models==0.0.12 gym-xarm==0.1.1     # unpack the wheels into FOLDER
     pip install trimesh fast-simplification
     python tools/bundle_models.py FOLDER
 
