@@ -142,7 +142,7 @@ def main() -> None:
         with (folder / "sim.txt").open("w") as out:
             sim = subprocess.Popen(served, cwd=folder, env=child_environment((), domain), stdout=out, stderr=out)
         try:
-            while "Ctrl-C ends it" not in (folder / "sim.txt").read_text():
+            while "serving" not in (folder / "sim.txt").read_text():
                 time.sleep(0.2)
             with Bus("watcher", domain) as bus:
                 watcher, rows = Watcher(bus), defaultdict(list)

@@ -53,9 +53,10 @@ def simulated_robot(folder: Path, domain: int, *options: str) -> Iterator[World]
             command, cwd=folder, env=child_environment((), domain), stdout=out, stderr=subprocess.STDOUT, text=True
         )
     deadline = time.monotonic() + PATIENCE
-    while "Ctrl-C ends it" not in log.read_text() and process.poll() is None and time.monotonic() < deadline:
+    while (serves := "serving" in log.read_text()) is False and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.1)
     try:
+        assert serves, log.read_text()
         yield World(folder, domain, process, log)
     finally:
         process.kill()

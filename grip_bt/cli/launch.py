@@ -159,6 +159,15 @@ def add_sim(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--room", type=Path, metavar="FILE", help="write the world's fixed objects to a .scene file, for planners"
     )
+    parser.add_argument(
+        "--simulated-time", action="store_true", help="publish /clock, and stamp everything with simulated time"
+    )
+    parser.add_argument(
+        "--setup",
+        type=Path,
+        metavar="FILE",
+        help="write a setup.bash, by which clients in other shells find the interfaces",
+    )
     parser.set_defaults(run=_run_sim)
 
 
@@ -167,7 +176,10 @@ def _run_sim(args: argparse.Namespace) -> int:
     on_stop(over.set)
     project = find_project(args.project)
     serving = load_part("ros_simulation", "the simulator or ROS", "sim,ros")
-    with serving.serve_world(project, args.world, args.seed, args.pace, progress, args.camera_rate) as served:
+    rate, simulated = args.camera_rate, args.simulated_time
+    with serving.serve_world(project, args.world, args.seed, args.pace, progress, rate, simulated) as served:
+        if args.setup is not None:
+            args.setup.write_text(served.setup)
         if args.room is not None:
             args.room.write_text(served.room)
         print(_settings(served, args.room), flush=True)

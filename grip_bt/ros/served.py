@@ -11,7 +11,7 @@ from __future__ import annotations
 import threading
 import time
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -33,7 +33,7 @@ from .client.types import Message, load_type
 TYPE = "sensor_msgs/msg/JointState"
 
 
-class _Published:
+class Published:
     """What a thread of its own publishes until it is closed."""
 
     def __init__(self, name: str):
@@ -51,16 +51,24 @@ class _Published:
         """Publish until it is closed."""
 
 
-class JointStatePublisher(_Published):
-    """Publishes where joints are, stamped with the wall's time, in one message for all of them.
+class JointStatePublisher(Published):
+    """Publishes where joints are, in one message for all of them.
 
     Args:
         topic: such as `/joint_states`.
         rate: messages a second.
+        now: the time of its stamps [s].
     """
 
-    def __init__(self, bus: Bus, topic: str, executors: Sequence[Executor], rate: float = 50.0):
-        self._writer, self._executors, self._period = bus.writer(TYPE, topic), executors, 1 / rate
+    def __init__(
+        self,
+        bus: Bus,
+        topic: str,
+        executors: Sequence[Executor],
+        rate: float = 50.0,
+        now: Callable[[], float] = time.time,
+    ):
+        self._writer, self._executors, self._period, self._now = bus.writer(TYPE, topic), executors, 1 / rate, now
         super().__init__("grip_joint_states")
 
     def _publish(self) -> None:
@@ -73,7 +81,7 @@ class JointStatePublisher(_Published):
                 return  # what measures has ended; whoever runs it says so
 
     def _message(self) -> Message:
-        stamp, states = time.time(), [executor.state() for executor in self._executors]
+        stamp, states = self._now(), [executor.state() for executor in self._executors]
         message = self._writer.type(header=header("", stamp))
         message.name = [name for state in states for name in state.names]
         message.position = [float(value) for state in states for value in state.position]
@@ -95,7 +103,7 @@ SHARE = 0.4
 """What takes the frames may spend no more than this share of its time on them: it moves the robot too."""
 
 
-class CameraPublisher(_Published):
+class CameraPublisher(Published):
     """Takes frames while somebody listens, and publishes them, all messages of a frame with one stamp.
 
     Everything is in the optical frame `<name>_optical`; where that is, is for TF or the listener's own settings.
@@ -103,10 +111,11 @@ class CameraPublisher(_Published):
     Args:
         name: its topics are `/<name>/color/image_raw` and so on.
         rate: frames a second, at most.
+        now: the time of its stamps [s].
     """
 
-    def __init__(self, bus: Bus, name: str, camera: Camera, rate: float = 5.0):
-        self._camera, self._period, self.frame = camera, 1 / rate, f"{name}_optical"
+    def __init__(self, bus: Bus, name: str, camera: Camera, rate: float = 5.0, now: Callable[[], float] = time.time):
+        self._camera, self._period, self._now, self.frame = camera, 1 / rate, now, f"{name}_optical"
         self.topics = {part: f"/{name}/{topic}" for part, (topic, _) in TOPICS.items()}
         self._writers = {part: bus.writer(TOPICS[part][1], topic) for part, topic in self.topics.items()}
         for writer in self._writers.values():
@@ -121,7 +130,7 @@ class CameraPublisher(_Published):
             if not wanted:
                 continue
             try:
-                stamp = time.time()
+                stamp = self._now()
                 taken = self._camera.capture()
                 taken.wait()
                 self._send(taken.result(), stamp, wanted)

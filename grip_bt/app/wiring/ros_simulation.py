@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import threading
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
@@ -15,9 +17,13 @@ from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.interfaces.build import ensure_package
+from grip_bt.ros.interfaces.packages import child_paths
+from grip_bt.ros.robot_state import ClockPublisher, RobotStatePublisher
 from grip_bt.ros.served import CameraPublisher, JointStatePublisher, TrajectoryActionServer
 from grip_sim import start_simulation
 from grip_sim.simulation import Simulation
+from grip_sim.specs import CameraSpec
 
 from ..project.faults import check, faults_of_cameras, jerks_of_arms
 from ..project.folder import Project
@@ -37,6 +43,7 @@ class Served:
     Attributes:
         mounts: sensor -> how `grip.yaml` says where its camera is.
         room: what stands in the world and never moves, as the text of a `.scene` file.
+        setup: what a client's shell sources.
     """
 
     simulation: Simulation
@@ -45,11 +52,18 @@ class Served:
     cameras: Mapping[str, Mapping[str, str]]
     mounts: Mapping[str, Mapping[str, Any]]
     room: str
+    setup: str
 
 
 @contextmanager
 def serve_world(
-    project: Project, world: str, seed: int, pace: float, progress: Progress, camera_rate: float = 2.0
+    project: Project,
+    world: str,
+    seed: int,
+    pace: float,
+    progress: Progress,
+    camera_rate: float = 2.0,
+    simulated_time: bool = False,
 ) -> Iterator[Served]:
     """Simulate a world with the project's robot, and serve it over ROS 2; time goes on by itself.
 
@@ -61,6 +75,7 @@ def serve_world(
         pace: simulated seconds a second.
         progress: told of each part that came up.
         camera_rate: frames a second of each camera that somebody listens to.
+        simulated_time: whether stamps are of simulated time, which `/clock` tells then.
 
     Raises:
         MissingPartError: the simulator or ROS isn't installed, or the project has no robot.
@@ -89,18 +104,26 @@ def serve_world(
             stack.callback(TrajectoryActionServer(bus, actions[name], executor).close)
             progress("controller", f"{actions[name]}: {len(executor.joint_names)} joints of {name}")
         joints = project.file.ros.joint_states if project.file.ros is not None else JOINT_STATES
-        stack.callback(JointStatePublisher(bus, joints, tuple(executors.values())).close)
+        now = simulation.clock.simulated_now if simulated_time else time.time
+        measured = tuple(executors.values())
+        stack.callback(JointStatePublisher(bus, joints, measured, now=now).close)
         progress("joints", joints)
+        if simulated_time:
+            stack.callback(ClockPublisher(bus, now).close)
+            progress("clock", "/clock")
         cameras = {}
         for name, sensor in project.file.sensors.items():
             if sensor.camera is not None:
-                served = CameraPublisher(bus, name, simulation.camera(sensor.camera), camera_rate)
+                served = CameraPublisher(bus, name, simulation.camera(sensor.camera), camera_rate, now)
                 stack.callback(served.close)
                 cameras[name] = served.topics
                 progress("camera", ", ".join(served.topics.values()))
         mounts = {name: _mount(simulation, project, name) for name in cameras}
+        fixed = {f"{name}_optical": _camera_of(simulation, project, name).info().pose for name in cameras}
+        stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
+        progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
-        yield Served(simulation, joints, actions, cameras, mounts, _room(simulation))
+        yield Served(simulation, joints, actions, cameras, mounts, _room(simulation), shell_setup())
 
 
 class _PressingFingers:
@@ -150,12 +173,25 @@ def _action(project: Project, name: str) -> str:
 
 
 def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any]:
-    camera = project.file.sensors[name].camera
-    assert camera is not None, "only cameras are served"
-    spec = next(each for each in simulation.spec.cameras if each.name == camera)
+    spec = _camera_of(simulation, project, name)
     pose = spec.info().pose
     place = {**({"on": spec.link} if spec.link else {}), "position": [round(float(v), 6) for v in pose.position]}
     return {"frame": f"{name}_optical", **place, "quaternion": [round(float(v), 9) for v in pose.quaternion]}
+
+
+def _camera_of(simulation: Simulation, project: Project, name: str) -> CameraSpec:
+    return next(each for each in simulation.spec.cameras if each.name == project.file.sensors[name].camera)
+
+
+def shell_setup() -> str:
+    """Return what a shell sources for its programs to find the interfaces that are served, and only this machine."""
+    paths = child_paths([root for package in ("control_msgs", "tf2_msgs") for root in ensure_package(package)])
+    lines = ["# What is served here: source this in the shell of a client."]
+    for variable, folders in paths.items():
+        given = os.pathsep.join(str(folder) for folder in dict.fromkeys(folders))
+        lines += [f'export {variable}="{given}${{{variable}:+:${variable}}}"'] if given else []
+    settings = {name: os.environ.get(name, "") for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")}
+    return "\n".join([*lines, *(f"export {name}={value}" for name, value in settings.items() if value), ""])
 
 
 def _room(simulation: Simulation) -> str:
