@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +22,7 @@ from grip_sim.referee import ObjectTruth
 DEMO = "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by images, place."
 ATTEMPT = "next_object/attempt"
 """Path of the node that is one attempt."""
+_UNWANTED = frozenset({".grip", "__pycache__"})
 CHECK = "next_object/attempt/check/held"
 """Path of the leaf that checks whether something is held."""
 
@@ -34,25 +37,39 @@ def demo_task() -> Path:
 
 
 def examples_folder() -> Path:
-    """Return the folder of the example project, writable: the clone's own, or a copy of the installed one.
+    """Return the folder of the example project, writable: the clone's own, or a copy of what is installed.
 
     Raises:
         MissingPartError: this installation has no examples.
+        NotWritableError: there is no room for a copy.
     """
     package = Path(grip_bt.__file__).resolve().parent
-    for folder in (package.parent / "examples", package / "_examples"):
+    own, installed = package.parent / "examples", package / "_examples"
+    if (own / "grip.yaml").is_file() and os.access(own, os.W_OK):
+        return own
+    for folder in (own, installed):
         if (folder / "grip.yaml").is_file():
-            return folder if os.access(folder, os.W_OK) else _copy(folder)
+            return _copied(folder)
     raise MissingPartError("the example project", "clone the repository, or reinstall the wheel")
 
 
-def _copy(folder: Path) -> Path:
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    copy = base / "grip" / f"examples-{grip_bt.__version__}"
+def _copied(folder: Path) -> Path:
+    """Return a copy in the user's data directory, made once for what is there now: what was changed in it stays."""
+    files = [file for file in sorted(folder.rglob("*")) if file.is_file() and _UNWANTED.isdisjoint(file.parts)]
+    digest = hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:8]
+    base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "grip"
+    copy = base / f"examples-{grip_bt.__version__}-{digest}"
+    if copy.is_dir():
+        return copy
     try:
-        shutil.copytree(folder, copy, dirs_exist_ok=True)
+        base.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=base) as half:
+            shutil.copytree(folder, Path(half) / "examples", ignore=shutil.ignore_patterns(*_UNWANTED))
+            (Path(half) / "examples").rename(copy)
     except OSError as error:
-        advice = "the example project is copied there; set XDG_CACHE_HOME to a folder of yours"
+        if copy.is_dir():  # another process was quicker
+            return copy
+        advice = "the example project is copied there; set XDG_DATA_HOME to a folder of yours"
         raise NotWritableError(copy, error, advice) from error
     return copy
 
