@@ -6,7 +6,7 @@ import argparse
 import errno
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from importlib import import_module
 
 from grip_bt import __version__
@@ -40,33 +40,56 @@ VERBS = {
     "world": "list, show, picture and check simulated worlds, make one of your own",
     "teach": "remember where an arm or a hand is now, under a name",
     "doctor": "check the installation, and say how to fix it",
+    "completion": "print what makes bash, zsh or fish complete verbs and options",
+    "help": "show how a verb is used, or `all` verbs",
 }
 """What each does, for the list of them; its module is loaded when the verb is named."""
+FIRST = ("demo", "new", "edit", "run", "check", "import", "bench", "doctor")
+"""What a newcomer is shown."""
 _MODULES = {
     "import": "import_",
     **dict.fromkeys(("new", "edit", "fmt"), "project"),
     **dict.fromkeys(("replay", "capsule"), "runs"),
     "interfaces": "component",
     "sim": "launch",
+    "help": "shell",
 }
 """Where it isn't the module of the verb's own name."""
 
 
-def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
-    """Return the command's parser with all verbs, and the options of the one that a command line names."""
+def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> argparse.ArgumentParser:
+    """Return the command's parser with all verbs, and the options of the one that a command line names.
+
+    Args:
+        shown: the verbs that its help lists.
+    """
     parser = Parser(
         prog="grip",
         description="Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine.",
+        epilog="`grip help all` lists all verbs, `grip help VERB` and `grip VERB --help` say how one is used.",
     )
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
     subparsers = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
     named = next((word for word in words if not word.startswith("-")), None)
     for verb, doc in VERBS.items():
-        options = subparsers.add_parser(verb, help=doc)
+        options = subparsers.add_parser(verb, help=doc) if verb in shown else subparsers.add_parser(verb)
         if verb == named:
             options.set_defaults(usage_error=options.error)
             getattr(import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}"), f"add_{verb}")(options)
     return parser
+
+
+def add_help(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
+    parser.add_argument("verb", nargs="?", choices=(*VERBS, "all"), metavar="VERB", help="a verb, or all")
+    parser.set_defaults(run=_run_help)
+
+
+def _run_help(args: argparse.Namespace) -> int:
+    if args.verb in (None, "all"):
+        make_parser(shown=VERBS if args.verb else FIRST).print_help()
+        return 0
+    return _done([args.verb, "--help"])
 
 
 def run_verb(arguments: Sequence[str] | None) -> int:

@@ -30,7 +30,20 @@ RUN = {
     "object",
 }
 """Verbs that run something, at least with one of their words; docs/trust.md says what."""
-LOOK = {"check", "fmt", "convert", "runs", "replay", "capsule", "new", "apply", "interfaces", "doctor"}
+LOOK = {
+    "check",
+    "fmt",
+    "convert",
+    "runs",
+    "replay",
+    "capsule",
+    "new",
+    "apply",
+    "interfaces",
+    "doctor",
+    "completion",
+    "help",
+}
 
 
 @pytest.fixture
