@@ -112,12 +112,16 @@ class Node(Behaviour):
         try:
             super().stop(new_status)
         finally:
-            if self.active:
-                self.active = False
-                if self.outcome is None:
-                    self.observer.interrupted(self.path)
-                else:
-                    self.observer.ended(self.path, self.outcome, self.failure)
+            self.report()
+
+    def report(self) -> None:
+        """Tell the observer how an activation that was under way is over."""
+        if self.active:
+            self.active = False
+            if self.outcome is None:
+                self.observer.interrupted(self.path)
+            else:
+                self.observer.ended(self.path, self.outcome, self.failure)
 
 
 def halt(root: Behaviour) -> list[tuple[str, Exception]]:

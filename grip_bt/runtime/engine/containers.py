@@ -8,26 +8,21 @@ from typing import Any
 from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
-from grip_bt.nodes.node import SILENT, STATUS
+from grip_bt.nodes.node import STATUS
 from grip_bt.task.exploration import UNKNOWN, Labels, NoWayError, Oracle
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Run, Step
 from grip_bt.task.parts import Edges
 
-from .composites import Look
-from .halting import Compiled, Halt, Tick, report
-from .known import INVALID, F, R, S
+from .halting import Compiled, Tick, halt_all
+from .known import F, R, S
 
 
-def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
+def conditional(node: Any, inner: Tick) -> Tick:
     """`Conditional.tick`: look at the precondition before an activation begins."""
 
-    def tick(known: int) -> Status:
-        if not known and look is not None:
-            known = node.status is not R
-            if (look.changed_below if known else look.changed)():
-                return look.outdated(known)
+    def tick() -> Status:
         if node.status is R:
-            return inner(known)
+            return inner()
         try:
             holds = node.precondition.holds()
         except Exception as error:
@@ -35,7 +30,7 @@ def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
             node.stop(Status.INVALID)
             raise NodeError(node.path, error) from error
         if holds:
-            return inner(known)
+            return inner()
         node.begin()
         node._refuse()
         return F
@@ -43,10 +38,10 @@ def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
     return tick
 
 
-def automaton(node: object, look: Look, parts: Sequence[Compiled]) -> Tick:
+def automaton(node: Any, parts: Sequence[Compiled]) -> Tick:
     """The tick of a container: its kind is asked, or the rows that were made of its answers are followed."""
     rows = _rows(node, parts)
-    return _asking(node, look, parts) if rows is None else _following(node, look, rows, [part.halt for part in parts])
+    return _asking(node, parts) if rows is None else _following(node, rows, parts)
 
 
 Row = tuple[Any, Tick, Any, Any]
@@ -82,21 +77,14 @@ def _rows(node: Any, parts: Sequence[Compiled]) -> list[Row] | None:
     return rows
 
 
-def _following(node: Any, look: Look, rows: Sequence[Row], halts: Sequence[Halt]) -> Tick:
+def _following(node: Any, rows: Sequence[Row], parts: Sequence[Compiled]) -> Tick:
     """The tick of a container whose kind asks nothing: `KindNode.tick`, with the kind's answers known."""
-    changed, changed_below, outdated = look
     kind, reactive, selects = node.kind, node.kind.reactive, node.kind.shown == "selector"
     target = node.answers.exits.target if node.answers.exits else None
     composite, runs = kind.shown != "decorator", [(i,) for i in range(len(rows))]
-    begin, end = _begin(node, rows, halts), _end(node)
+    begin, end = _begin(node, parts), _end(node)
 
-    def tick(known: int) -> Status:
-        if not known:
-            known = node.status is not R
-            if (changed_below if known else changed)():
-                return outdated(known)
-        if node.kind is not kind:
-            return outdated(known)
+    def tick() -> Status:
         at = 0
         if node.status is not R:
             begin()
@@ -106,7 +94,7 @@ def _following(node: Any, look: Look, rows: Sequence[Row], halts: Sequence[Halt]
                 node.reset([row[0] for row in rows[:at]])
         while True:
             kid, advance, success, failure = rows[at]
-            status = advance(known)
+            status = advance()
             if status is R:
                 break
             following = success if status is S else failure
@@ -128,21 +116,18 @@ def _following(node: Any, look: Look, rows: Sequence[Row], halts: Sequence[Halt]
     return tick
 
 
-def _begin(node: Any, rows: Sequence[Row], halts: Sequence[Halt]) -> Callable[[], None]:
-    pairs = [(row[0], halt) for row, halt in zip(rows, halts, strict=True)] if node.kind.resets else ()
-    first = rows[0][0] if node.kind.shown == "selector" else None
+def _begin(node: Any, parts: Sequence[Compiled]) -> Callable[[], None]:
+    reset = parts if node.kind.resets else ()
+    first = parts[0].node if node.kind.shown == "selector" else None
 
     def begin() -> None:
         node.last = node.state = node.outcome = node.failure = None
         node.asked = node.resting = False
         node.running, node.active = (), True
-        if node.observer is not SILENT:
-            node.observer.entered(node.path)
+        node.observer.entered(node.path)
         if node.enter is not None:
             node.enter()
-        for kid, halt in pairs:
-            if kid.status is not INVALID:
-                halt()
+        halt_all(reset)
         if first is not None:
             node.current_child = first
 
@@ -166,31 +151,23 @@ def _end(node: Any) -> Callable[[Any, str], Status]:
         status = statuses[outcome]
         node.failure = kid.failure if status is F else None
         node.state, node.status = None, status
-        report(node)
+        node.report()
         return status
 
     return end
 
 
-def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
+def _asking(node: Any, parts: Sequence[Compiled]) -> Tick:
     """The tick of any container: `KindNode.tick`, without its generators."""
-    changed, changed_below, outdated = look
-    kids, ticks = [part.node for part in parts], [part.tick for part in parts]
-    kind, answers = node.kind, node.answers
+    kids, ticks, kind = [part.node for part in parts], [part.tick for part in parts], node.kind
     reactive, patient, again = kind.reactive, kind.concurrent or not kind.settles, kind.again
 
-    def tick(known: int) -> Status:
-        if not known:
-            known = node.status is not R
-            if (changed_below if known else changed)():
-                return outdated(known)
-        if node.kind is not kind:
-            return outdated(known)
+    def tick() -> Status:
         before, step = node.running, None
         if node.status is not R or node.resting or not before:
             step, before = node.opening(), node.running
         elif reactive:
-            step = again(node.state, before, answers)
+            step = again(node.state, before, node.answers)
         while step is None or type(step) is Run:
             if step is None:
                 run = before
@@ -200,7 +177,7 @@ def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
                 run = node.run(step)
             step, going = None, patient and run is before
             for i in run:
-                if ticks[i](known) is not R:
+                if ticks[i]() is not R:
                     going = False
                     step = node.after(i, kids[i])
                     if step is not None:
