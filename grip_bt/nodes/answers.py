@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.evaluation import same_literal
 from grip_bt.base.ports import Context
-from grip_bt.task.kinds.base import Ended
+from grip_bt.base.types import Value
+from grip_bt.task.kinds.base import Ended, State
 from grip_bt.task.parts import Case, Edges
 
-Value = TypeVar("Value")
+T = TypeVar("T")
 
 
 class Answers:
@@ -36,10 +37,10 @@ class Answers:
     def __init__(self, path: str, names: Sequence[str], exits: Edges, edges: Edges):
         self.path, self.names, self.exits, self.edges = path, names, exits, edges
         self.conditions: dict[str, Callable[[], bool]] = {}
-        self.readers: dict[str, Callable[[], Any]] = {}
-        self.writers: dict[str, Callable[[Any], None]] = {}
+        self.readers: dict[str, Callable[[], Value]] = {}
+        self.writers: dict[str, Callable[[Value], None]] = {}
         self.ends: Sequence[Ended | None] = ()
-        self.kept: Any = None
+        self.kept: State = None
         self.judge: Callable[[float], bool] | None = None
 
     def at(self, name: str) -> int:
@@ -76,7 +77,7 @@ class Answers:
         """Compute the condition."""
         return self._named(self.conditions[key])
 
-    def value(self, key: str) -> Any:
+    def value(self, key: str) -> Value:
         """Read the value."""
         return self._named(self.readers[key])
 
@@ -85,7 +86,7 @@ class Answers:
         value = self.value(key)
         return next((child for child, literal in literals if same_literal(value, literal)), default)
 
-    def items(self, key: str) -> tuple[Any, ...]:
+    def items(self, key: str) -> tuple[Value, ...]:
         """Read the list."""
         items = self.value(key)
         if not isinstance(items, list | tuple):
@@ -93,15 +94,15 @@ class Answers:
             raise NodeError(self.path, error) from error
         return tuple(items)
 
-    def empty(self, left: tuple[Any, ...]) -> bool:
+    def empty(self, left: tuple[Value, ...]) -> bool:
         """Tell whether no items are left."""
         return not left
 
-    def take(self, left: tuple[Any, ...]) -> tuple[Any, tuple[Any, ...]]:
+    def take(self, left: tuple[Value, ...]) -> tuple[Value, tuple[Value, ...]]:
         """Return the first item and the others."""
         return left[0], left[1:]
 
-    def put(self, key: str, value: Any) -> None:
+    def put(self, key: str, value: Value) -> None:
         """Write the variable."""
         self._named(lambda: self.writers[key](value))
 
@@ -125,7 +126,7 @@ class Answers:
     def ask(self, text: str) -> None:
         """Do nothing: in a machine nothing runs beside what decides."""
 
-    def _named(self, compute: Callable[[], Value]) -> Value:
+    def _named(self, compute: Callable[[], T]) -> T:
         """Return what is computed; errors name the container."""
         try:
             return compute()

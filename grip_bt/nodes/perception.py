@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import SensorError, ViewBlockedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera, Context, Sensor
+from grip_bt.base.types import Value
 from grip_bt.base.values import DepthImage, Grasp, JointState, PointCloud, RgbdFrame
 from grip_bt.nodes.arm import ArmLeaf
 from grip_bt.nodes.camera_views import Change, Thresholds, compare, outline, robot_pixels, share, within
@@ -31,10 +31,10 @@ class Sense(OperationLeaf):
     def prepare(self) -> None:
         self.sensor = self.context.sensor(self.manifest.settings["sensor"])
 
-    def start(self) -> Operation[Mapping[str, Any]]:
+    def start(self) -> Operation[Mapping[str, Value]]:
         return self.sensor.capture()
 
-    def finish(self, result: Mapping[str, Any]) -> Status:
+    def finish(self, result: Mapping[str, Value]) -> Status:
         if missing := [port for port in self.manifest.outputs if port not in result]:
             raise SensorError(f"the sensor gave nothing for {', '.join(missing)}; it gave {', '.join(result)}")
         return self.end(**{port: result[port] for port in self.manifest.outputs})

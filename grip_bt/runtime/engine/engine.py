@@ -113,7 +113,7 @@ def _ticking(node: Any, rules: Rules, parts: list[Compiled], stop: Stop) -> Tick
             return composites.parallel(node, parts, stop)
         case Rules.DECORATOR:
             return composites.decorator(node, parts[0], stop)
-    return containers.automaton(node, parts)
+    return containers.automaton(node, parts, stop)
 
 
 def _watch(nodes: list[Any]) -> Callable[[], bool]:

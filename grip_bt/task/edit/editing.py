@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import EditError, listing, nearest
+from grip_bt.base.types import Value
 from grip_bt.task.canonical import data_of, file_data
 from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
 from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
@@ -221,7 +222,7 @@ class Edit:
         else:
             self.drop((*at, field), key)
 
-    def entries(self, at: Place, field: str) -> dict[str, Any]:
+    def entries(self, at: Place, field: str) -> dict[str, Value]:
         """Return a copy of a field that is a mapping; empty where the record at `at` has none."""
         if field not in self.draft.mapping(at):
             return {}
