@@ -191,8 +191,11 @@ class Leaf(Node):
     # --- py_trees' side ---
 
     def setup(self, *, context: Context, **_: object) -> None:
-        self.context = AskedContext(context, self.askers) if self.askers else context
+        self.context = AskedContext(context, lambda: self._asked_by(context)) if self.askers else context
         self.prepare()
+
+    def _asked_by(self, context: Context) -> bool:
+        return context.preempt_requested or any(asker.asked for asker in self.askers)
 
     def tick(self) -> Iterator[Behaviour]:
         """Tick once, in an activation that begins with this tick or has begun before.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from py_trees.behaviour import Behaviour
@@ -151,35 +151,26 @@ class Asker(Protocol):
 
 
 class AskedContext:
-    """The run's context, in which a request of a container above (`askers`, kept, not copied) is a preempt request."""
+    """A run's context, in which `asked()` tells whether there is a preempt request."""
 
-    def __init__(self, context: Context, askers: Sequence[Asker]):
-        self._context, self._askers = context, askers
+    def __init__(self, context: Context, asked: Callable[[], bool]):
+        self._context, self._asked = context, asked
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._context, name)
 
     @property
     def preempt_requested(self) -> bool:
-        """Whether the run, or a container above, asks to come to an end."""
-        return self._context.preempt_requested or any(asker.asked for asker in self._askers)
+        """Whether a leaf is asked to come to an end."""
+        return self._asked()
 
 
-class AskedBefore:
+class AskedBefore(AskedContext):
     """A leaf's context as it was when the run had been asked so often, and a container above or not, until `over`."""
 
     def __init__(self, context: Context, count: int, above: bool):
-        self._context, self._count, self._above, self.over = context, count, above, False
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._context, name)
-
-    @property
-    def preempt_requested(self) -> bool:
-        """Whether the leaf was asked to come to an end."""
-        if self.over:
-            return self._context.preempt_requested
-        return self._count > 0 or self._above
+        super().__init__(context, lambda: context.preempt_requested if self.over else count > 0 or above)
+        self._count, self.over = count, False
 
     @property
     def preempt_requests(self) -> int:

@@ -131,7 +131,7 @@ class Lockstep:
         self._driver: int | None = None
         WAITS.set(self._until_done)
         self._on = True
-        waker.lockstep = self
+        waker.turns = self
         self._world.take_turns(partial(self.through, patient=True), self._stood)
 
     def end(self) -> None:

@@ -83,13 +83,13 @@ class Pacing:
 
     def fork(self, count: int) -> list[AbstractContextManager[object]]:
         """Return what threads enter that this thread starts, each for as long as it works."""
-        lockstep = self._waker.lockstep
-        return alone(count) if lockstep is None else lockstep.fork(count)
+        turns = self._waker.turns
+        return alone(count) if turns is None else turns.fork(count)
 
     def joined(self) -> AbstractContextManager[object]:
         """Return what this thread enters while it waits for them."""
-        lockstep = self._waker.lockstep
-        return alone(1)[0] if lockstep is None else lockstep.joined()
+        turns = self._waker.turns
+        return alone(1)[0] if turns is None else turns.joined()
 
     def _keep_time(self, rate: float) -> None:
         """Wait for the next multiple of the period; ticks that came too late are left out, not made up for."""
