@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 class Answers:
-    """The `Questions` of a kind, answered from a run's variables and clock.
+    """The `Questions` of a kind, where they are described, answered from a run's variables and clock [s].
 
     Attributes:
         path: the container's path.
@@ -44,45 +44,35 @@ class Answers:
         self.judge: Callable[[float], bool] | None = None
 
     def at(self, name: str) -> int:
-        """Return the position of a child."""
         return self.names.index(name)
 
     def now(self) -> float:
-        """Return the time of the run's clock [s]."""
         return self.context.clock.now()
 
     def deadline(self, seconds: float) -> float:
-        """Return the time in so many seconds, and have the task ticked then."""
         at = self.now() + seconds
         self.context.wake_at(at)
         return at
 
     def passed(self, at: float) -> bool:
-        """Tell whether a time has come."""
         return self.now() >= at if self.judge is None else self.judge(at)
 
     def up(self, count: int) -> int:
-        """Return one more."""
         return count + 1
 
     def reached(self, count: int, limit: int) -> bool:
-        """Tell whether a count has come to its limit."""
         return count >= limit
 
     def pick(self, count: int, size: int) -> int:
-        """Return the count modulo `size`."""
         return count % size
 
     def holds(self, key: str) -> bool:
-        """Compute the condition."""
         return self._named(self.conditions[key])
 
     def value(self, key: str) -> Value:
-        """Read the value."""
         return self._named(self.readers[key])
 
     def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
-        """Compare the value with the literals."""
         value = self.value(key)
         return next((child for child, literal in literals if same_literal(value, literal)), default)
 
@@ -95,23 +85,18 @@ class Answers:
         return tuple(items)
 
     def empty(self, left: tuple[Value, ...]) -> bool:
-        """Tell whether no items are left."""
         return not left
 
     def take(self, left: tuple[Value, ...]) -> tuple[Value, tuple[Value, ...]]:
-        """Return the first item and the others."""
         return left[0], left[1:]
 
     def put(self, key: str, value: Value) -> None:
-        """Write the variable."""
         self._named(lambda: self.writers[key](value))
 
     def exit(self, end: Ended) -> str | None:
-        """Look up where an end leads out."""
         return self.exits.target(end.child, end.outcome, end.code)
 
     def edge(self, end: Ended) -> str:
-        """Look up where an end leads."""
         target = self.edges.target(end.child, end.outcome, end.code)
         if target is None:
             raise LookupError(

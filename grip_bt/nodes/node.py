@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Protocol
 
 from py_trees.behaviour import Behaviour
@@ -39,27 +40,13 @@ class Observers(Observer):
     """Several observers as one; each is told in turn."""
 
     def __init__(self, *observers: Observer):
-        self._observers = observers
+        for event in ("entered", "ended", "interrupted", "message", "wrote"):
+            setattr(self, event, partial(_tell, [getattr(observer, event) for observer in observers]))
 
-    def entered(self, path: str) -> None:
-        for observer in self._observers:
-            observer.entered(path)
 
-    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        for observer in self._observers:
-            observer.ended(path, outcome, failure)
-
-    def interrupted(self, path: str) -> None:
-        for observer in self._observers:
-            observer.interrupted(path)
-
-    def message(self, path: str, text: str) -> None:
-        for observer in self._observers:
-            observer.message(path, text)
-
-    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        for observer in self._observers:
-            observer.wrote(path, variable, type_name, value)
+def _tell(listeners: Sequence[Callable[..., None]], *what: object) -> None:
+    for listener in listeners:
+        listener(*what)
 
 
 STATUS = {"success": Status.SUCCESS, "failure": Status.FAILURE}

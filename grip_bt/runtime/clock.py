@@ -36,17 +36,14 @@ class WallClock:
         self._stood_at: float | None = None
 
     def now(self) -> float:
-        """Return the time [s]."""
         stood_at = self._stood_at
         return time.monotonic() - self._start if stood_at is None else stood_at
 
     def pause(self) -> None:
-        """Stand still; harmless when it does already."""
         if self._stood_at is None:
             self._stood_at = time.monotonic() - self._start
 
     def resume(self) -> None:
-        """Go on from where it stands; harmless when it goes."""
         if self._stood_at is not None:
             self._start = time.monotonic() - self._stood_at
             self._stood_at = None
@@ -61,7 +58,6 @@ class ManualClock:
         self._listeners: list[Callable[[], None]] = []
 
     def now(self) -> float:
-        """Return the time [s]."""
         return self._time
 
     def advance(self, seconds: float) -> None:
