@@ -95,9 +95,7 @@ def pick_ticks():
     theirs.add_visitor(SnapshotVisitor())
     with tempfile.TemporaryDirectory() as folder, Journal(Path(folder) / "runs.sqlite") as journal:
         made = picking(Recorder(journal.begin("pick"), WallClock()))
-        engine, unwatched = (
-            TickEngine(side.root, fixed_methods=True) for side in (made, picking())
-        )  # as the runner does
+        engine, unwatched = (TickEngine(side.root, fixed=True) for side in (made, picking()))  # as the runner does
         whole = picking(Recorder(journal.begin("whole"), WallClock()))
         for side in (engine, unwatched):
             for _ in range(10):
@@ -126,7 +124,7 @@ def whole_ticks():
                 made = compiled(nested(depth))
                 if observed:
                     made.observe(Recorder(journal.begin("whole"), WallClock()))
-                engine = TickEngine(made.root, fixed_methods=True)
+                engine = TickEngine(made.root, fixed=True)
                 sides += [made.root.tick_once] if not observed else []
                 sides.append(engine.tick)
             count = sum(1 for _ in made.root.iterate())

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Generator
+from functools import partial
 from typing import Any, TypeVar
 
 from grip_bt.base.failures import CanceledError
@@ -32,28 +33,29 @@ def run_steps(steps: Steps[T]) -> Operation[T]:
 
     def advance(step: Callable[[], Operation[Any]]) -> None:
         nonlocal under_way
-        try:
-            inner = under_way = step()
-        except StopIteration as end:
-            operation.succeed(end.value)
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            operation.fail(error)
-        else:
+        while True:  # calls that end at once don't deepen the stack, so their number doesn't matter
+            try:
+                inner = under_way = step()
+            except StopIteration as end:
+                operation.succeed(end.value)
+                return
+            except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+                operation.fail(error)
+                return
+            operation.works_with(inner)
             if operation.cancel_asked:
                 inner.cancel()
-            inner.add_done_callback(lambda: ended(inner))
+            step = partial(following, inner)
+            if not inner.done():
+                inner.add_done_callback(partial(advance, step))
+                return
 
-    def ended(inner: Operation[Any]) -> None:
+    def following(inner: Operation[Any]) -> Operation[Any]:
         try:
             result = inner.result()
-        except BaseException as raised:  # noqa: BLE001 - the function decides
-            error = raised
-            advance(lambda: steps.throw(error))
-            return
-        if operation.cancel_asked:
-            advance(lambda: steps.throw(CanceledError("canceled")))
-        else:
-            advance(lambda: steps.send(result))
+        except BaseException as error:  # noqa: BLE001 - the function decides
+            return steps.throw(error)
+        return steps.throw(CanceledError("canceled")) if operation.cancel_asked else steps.send(result)
 
     operation: Operation[T] = Operation(on_cancel=cancel)
     advance(lambda: next(steps))

@@ -11,10 +11,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeAlias
 
 from grip_bt.base.errors import listing, nearest
 
+Value: TypeAlias = Any
+"""A value of a variable, a port or a parameter, of whatever type the document declares."""
 VALUES = (
     *("CameraInfo", "DepthImage", "Failure", "Grasp", "Image", "JointState", "PathConstraint", "Plan"),
     *("PointCloud", "Pose", "RgbdFrame", "Trajectory", "WayPoint"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
@@ -14,7 +14,7 @@ from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
 from grip_bt.compilers.binding import prepare
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.node import Node, halt
+from grip_bt.nodes.node import AskedContext, Node, halt
 from grip_bt.smach_compat import State
 
 
@@ -184,7 +184,7 @@ class BehaviourState(TaskState):
 
     def prepare(self, context: Context) -> None:
         """Give every node below its context, in which a preempt request of this state is seen."""
-        prepare(self.node.iterate(), StateContext(context, self))
+        prepare(self.node.iterate(), AskedContext(context, self.preempt_requested))
 
     def execute(self, userdata: object) -> str:
         """Tick to the end; a stop interrupts everything below, and unwinds."""
@@ -201,18 +201,3 @@ class BehaviourState(TaskState):
         self.failure = failure = node.failure
         assert outcome is not None, "a behaviour that ended has an outcome"
         return label(outcome, failure, self.refined) if self.refined else outcome
-
-
-class StateContext:
-    """The run's context, with the preempt request that has reached this state."""
-
-    def __init__(self, context: Context, state: State):
-        self._context, self._state = context, state
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._context, name)
-
-    @property
-    def preempt_requested(self) -> bool:
-        """Whether the request has travelled to this state."""
-        return self._state.preempt_requested()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
-from typing import Any
+from typing import Any, cast
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.values import Failure
@@ -216,7 +216,7 @@ class TaskConcurrence(TaskContainer, Concurrence):
         self.answers.ends = ends
         step = self.kind.settle(None, self.answers)
         assert type(step) is End, "all have ended"
-        return step.outcome, step.reason if self.meaning[step.outcome] == "failure" else None
+        return step.outcome, cast("Failure", step.reason) if self.meaning[step.outcome] == "failure" else None
 
     def reason(self) -> Failure | None:
         """Return the reason of the first child that accounts for the outcome."""

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from grip_bt.base.errors import NodeError
 from grip_bt.base.evaluation import same_literal
 from grip_bt.base.ports import Context
-from grip_bt.task.kinds.base import Ended
+from grip_bt.base.types import Value
+from grip_bt.task.kinds.base import Ended, State
 from grip_bt.task.parts import Case, Edges
 
-Value = TypeVar("Value")
+T = TypeVar("T")
 
 
 class Answers:
-    """The `Questions` of a kind, answered from a run's variables and clock.
+    """The `Questions` of a kind, where they are described, answered from a run's variables and clock [s].
 
     Attributes:
         path: the container's path.
@@ -36,56 +37,46 @@ class Answers:
     def __init__(self, path: str, names: Sequence[str], exits: Edges, edges: Edges):
         self.path, self.names, self.exits, self.edges = path, names, exits, edges
         self.conditions: dict[str, Callable[[], bool]] = {}
-        self.readers: dict[str, Callable[[], Any]] = {}
-        self.writers: dict[str, Callable[[Any], None]] = {}
+        self.readers: dict[str, Callable[[], Value]] = {}
+        self.writers: dict[str, Callable[[Value], None]] = {}
         self.ends: Sequence[Ended | None] = ()
-        self.kept: Any = None
+        self.kept: State = None
         self.judge: Callable[[float], bool] | None = None
 
     def at(self, name: str) -> int:
-        """Return the position of a child."""
         return self.names.index(name)
 
     def now(self) -> float:
-        """Return the time of the run's clock [s]."""
         return self.context.clock.now()
 
     def deadline(self, seconds: float) -> float:
-        """Return the time in so many seconds, and have the task ticked then."""
         at = self.now() + seconds
         self.context.wake_at(at)
         return at
 
     def passed(self, at: float) -> bool:
-        """Tell whether a time has come."""
         return self.now() >= at if self.judge is None else self.judge(at)
 
     def up(self, count: int) -> int:
-        """Return one more."""
         return count + 1
 
     def reached(self, count: int, limit: int) -> bool:
-        """Tell whether a count has come to its limit."""
         return count >= limit
 
     def pick(self, count: int, size: int) -> int:
-        """Return the count modulo `size`."""
         return count % size
 
     def holds(self, key: str) -> bool:
-        """Compute the condition."""
         return self._named(self.conditions[key])
 
-    def value(self, key: str) -> Any:
-        """Read the value."""
+    def value(self, key: str) -> Value:
         return self._named(self.readers[key])
 
     def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
-        """Compare the value with the literals."""
         value = self.value(key)
         return next((child for child, literal in literals if same_literal(value, literal)), default)
 
-    def items(self, key: str) -> tuple[Any, ...]:
+    def items(self, key: str) -> tuple[Value, ...]:
         """Read the list."""
         items = self.value(key)
         if not isinstance(items, list | tuple):
@@ -93,24 +84,19 @@ class Answers:
             raise NodeError(self.path, error) from error
         return tuple(items)
 
-    def empty(self, left: tuple[Any, ...]) -> bool:
-        """Tell whether no items are left."""
+    def empty(self, left: tuple[Value, ...]) -> bool:
         return not left
 
-    def take(self, left: tuple[Any, ...]) -> tuple[Any, tuple[Any, ...]]:
-        """Return the first item and the others."""
+    def take(self, left: tuple[Value, ...]) -> tuple[Value, tuple[Value, ...]]:
         return left[0], left[1:]
 
-    def put(self, key: str, value: Any) -> None:
-        """Write the variable."""
+    def put(self, key: str, value: Value) -> None:
         self._named(lambda: self.writers[key](value))
 
     def exit(self, end: Ended) -> str | None:
-        """Look up where an end leads out."""
         return self.exits.target(end.child, end.outcome, end.code)
 
     def edge(self, end: Ended) -> str:
-        """Look up where an end leads."""
         target = self.edges.target(end.child, end.outcome, end.code)
         if target is None:
             raise LookupError(
@@ -125,7 +111,7 @@ class Answers:
     def ask(self, text: str) -> None:
         """Do nothing: in a machine nothing runs beside what decides."""
 
-    def _named(self, compute: Callable[[], Value]) -> Value:
+    def _named(self, compute: Callable[[], T]) -> T:
         """Return what is computed; errors name the container."""
         try:
             return compute()

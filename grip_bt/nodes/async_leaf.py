@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextvars import ContextVar
-from typing import Any
 
 from grip_bt.base.errors import DataError
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import LEFT, Operation
 from grip_bt.base.ports import Context
+from grip_bt.base.types import Value
 from grip_bt.nodes.leaf import Leaf, OperationLeaf, Status
+from grip_bt.task.catalog.manifest import Manifest
 
 
 class _Loop(asyncio.SelectorEventLoop):
@@ -32,16 +33,16 @@ class _Loop(asyncio.SelectorEventLoop):
 class _HeldCoroutine:
     """One coroutine under way; implements `grip_bt.base.ports.Pausable`. `make` returns it, in the worker."""
 
-    def __init__(self, make: Callable[[], Coroutine[Any, Any, Any]]):
+    def __init__(self, make: Callable[[], Awaitable[Value]]):
         self._make = make
         self._lock = threading.Lock()
         self._free = threading.Event()
         self._free.set()
         self._canceled = False
         self._loop: _Loop | None = None
-        self._task: asyncio.Task[Any] | None = None
+        self._task: asyncio.Task[Value] | None = None
 
-    def run(self) -> Any:
+    def run(self) -> Value:
         """Run it to its end; for the worker.
 
         Raises:
@@ -76,7 +77,7 @@ class _HeldCoroutine:
                 self._loop.call_soon_threadsafe(self._task.cancel)
         self._free.set()
 
-    async def _main(self) -> Any:
+    async def _main(self) -> Value:
         with self._lock:
             loop = asyncio.get_running_loop()
             assert isinstance(loop, _Loop), "the runner has made it"
@@ -95,7 +96,7 @@ class _HeldCoroutine:
             loop.held += loop.time() - began
 
 
-def run_coroutine(context: Context, make: Callable[[], Coroutine[Any, Any, Any]]) -> Operation[Any]:
+def run_coroutine(context: Context, make: Callable[[], Awaitable[Value]]) -> Operation[Value]:
     """Run a coroutine to its end in a worker.
 
     Args:
@@ -107,12 +108,12 @@ def run_coroutine(context: Context, make: Callable[[], Coroutine[Any, Any, Any]]
         Code in workers that was awaited, and goes on although it was cancelled, keeps it busy.
     """
 
-    async def main() -> Any:
+    async def main() -> Value:
         LEFT.set(whole.works_with)
         return await make()
 
     coroutine = _HeldCoroutine(main)
-    whole: Operation[Any] = Operation(on_cancel=coroutine.cancel)
+    whole: Operation[Value] = Operation(on_cancel=coroutine.cancel)
     let_go = context.hold_with(coroutine)
     part = context.run_in_worker(coroutine.run)
 
@@ -163,18 +164,20 @@ def finish(leaf: Leaf, result: object, labelled: bool) -> Status:
     return leaf.end(**result)
 
 
-_GIVEN: ContextVar[Mapping[str, Any] | None] = ContextVar("grip_given", default=None)
+_GIVEN: ContextVar[Mapping[str, Value] | None] = ContextVar("grip_given", default=None)
 """What the inputs were when the activation began; set within `run`, and in whatever it starts."""
 
 
 class AsyncLeaf(OperationLeaf):
     """A leaf that is a coroutine. Authors override `run`, and `prepare` where there is something to look up."""
 
-    def __init__(self, *args: Any, **kwargs: Any):
-        super().__init__(*args, **kwargs)
+    def __init__(
+        self, name: str, path: str, manifest: Manifest, params: Mapping[str, Value], meaning: Mapping[str, str]
+    ):
+        super().__init__(name, path, manifest, params, meaning)
         self._naps: list[tuple[float, Operation[None]]] = []
 
-    async def run(self) -> Any:
+    async def run(self) -> Value:
         """Do the work of one activation, and return how it ends.
 
         An `ExpectedError` is a failure with its code; any other exception is a bug, and ends the run as `error`.
@@ -197,7 +200,7 @@ class AsyncLeaf(OperationLeaf):
             self.operation.report(message)
         self.context.wake()
 
-    def read(self, port: str) -> Any:
+    def read(self, port: str) -> Value:
         """Return an input: within `run`, what it was when the activation began."""
         given = _GIVEN.get()
         if given is None:
@@ -221,11 +224,11 @@ class AsyncLeaf(OperationLeaf):
 
     # --- the activation ---
 
-    def start(self) -> Operation[Any]:
+    def start(self) -> Operation[Value]:
         self._naps.clear()
         given = {port: self.read(port) for port in self.manifest.inputs}
 
-        async def main() -> Any:
+        async def main() -> Value:
             _GIVEN.set(given)
             return await self.run()
 
@@ -240,10 +243,10 @@ class AsyncLeaf(OperationLeaf):
                 nap[1].succeed(None)
         return super().update()
 
-    def waiting(self, operation: Operation[Any]) -> str:
+    def waiting(self, operation: Operation[Value]) -> str:
         return str(operation.progress or "")
 
-    def finish(self, result: Any) -> Status:
+    def finish(self, result: Value) -> Status:
         return finish(
             self, result, labelled=dict(self.manifest.outcomes) != {"success": "success", "failure": "failure"}
         )

@@ -8,7 +8,7 @@ outcome whose rule holds over the reply's fields is the node's.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, SupportsIndex
+from typing import ClassVar, SupportsIndex
 
 from grip_bt.base.errors import EvaluationError
 from grip_bt.base.evaluation import condition_of
@@ -16,6 +16,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.base.failures import BadReplyError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Component
+from grip_bt.base.types import Value
 from grip_bt.task.catalog.component_file import FEEDBACK
 
 from .leaf import OperationLeaf, Status
@@ -51,12 +52,12 @@ class ComponentLeaf(OperationLeaf):
             raise TypeError(f"{self.path}: the manifest of {self.manifest.id} lacks the outcomes {undeclared}")
         self._remote = self.context.component(name)
 
-    def start(self) -> Operation[Mapping[str, Any]]:
+    def start(self) -> Operation[Mapping[str, Value]]:
         """Send the bound inputs as the request's fields; a field that nobody binds keeps its default."""
         ports = [port for port, face in self.manifest.inputs.items() if face.required or port in self.readers]
         return self._remote.call({port: self.read(port) for port in ports})
 
-    def finish(self, result: Mapping[str, Any]) -> Status:
+    def finish(self, result: Mapping[str, Value]) -> Status:
         label = self._label_by_rule(result) if self._rules else self._label(result)
         outputs = self.outputs_of_failure()
         for port, face in self.manifest.outputs.items():
@@ -68,13 +69,13 @@ class ComponentLeaf(OperationLeaf):
                 outputs[port] = result[port]
         return self.end(label, **outputs)
 
-    def outputs_of_failure(self) -> dict[str, Any]:
+    def outputs_of_failure(self) -> dict[str, Value]:
         """Hand out the last feedback, however the call ends."""
         if FEEDBACK not in self.manifest.outputs or self.operation is None:
             return {}
         return {FEEDBACK: self.operation.progress}
 
-    def waiting(self, operation: Operation[Any]) -> str:
+    def waiting(self, operation: Operation[Value]) -> str:
         return "" if operation.progress is None else f"feedback: {shown(operation.progress)}"
 
     def _label_by_rule(self, reply: Mapping[str, object]) -> str:

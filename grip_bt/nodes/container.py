@@ -14,6 +14,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
 from grip_bt.base.ports import Context
+from grip_bt.base.types import Value
 from grip_bt.base.values import Failure
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Reason, Run, Stay, Step
 from grip_bt.task.parts import Edges
@@ -39,9 +40,9 @@ class KindNode(Node):
         leave: called when it has ended by itself, before anybody learns of it.
     """
 
-    children: list[Any]
+    children: list[Node]
     context: Context
-    current_child: Any
+    current_child: Node | None
     kind: Kind
     answers: RunAnswers
     enter: Callable[[], None] | None = None
@@ -60,16 +61,16 @@ class KindNode(Node):
         self.last: Any = None
         self.why: Any = CHILD
 
-    def setup(self, **kwargs: Any) -> None:
-        super().setup(**kwargs)
-        self.context = self.answers.context = kwargs["context"]
+    def setup(self, *, context: Context, **more: object) -> None:
+        super().setup(context=context, **more)
+        self.context = self.answers.context = context
 
     def tick(self) -> Iterator[Behaviour]:
         yield from self._follow(self.opening())
         yield self
 
-    def opening(self) -> Step:
-        """Return the first step of this tick."""
+    def opening(self, reset: Callable[[], None] | None = None) -> Step:
+        """Return the first step of this tick; `reset` resets all children in place of py_trees' own means."""
         kind, answers = self.kind, self.answers
         if self.children != self.named:
             self.rename()
@@ -79,17 +80,19 @@ class KindNode(Node):
             self.begin()
             if self.enter is not None:
                 self.enter()
-            if kind.resets:
+            if kind.resets and reset is not None:
+                reset()
+            elif kind.resets:
                 self.reset(self.children)
             answers.ends = [None] * len(self.children)
-            if kind.shown == "selector":
+            if kind.shown == "Selector":
                 self.current_child = self.children[0] if self.children else None
             return kind.begin(None, answers)
         if self.resting or not self.running:
             return kind.begin(self.state if self.resting else None, answers)
         if kind.reactive:
             return kind.again(self.state, self.running, answers) or Run(self.running, self.state)
-        if kind.shown == "selector":
+        if kind.shown == "Selector":
             self.reset(self.children[: self.running[0]])
         return Run(self.running, self.state)
 
@@ -137,9 +140,10 @@ class KindNode(Node):
             return self.kind.settle(self.state, self.answers)
         return Stay(self.state)
 
-    def after(self, i: int, child: Any) -> Step | None:
+    def after(self, i: int, child: Node) -> Step | None:
         """Return the step that follows the end of a child; None when its siblings are ticked first."""
         self.last, self.ended = child, True
+        assert child.outcome is not None, "it has ended"
         end = Ended(child.name, child.outcome, child.meaning[child.outcome], child.code, child.failure)
         if not self.kind.late_exits:
             target = self.answers.exit(end)
@@ -153,8 +157,8 @@ class KindNode(Node):
             return None
         return step
 
-    def land(self, step: Step) -> None:
-        """End the tick."""
+    def land(self, step: Step, stop: Callable[[Status], None] | None = None) -> None:
+        """End the tick; `stop` ends the activation in place of `self.stop`."""
         if type(step) is End:
             self.why, self.outcome = step.reason, step.outcome
             self.halt_others(())
@@ -163,7 +167,7 @@ class KindNode(Node):
                 self.leave()
             if not isinstance(self, decorators.Decorator):
                 self.current_child = self.children[-1] if self.kind.concurrent and self.children else self.last
-            self.stop(STATUS[self.meaning[step.outcome]])
+            (stop or self.stop)(STATUS[self.meaning[step.outcome]])
             return
         assert type(step) is Next or type(step) is Stay, "a run is followed"
         self.resting = type(step) is Next
@@ -188,15 +192,15 @@ class KindNode(Node):
             if child.status is R and i not in run:
                 child.stop(INVALID)
 
-    def reset_after(self, child: Any) -> None:
+    def reset_after(self, child: Node | None) -> None:
         """Reset the children after the one that was come to, as a Selector and a reactive Sequence of py_trees do."""
         match self.kind.shown:
-            case "selector" if child is not None and child.status is not F and child is not self.current_child:
+            case "Selector" if child is not None and child.status is not F and child is not self.current_child:
                 self.reset(self.children[self.children.index(child) + 1 :])
-            case "sequence" if child is not None and child.status is not S and self.kind.reactive:
+            case "Sequence" if child is not None and child.status is not S and self.kind.reactive:
                 self.reset(self.children[self.children.index(child) + 1 :])
 
-    def reset(self, children: Iterable[Any]) -> None:
+    def reset(self, children: Iterable[Node]) -> None:
         """Stop those that aren't INVALID."""
         for child in children:
             if child.status is not INVALID:
@@ -241,20 +245,11 @@ class RunAnswers(Answers):
             node.context.wake()
 
 
-_SHOWN: Mapping[str, type[Behaviour]] = {
-    "": composites.Composite,
-    "sequence": composites.Sequence,
-    "selector": composites.Selector,
-    "parallel": composites.Parallel,
-    "decorator": decorators.Decorator,
-}
-
-
 @cache
-def shown_as(kind: type[Kind]) -> Any:
+def shown_as(kind: type[Kind]) -> type[KindNode]:
     """Return the class of a kind's behaviours: where py_trees has the composite, people and tools see that one."""
-    base = _SHOWN[kind.shown]
-    attributes: dict[str, Any] = {"__doc__": kind.__doc__, "__module__": __name__}
+    base = getattr(decorators if kind.shown == "Decorator" else composites, kind.shown)
+    attributes: dict[str, Value] = {"__doc__": kind.__doc__, "__module__": __name__}
     if "memory" in kind.model_fields:
         attributes["memory"] = property(_memory, _set_memory)
     return type(kind.__name__, (KindNode, base), attributes)
@@ -280,15 +275,15 @@ def container(
     cls = shown_as(type(kind))
     node: KindNode = cls.__new__(cls)
     node.kind = kind
-    arguments: dict[str, Any] = {"children": list(children)}
+    arguments: dict[str, Value] = {"children": list(children)}
     match kind.shown:
-        case "decorator":
+        case "Decorator":
             arguments = {"child": children[0]}
-        case "sequence" | "selector":
+        case "Sequence" | "Selector":
             arguments["memory"] = kind.memory  # type: ignore[attr-defined]
-        case "parallel":
+        case "Parallel":
             all_of = kind.policy == "all"  # type: ignore[attr-defined]
             arguments["policy"] = ParallelPolicy.SuccessOnAll() if all_of else ParallelPolicy.SuccessOnOne()
-    _SHOWN[kind.shown].__init__(node, name=name, **arguments)
+    super(KindNode, node).__init__(name, **arguments)  # type: ignore[call-arg]
     node.take(meaning, kind, answers)
     return node

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Generic, TypeVar, overload
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
+from grip_bt.base.types import Value
 from grip_bt.nodes.async_leaf import AsyncLeaf, finish, run_coroutine
 from grip_bt.nodes.leaf import Leaf, OperationLeaf, Status
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
@@ -111,13 +112,13 @@ def _check_run(cls: type[Leaf]) -> None:
 class FunctionLeaf(OperationLeaf):
     """A leaf that calls a function; `leaf` makes its subclasses, with the manifest made from its annotations."""
 
-    function: ClassVar[Callable[..., Any]]
+    function: ClassVar[Callable[..., Value]]
     face: ClassVar[Manifest]
     context_names: ClassVar[tuple[str, ...]] = ()
     quick: ClassVar[bool] = False
     labelled: ClassVar[bool] = False
 
-    def start(self) -> Operation[Any]:
+    def start(self) -> Operation[Value]:
         ports = [p for p, port in self.manifest.inputs.items() if port.required or p in self.readers]
         arguments = {**{p: self.read(p) for p in ports}, **self.params}
         arguments.update(dict.fromkeys(self.context_names, self.context))
@@ -128,7 +129,7 @@ class FunctionLeaf(OperationLeaf):
             return run_coroutine(self.context, lambda: call(**arguments))
         return self.context.run_in_worker(lambda: call(**arguments))
 
-    def finish(self, result: Any) -> Status:
+    def finish(self, result: Value) -> Status:
         return finish(self, result, labelled=type(self).labelled)
 
 
@@ -141,7 +142,7 @@ def leaf(
     outcomes: Mapping[str, str] | None = None,
     quick: bool = False,
     moves: bool | None = None,
-) -> Callable[[Any], Any]:
+) -> Callable[[Callable[..., Value]], type[Leaf]]:
     """Make a leaf of a function or a coroutine, or mark a class as one.
 
     Args:

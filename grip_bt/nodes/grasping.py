@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from grip_bt.base.failures import ExpectedError, NoGraspError
+from grip_bt.base.failures import CanceledError, ExpectedError, NoGraspError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.nodes.arm import ArmLeaf
 from grip_bt.nodes.leaf import Leaf, Status
-from grip_bt.nodes.motion import first_of, go, go_straight, tolerant
+from grip_bt.nodes.motion import first_of, go, go_straight
 from grip_bt.nodes.objects import HELD, SEEN, TABLE_GAP, free_name, object_at, objects_near, rename
 
 
@@ -168,13 +169,7 @@ class Retreat(ArmHandLeaf):
 
     def start(self) -> Operation[list[ExpectedError]]:
         """Open, let go, back, up. The result holds the errors of the steps that could not be made."""
-        errors: list[ExpectedError] = []
-        return (
-            tolerant(self.hand.open())
-            .then(lambda _: self._back(errors))
-            .then(lambda _: self._step(np.array([0.0, 0.0, self.params["height"]]), errors))
-            .then(lambda _: Operation.finished(errors))
-        )
+        return run_steps(self._steps())
 
     def finish(self, result: list[ExpectedError]) -> Status:
         if len(result) < 2:
@@ -182,7 +177,9 @@ class Retreat(ArmHandLeaf):
         reasons = [f"{e.code}: {e.message}" for e in result]
         return self.fail("stuck", "the arm could neither back off nor go up", reasons=reasons)
 
-    def _back(self, errors: list[ExpectedError]) -> Operation[object]:
+    def _steps(self) -> Steps[list[ExpectedError]]:
+        errors: list[ExpectedError] = []
+        yield from self._attempt(self.hand.open(), [])
         scene = self.context.scene()
         for name in scene.attached(self.hand.name):
             size, pose = scene.box(name)
@@ -190,19 +187,18 @@ class Retreat(ArmHandLeaf):
             scene.remove(name)
             below = Pose([*pose.position[:2], float(size[2]) / 2 + TABLE_GAP], pose.quaternion)
             scene.set_box(free_name(scene, SEEN), size.tolist(), below)
-        return self._step(-self.arm.grasp_pose().rotation()[:, 2] * self.params["distance"], errors)
+        back = -self.arm.grasp_pose().rotation()[:, 2] * self.params["distance"]
+        for offset in (back, np.array([0.0, 0.0, self.params["height"]])):
+            start = self.arm.grasp_pose()
+            goals, ignore = [start.moved(offset * part) for part in (1.0, 0.5, 0.25)], objects_near(scene, start)
+            ways = (partial(go_straight, self.arm, [goal], scene, ignore) for goal in goals)
+            yield from self._attempt(first_of(ways), errors)
+        return errors
 
-    def _step(self, offset: NDArray[np.float64], errors: list[ExpectedError]) -> Operation[object]:
-        scene, start = self.context.scene(), self.arm.grasp_pose()
-        ignore = objects_near(scene, start)
-        steps = (
-            lambda part=part: go_straight(self.arm, [start.moved(offset * part)], scene, ignore)
-            for part in (1.0, 0.5, 0.25)
-        )
-
-        def note(result: JointState | ExpectedError) -> Operation[object]:
-            if isinstance(result, ExpectedError):
-                errors.append(result)
-            return Operation.finished(result)
-
-        return tolerant(first_of(steps)).then(note)
+    def _attempt(self, motion: Operation[JointState], errors: list[ExpectedError]) -> Steps[None]:
+        try:
+            yield motion
+        except CanceledError:
+            raise
+        except ExpectedError as error:
+            errors.append(error)

@@ -16,6 +16,7 @@ from grip_bt.base.errors import DataError, NodeError, NotStoppedError
 from grip_bt.base.failures import CanceledError, ExpectedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
+from grip_bt.base.types import Value
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import AskedContext, Asker
 from grip_bt.task.catalog.manifest import Manifest
@@ -46,13 +47,15 @@ class Leaf(Node):
     resumable: ClassVar[bool] = False
     waits: ClassVar[bool | None] = None
     _since: float | None = None
-    _left: Operation[Any] | None = None
+    _left: Operation[Value] | None = None
 
-    def __init__(self, name: str, path: str, manifest: Manifest, params: Mapping[str, Any], meaning: Mapping[str, str]):
+    def __init__(
+        self, name: str, path: str, manifest: Manifest, params: Mapping[str, Value], meaning: Mapping[str, str]
+    ):
         super().__init__(name)
         self.path, self.manifest, self.params = path, manifest, dict(params)
         self.meaning = {**manifest.outcomes, **meaning} if meaning else manifest.outcomes
-        self.inputs_read: dict[str, Any] = {}
+        self.inputs_read: dict[str, Value] = {}
         self.askers: list[Asker] = []
         self.readers: dict[str, Callable[[], Any]] = {}
         self.writers: dict[str, Callable[[Any], None]] = {}
@@ -62,7 +65,7 @@ class Leaf(Node):
     def prepare(self) -> None:
         """Connect and verify, once, before the first tick. `self.context` is there."""
 
-    def read(self, port: str) -> Any:
+    def read(self, port: str) -> Value:
         """Return the value of the variable bound to an input port; None for an optional port that isn't bound.
 
         Raises:
@@ -187,10 +190,12 @@ class Leaf(Node):
 
     # --- py_trees' side ---
 
-    def setup(self, **kwargs: Any) -> None:
-        context = kwargs["context"]
-        self.context = AskedContext(context, self.askers) if self.askers else context
+    def setup(self, *, context: Context, **_: object) -> None:
+        self.context = AskedContext(context, lambda: self._asked_by(context)) if self.askers else context
         self.prepare()
+
+    def _asked_by(self, context: Context) -> bool:
+        return context.preempt_requested or any(asker.asked for asker in self.askers)
 
     def tick(self) -> Iterator[Behaviour]:
         """Tick once, in an activation that begins with this tick or has begun before.
@@ -238,23 +243,23 @@ class OperationLeaf(Leaf):
     then the leaf runs without having started, at most `STOPPING`, which ends the run with NotStoppedError.
     """
 
-    operation: Operation[Any] | None = None
+    operation: Operation[Value] | None = None
     _preempted_before: bool = False
 
-    def start(self) -> Operation[Any]:
+    def start(self) -> Operation[Value]:
         """Begin the work of this activation."""
         raise NotImplementedError(f"{type(self).__name__}.start")
 
-    def finish(self, result: Any) -> Status:
+    def finish(self, result: Value) -> Status:
         """Turn the operation's result into an outcome: by default success, with it as the one output, if any."""
         outputs = list(self.manifest.outputs)
         return self.end(**({outputs[0]: result} if len(outputs) == 1 else {}))
 
-    def waiting(self, operation: Operation[Any]) -> str:
+    def waiting(self, operation: Operation[Value]) -> str:
         """Say how far the work is, for people; called at each tick while it is under way."""
         return ""
 
-    def outputs_of_failure(self) -> dict[str, Any]:
+    def outputs_of_failure(self) -> dict[str, Value]:
         """Return outputs to be written when the operation ends with an error."""
         return {}
 
@@ -282,7 +287,7 @@ class OperationLeaf(Leaf):
             operation.cancel()
             self._note_left(operation)
 
-    def _note_left(self, operation: Operation[Any]) -> None:
+    def _note_left(self, operation: Operation[Value]) -> None:
         self._left = operation
         if self.manifest.may_move:
             self.context.left(self.path, operation)
@@ -301,7 +306,7 @@ class OperationLeaf(Leaf):
     def _preempted_now(self) -> bool:
         return self.context.preempt_requested and not self._preempted_before
 
-    def _wait(self, operation: Operation[Any]) -> Status:
+    def _wait(self, operation: Operation[Value]) -> Status:
         if not self._preempted_now():
             return self.running(self.waiting(operation))
         operation.cancel()

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from grip_bt.base.failures import BadReplyError
 from grip_bt.base.operation import Operation
-from grip_bt.base.types import check_value
+from grip_bt.base.types import Value, check_value
 
 from .leaf import OperationLeaf, Status
 
@@ -14,14 +12,14 @@ from .leaf import OperationLeaf, Status
 class _Reading(OperationLeaf):
     """Read an entry of a store."""
 
-    def start(self) -> Operation[Any]:
+    def start(self) -> Operation[Value]:
         return self.context.messages().get(self.params["store"], self.entry_name())
 
     def entry_name(self) -> str:
         """Return the name that is asked for; of the queue, an empty one."""
         return ""
 
-    def finish(self, result: Any) -> Status:
+    def finish(self, result: Value) -> Status:
         """Hand it out, when it is what the task expects."""
         wanted = self.params["type"]
         if (reason := check_value(wanted, result.value)) is not None:

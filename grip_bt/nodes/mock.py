@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
 from py_trees.common import Status
 from pydantic import BaseModel, ConfigDict, Field
 
+from grip_bt.base.types import Value
 from grip_bt.base.values import Failure
 from grip_bt.task.catalog.manifest import Manifest
 
@@ -22,7 +23,7 @@ class MockStep(BaseModel):
     code: str = ""
     """Of the failure; empty for none."""
     message: str = ""
-    outputs: dict[str, Any] = {}
+    outputs: dict[str, Value] = {}
     """Port -> value, written at the end."""
     seconds: Annotated[float, Field(ge=0)] = 0.0
     """How long it takes on the run's clock [s]."""

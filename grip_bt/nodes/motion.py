@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 from grip_bt.base.failures import CanceledError, ExpectedError, NoPlanError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm, Context, Scene
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.base.values.solids import Solid
 from grip_bt.commanders.trajectory.limits import RestDetector
@@ -71,82 +72,26 @@ def first_of(attempts: Iterable[Callable[[], Operation[T]]]) -> Operation[T]:
     """Return an operation that makes one attempt after the other until one succeeds.
 
     It ends with the last attempt's error when all have failed. A cancelled attempt and an error that isn't expected
-    end it. Attempts that end at once don't deepen the stack, so their number doesn't matter.
+    end it.
     """
-    return _FirstOf(attempts).whole
+    return run_steps(_first_of(attempts))
 
 
-class _FirstOf(Generic[T]):
-    def __init__(self, attempts: Iterable[Callable[[], Operation[T]]]):
-        self.pending = iter(attempts)
-        self.error: ExpectedError = NoPlanError("there was nothing to try")
-        self.current: Operation[T] | None = None
-        self.whole: Operation[T] = Operation(on_cancel=self._cancel)
-        self._next()
-
-    def _cancel(self) -> None:
-        if self.current is not None:
-            self.current.cancel()
-
-    def _next(self) -> None:
-        while not self.whole.done():
-            if self.whole.cancel_asked:
-                self.whole.fail(CanceledError("canceled"))
-                return
-            attempt = next(self.pending, None)
-            if attempt is None:
-                self.whole.fail(self.error)
-                return
+def _first_of(attempts: Iterable[Callable[[], Operation[T]]]) -> Steps[T]:
+    failed: ExpectedError = NoPlanError("there was nothing to try")
+    for attempt in attempts:
+        try:
+            current = attempt()
             try:
-                current = attempt()
-            except ExpectedError as error:
-                current = Operation.failed(error)
-            except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-                self.whole.fail(error)
-                return
-            self.current = current
-            if self.whole.cancel_asked:
-                current.cancel()
-            if not current.done():
-                current.add_done_callback(self._resume)
-                return
-            self._settle(current)
-
-    def _resume(self) -> None:
-        assert self.current is not None
-        self._settle(self.current)
-        self._next()
-
-    def _settle(self, ended: Operation[T]) -> None:
-        try:
-            self.whole.succeed(ended.result())
-        except CanceledError as error:
-            self.whole.fail(error)
+                found: T = yield current
+            except CanceledError:
+                return current.result()  # where it was quicker
+            return found
+        except CanceledError:
+            raise
         except ExpectedError as error:
-            self.error = error
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            self.whole.fail(error)
-
-
-def tolerant(operation: Operation[T]) -> Operation[T | ExpectedError]:
-    """Return an operation that succeeds with the expected error where `operation` fails with one.
-
-    A cancellation and an error that isn't expected remain errors.
-    """
-    whole: Operation[T | ExpectedError] = Operation(on_cancel=operation.cancel)
-
-    def ended() -> None:
-        try:
-            whole.succeed(operation.result())
-        except CanceledError as error:
-            whole.fail(error)
-        except ExpectedError as error:
-            whole.succeed(error)
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            whole.fail(error)
-
-    operation.add_done_callback(ended)
-    return whole
+            failed = error
+    raise failed
 
 
 LOOK = 0.05

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Protocol
 
 from py_trees.behaviour import Behaviour
@@ -39,27 +40,13 @@ class Observers(Observer):
     """Several observers as one; each is told in turn."""
 
     def __init__(self, *observers: Observer):
-        self._observers = observers
+        for event in ("entered", "ended", "interrupted", "message", "wrote"):
+            setattr(self, event, partial(_tell, [getattr(observer, event) for observer in observers]))
 
-    def entered(self, path: str) -> None:
-        for observer in self._observers:
-            observer.entered(path)
 
-    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        for observer in self._observers:
-            observer.ended(path, outcome, failure)
-
-    def interrupted(self, path: str) -> None:
-        for observer in self._observers:
-            observer.interrupted(path)
-
-    def message(self, path: str, text: str) -> None:
-        for observer in self._observers:
-            observer.message(path, text)
-
-    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        for observer in self._observers:
-            observer.wrote(path, variable, type_name, value)
+def _tell(listeners: Sequence[Callable[..., None]], *what: object) -> None:
+    for listener in listeners:
+        listener(*what)
 
 
 STATUS = {"success": Status.SUCCESS, "failure": Status.FAILURE}
@@ -112,12 +99,16 @@ class Node(Behaviour):
         try:
             super().stop(new_status)
         finally:
-            if self.active:
-                self.active = False
-                if self.outcome is None:
-                    self.observer.interrupted(self.path)
-                else:
-                    self.observer.ended(self.path, self.outcome, self.failure)
+            self.report()
+
+    def report(self) -> None:
+        """Tell the observer how an activation that was under way is over."""
+        if self.active:
+            self.active = False
+            if self.outcome is None:
+                self.observer.interrupted(self.path)
+            else:
+                self.observer.ended(self.path, self.outcome, self.failure)
 
 
 def halt(root: Behaviour) -> list[tuple[str, Exception]]:
@@ -147,35 +138,26 @@ class Asker(Protocol):
 
 
 class AskedContext:
-    """The run's context, in which a request of a container above (`askers`, kept, not copied) is a preempt request."""
+    """A run's context, in which `asked()` tells whether there is a preempt request."""
 
-    def __init__(self, context: Context, askers: Sequence[Asker]):
-        self._context, self._askers = context, askers
+    def __init__(self, context: Context, asked: Callable[[], bool]):
+        self._context, self._asked = context, asked
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._context, name)
 
     @property
     def preempt_requested(self) -> bool:
-        """Whether the run, or a container above, asks to come to an end."""
-        return self._context.preempt_requested or any(asker.asked for asker in self._askers)
+        """Whether a leaf is asked to come to an end."""
+        return self._asked()
 
 
-class AskedBefore:
+class AskedBefore(AskedContext):
     """A leaf's context as it was when the run had been asked so often, and a container above or not, until `over`."""
 
     def __init__(self, context: Context, count: int, above: bool):
-        self._context, self._count, self._above, self.over = context, count, above, False
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._context, name)
-
-    @property
-    def preempt_requested(self) -> bool:
-        """Whether the leaf was asked to come to an end."""
-        if self.over:
-            return self._context.preempt_requested
-        return self._count > 0 or self._above
+        super().__init__(context, lambda: context.preempt_requested if self.over else count > 0 or above)
+        self._count, self.over = count, False
 
     @property
     def preempt_requests(self) -> int:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from grip_bt.base.errors import listing, nearest
+from grip_bt.base.types import Value
 from grip_bt.base.values import PathConstraint, Pose
 
 from .leaf import Leaf
@@ -57,7 +58,7 @@ def read_keep(keep: Mapping[str, object], here: Pose) -> PathConstraint:
         raise ValueError("it holds an `orientation`, a `box` or both")
     if "orientation" not in keep and ("tolerance" in keep or "axes" in keep):
         raise ValueError("`tolerance` and `axes` belong to an `orientation`: `now`, or the numbers w, x, y, z")
-    fields: dict[str, Any] = {}
+    fields: dict[str, Value] = {}
     if "orientation" in keep:
         fields["orientation"] = _orientation(keep["orientation"], here)
         fields["axes"] = keep.get("axes", "world")
@@ -81,7 +82,7 @@ def _tolerance(given: object) -> tuple[float, ...]:
     return tuple(_numbers([np.inf if angle == FREE else angle for angle in given], 3, "tolerance"))
 
 
-def _box(given: object) -> dict[str, Any]:
+def _box(given: object) -> dict[str, Value]:
     if not isinstance(given, Mapping) or "position" not in given or "size" not in given:
         raise ValueError("box is `{position: [x, y, z], size: [x, y, z]}`: its centre and edge lengths [m]")
     _known(given, _BOX, "box")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,9 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import SensorError, ViewBlockedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera, Context, Sensor
-from grip_bt.base.values import DepthImage, Grasp, JointState, PointCloud, RgbdFrame
+from grip_bt.base.steps import Steps, run_steps
+from grip_bt.base.types import Value
+from grip_bt.base.values import Grasp, JointState, PointCloud, RgbdFrame
 from grip_bt.nodes.arm import ArmLeaf
 from grip_bt.nodes.camera_views import Change, Thresholds, compare, outline, robot_pixels, share, within
 from grip_bt.nodes.evidence import Evidence, EvidenceLimits, hand_evidence, holds, image_evidence, sight_evidence
@@ -31,10 +32,10 @@ class Sense(OperationLeaf):
     def prepare(self) -> None:
         self.sensor = self.context.sensor(self.manifest.settings["sensor"])
 
-    def start(self) -> Operation[Mapping[str, Any]]:
+    def start(self) -> Operation[Mapping[str, Value]]:
         return self.sensor.capture()
 
-    def finish(self, result: Mapping[str, Any]) -> Status:
+    def finish(self, result: Mapping[str, Value]) -> Status:
         if missing := [port for port in self.manifest.outputs if port not in result]:
             raise SensorError(f"the sensor gave nothing for {', '.join(missing)}; it gave {', '.join(result)}")
         return self.end(**{port: result[port] for port in self.manifest.outputs})
@@ -136,20 +137,20 @@ class Holds(HandLeaf):
     """
 
     def start(self) -> Operation[list[Evidence]]:
+        return run_steps(self._steps())
+
+    def _steps(self) -> Steps[list[Evidence]]:
         p = self.params
         evidence = hand_evidence(self.hand, EvidenceLimits(p["force"], p["links"], p["least_open"], p["most_moved"]))
-        before: RgbdFrame | None = self.read("before")
-        after: RgbdFrame | None = self.read("after")
-        grasp: Grasp | None = self.read("grasp")
-        asked = Operation.finished(evidence)
-        if after is None:
-            return asked
-        depth = after.depth
-        asked = asked.then(lambda said: self.context.run_in_worker(lambda: [*said, self._seen(depth)]))
-        if before is None:
-            return asked
-        frames = before, after
-        return asked.then(lambda said: self._compared(said, *frames, grasp))
+        before, after, grasp = self.read("before"), self.read("after"), self.read("grasp")
+        if after is not None:
+            scene, hand = self.context.scene(), self.hand.name
+            seen = lambda: sight_evidence(after.depth, scene, hand, scene.robot())  # noqa: E731 - in a worker
+            evidence.append((yield self.context.run_in_worker(seen)))
+        if after is not None and before is not None:
+            change: Change = yield changed(self.context, before, after, grasp, Thresholds(table=p["table"]))
+            evidence.append(image_evidence(change, p["min_vacated"], p["max_appeared"]))
+        return evidence
 
     def finish(self, result: list[Evidence]) -> Status:
         evidence = {one.name: one.held for one in result}
@@ -161,20 +162,6 @@ class Holds(HandLeaf):
         if against and agree:
             text += f"; against {' and '.join(agree)}"
         return self.fail("not_held", text, outputs={"evidence": evidence}, evidence={v.name: str(v) for v in result})
-
-    def _seen(self, depth: DepthImage) -> Evidence:
-        scene = self.context.scene()
-        return sight_evidence(depth, scene, self.hand.name, scene.robot())
-
-    def _compared(
-        self, said: list[Evidence], before: RgbdFrame, after: RgbdFrame, grasp: Grasp | None
-    ) -> Operation[list[Evidence]]:
-        p = self.params
-
-        def judged(change: Change) -> Operation[list[Evidence]]:
-            return Operation.finished([*said, image_evidence(change, p["min_vacated"], p["max_appeared"])])
-
-        return changed(self.context, before, after, grasp, Thresholds(table=p["table"])).then(judged)
 
 
 STEP = np.radians(15)

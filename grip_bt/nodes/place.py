@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -10,14 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.base.errors import listing
-from grip_bt.base.failures import ExpectedError, NoGraspError, NoRoomError, NoTargetError, NothingHeldError
+from grip_bt.base.failures import (
+    CanceledError,
+    ExpectedError,
+    NoGraspError,
+    NoRoomError,
+    NoTargetError,
+    NothingHeldError,
+)
 from grip_bt.base.operation import Operation
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.nodes.objects import Disc, free_spots, opening_room, turned
 
 from .evidence import EvidenceLimits, hand_evidence
 from .grasping import ArmHandLeaf
-from .motion import first_of, go, go_straight, tolerant, widened
+from .motion import first_of, go, go_straight, widened
 from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
 
 YAWS = np.radians(np.arange(0, 360, 15))
@@ -43,18 +50,23 @@ class Place(ArmHandLeaf):
     _object: str = ""
 
     def start(self) -> Operation[JointState]:
-        scene = self.context.scene()
-        held = scene.attached(self.hand.name)
+        return run_steps(self._steps())
+
+    def _steps(self) -> Steps[JointState]:
+        held = self.context.scene().attached(self.hand.name)
         if not held:
             raise NothingHeldError(f"the scene has nothing attached to the hand {self.hand.name!r}")
         self._object = held[0]
         region = self._region()
-        return (
-            self.context.run_in_worker(lambda: self._candidates(region))
-            .then(self._go)
-            .then(self._verify)
-            .then(self._release)
-        )
+        candidates: list[Grasp] = yield self.context.run_in_worker(lambda: self._candidates(region))
+        spot = yield from self._go(candidates)
+        against = [one for one in hand_evidence(self.hand, EvidenceLimits()) if one.held is False]
+        if against:
+            raise NothingHeldError(f"it was lost on the way: {'; '.join(map(str, against))}")
+        holding = self.hand.state()
+        yield self.hand.open()
+        self._let_go()
+        return (yield from self._leave(spot, holding))
 
     # --- where ---
 
@@ -103,19 +115,22 @@ class Place(ArmHandLeaf):
 
     # --- how ---
 
-    def _go(self, candidates: list[Grasp]) -> Operation[Grasp]:
+    def _go(self, candidates: list[Grasp]) -> Steps[Grasp]:
         if not candidates:
             raise NoRoomError(f"no free spot in {self.params['target'] or 'reach of the position'}")
         remaining = sorted(candidates, key=lambda c: -c.quality)
         taken = self._taken()
         roomy = [c for c in remaining if taken and opening_room(c.pose, taken) > _NARROW + SHIFT]
-        ways = (
-            lambda: (self._roomy(roomy, remaining) if roomy else self._feasible(remaining)).then(self._come)
-            for _ in range(_TRIES)
-        )
-        return first_of(ways)
+        spot: Grasp = yield first_of(lambda: run_steps(self._come(roomy, remaining)) for _ in range(_TRIES))
+        return spot
 
-    def _roomy(self, roomy: list[Grasp], remaining: list[Grasp]) -> Operation[Grasp]:
+    def _come(self, roomy: list[Grasp], remaining: list[Grasp]) -> Steps[Grasp]:
+        spot = yield from self._roomy(roomy, remaining) if roomy else self._feasible(remaining)
+        yield go(self.arm, spot.pre_grasp)
+        yield go_straight(self.arm, [spot.pose])
+        return spot
+
+    def _roomy(self, roomy: list[Grasp], remaining: list[Grasp]) -> Steps[Grasp]:
         """Take the best candidate that is free too where what was placed stands a little beside its box.
 
         It may: things shift in the fingers while these close, and the camera doesn't see into the target. Where there
@@ -123,62 +138,46 @@ class Place(ArmHandLeaf):
         """
         scene = self.context.scene()
         placed = [name for name in scene.names() if name.startswith(PLACED)]
-        found = tolerant(widened(scene, placed, SHIFT, lambda: self._feasible(roomy)))
+        try:
+            found: Grasp = yield widened(scene, placed, SHIFT, lambda: run_steps(self._feasible(roomy)))
+        except CanceledError:
+            raise
+        except ExpectedError:
+            roomy.clear()
+            return (yield from self._feasible(remaining))
+        remaining[:] = [c for c in remaining if c != found]
+        return found
 
-        def settle(result: Grasp | ExpectedError) -> Operation[Grasp]:
-            if isinstance(result, ExpectedError):
-                roomy.clear()
-                return self._feasible(remaining)
-            remaining[:] = [c for c in remaining if c != result]
-            return Operation.finished(result)
-
-        return found.then(settle)
-
-    def _feasible(self, remaining: list[Grasp]) -> Operation[Grasp]:
+    def _feasible(self, remaining: list[Grasp]) -> Steps[Grasp]:
         """Take the best candidate out of `remaining` that is free both with the fingers as they hold and open."""
-        holding = self.hand.state()
+        holding, failed = self.hand.state(), ExpectedError("there was nothing to try")
+        while remaining:
+            left = len(remaining)
+            try:
+                spot: Grasp = yield self.arm.choose_grasp(tuple(remaining))
+                remaining[:] = [c for c in remaining if c is not spot and c != spot]
+                yield self.arm.choose_grasp((replace(spot, pre_posture=holding),))
+                return spot
+            except CanceledError:
+                raise
+            except ExpectedError as error:
+                failed = error
+            if len(remaining) == left:  # none is free with open fingers
+                break
+        if isinstance(failed, NoGraspError):
+            raise NoRoomError("no free spot is within reach: " + failed.message, **failed.data)
+        raise failed
 
-        def with_fingers_as_they_hold(spot: Grasp) -> Operation[Grasp]:
-            remaining[:] = [c for c in remaining if c is not spot and c != spot]
-            closed = self.arm.choose_grasp((replace(spot, pre_posture=holding),))
-            return closed.then(lambda _: Operation.finished(spot))
+    def _let_go(self) -> None:
+        """Have what was held stand in the scene where it is now, on the support."""
+        scene = self.context.scene()
+        name = free_name(scene, PLACED)
+        rename(scene, self._object, name)
+        size, pose = scene.box(name)
+        standing = self._region().floor + float(size[2]) / 2 + TABLE_GAP
+        scene.set_box(name, size.tolist(), Pose([*pose.position[:2], standing], pose.quaternion))
 
-        def attempts() -> Iterator[Callable[[], Operation[Grasp]]]:
-            while remaining:
-                left = len(remaining)
-                yield lambda: self.arm.choose_grasp(tuple(remaining)).then(with_fingers_as_they_hold)
-                if len(remaining) == left:  # none is free with open fingers
-                    return
-
-        return _no_room(first_of(attempts()))
-
-    def _come(self, spot: Grasp) -> Operation[Grasp]:
-        there = go(self.arm, spot.pre_grasp).then(lambda _: go_straight(self.arm, [spot.pose]))
-        return there.then(lambda _: Operation.finished(spot))
-
-    def _verify(self, spot: Grasp) -> Operation[Grasp]:
-        """Ask the hand, before it lets go, whether it still holds what it is to put down."""
-        against = [one for one in hand_evidence(self.hand, EvidenceLimits()) if one.held is False]
-        if against:
-            raise NothingHeldError(f"it was lost on the way: {'; '.join(map(str, against))}")
-        return Operation.finished(spot)
-
-    def _release(self, spot: Grasp) -> Operation[JointState]:
-        holding = self.hand.state()
-
-        def let_go(_: JointState) -> Operation[JointState]:
-            scene = self.context.scene()
-            name = free_name(scene, PLACED)
-            rename(scene, self._object, name)
-            size, pose = scene.box(name)
-            region = self._region()
-            standing = region.floor + float(size[2]) / 2 + TABLE_GAP
-            scene.set_box(name, size.tolist(), Pose([*pose.position[:2], standing], pose.quaternion))
-            return self._leave(spot, holding)
-
-        return self.hand.open().then(let_go)
-
-    def _leave(self, spot: Grasp, holding: JointState) -> Operation[JointState]:
+    def _leave(self, spot: Grasp, holding: JointState) -> Steps[JointState]:
         """Go straight up; where that is blocked, a little back first; at last with the fingers half closed again.
 
         Open fingers may touch a wall, and nothing can be planned while they do.
@@ -192,11 +191,15 @@ class Place(ArmHandLeaf):
         def leave() -> Operation[JointState]:
             return first_of(partial(go_straight, self.arm, way, scene, ignore) for way in ways)
 
-        def leave_half_closed() -> Operation[JointState]:
+        try:
+            end: JointState = yield leave()
+        except CanceledError:
+            raise
+        except ExpectedError:
             halfway = (holding.position + self.hand.state().ordered(holding.names)) / 2
-            return self.hand.open(JointState(holding.names, halfway)).then(lambda _: leave())
-
-        return first_of([leave, leave_half_closed])
+            yield self.hand.open(JointState(holding.names, halfway))
+            end = yield leave()
+        return end
 
 
 def _ease(hand: Pose, spot: NDArray[np.float64]) -> float:
@@ -206,16 +209,3 @@ def _ease(hand: Pose, spot: NDArray[np.float64]) -> float:
     """
     normal, outward = hand.rotation()[:2, 2], spot / np.linalg.norm(spot)
     return float(normal @ outward)
-
-
-def _no_room(choice: Operation[Grasp]) -> Operation[Grasp]:
-    """Say in terms of spots that no candidate is feasible."""
-
-    def translate(result: Grasp | ExpectedError) -> Operation[Grasp]:
-        if isinstance(result, NoGraspError):
-            return Operation.failed(NoRoomError("no free spot is within reach: " + result.message, **result.data))
-        if isinstance(result, ExpectedError):
-            return Operation.failed(result)
-        return Operation.finished(result)
-
-    return tolerant(choice).then(translate)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 from grip_bt.base.errors import DataError, GripError
 from grip_bt.base.operation import Operation
+from grip_bt.base.types import Value
 from grip_bt.base.values import Pose
 from grip_bt.task.catalog import parse_type
 
@@ -24,7 +24,7 @@ class WaitForMessage(OperationLeaf):
         except ValueError as error:
             raise GripError(f"value: {error}") from None
 
-    def start(self) -> Operation[Any]:
+    def start(self) -> Operation[Value]:
         p = self.params
         limit = math.inf if p["timeout"] is None else p["timeout"]
         return self.context.ros().next(p["topic"], p["type"], p["value"], limit)
@@ -37,7 +37,7 @@ class LatestMessage(WaitForMessage):
         super().prepare()
         self.context.ros().listen(self.params["topic"], self.params["type"])
 
-    def start(self) -> Operation[Any]:
+    def start(self) -> Operation[Value]:
         p = self.params
         return self.context.ros().recent(p["topic"], p["type"], p["value"], p["max_age"], p["timeout"])
 
@@ -49,10 +49,10 @@ class WaitForMessages(OperationLeaf):
         for topic, message in self.params["topics"].items():
             self.context.ros().check(topic, message)
 
-    def start(self) -> Operation[Mapping[str, Any]]:
+    def start(self) -> Operation[Mapping[str, Value]]:
         return self.context.ros().together(self.params["topics"], self.params["slop"], self.params["timeout"])
 
-    def finish(self, result: Mapping[str, Any]) -> Status:
+    def finish(self, result: Mapping[str, Value]) -> Status:
         return self.end(messages=dict(result))
 
 
@@ -84,7 +84,7 @@ class GetParameter(OperationLeaf):
     def prepare(self) -> None:
         self.context.ros().check(self.params["node"])
 
-    def start(self) -> Operation[Any]:
+    def start(self) -> Operation[Value]:
         return self.context.ros().get_parameter(self.params["node"], self.params["name"], self.params["timeout"])
 
 

@@ -6,12 +6,26 @@ import heapq
 import threading
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from contextlib import AbstractContextManager
+from typing import Protocol
 
 from grip_bt.base.ports import Clock
 
-if TYPE_CHECKING:
-    from grip_bt.runtime.lockstep import Lockstep
+
+class Turns(Protocol):
+    """With what a run takes turns, while it is `on`."""
+
+    @property
+    def on(self) -> bool: ...
+
+    def rest(self, seen: int, poll: float | None) -> None:
+        """Return after a wake later than number `seen`, or after `poll` [s] of the run's clock."""
+
+    def fork(self, count: int) -> list[AbstractContextManager[object]]:
+        """Return what threads enter that this thread starts, each for as long as it works."""
+
+    def joined(self) -> AbstractContextManager[object]:
+        """Return what this thread enters while it waits for them."""
 
 
 class WallClock:
@@ -22,17 +36,14 @@ class WallClock:
         self._stood_at: float | None = None
 
     def now(self) -> float:
-        """Return the time [s]."""
         stood_at = self._stood_at
         return time.monotonic() - self._start if stood_at is None else stood_at
 
     def pause(self) -> None:
-        """Stand still; harmless when it does already."""
         if self._stood_at is None:
             self._stood_at = time.monotonic() - self._start
 
     def resume(self) -> None:
-        """Go on from where it stands; harmless when it goes."""
         if self._stood_at is not None:
             self._start = time.monotonic() - self._stood_at
             self._stood_at = None
@@ -47,7 +58,6 @@ class ManualClock:
         self._listeners: list[Callable[[], None]] = []
 
     def now(self) -> float:
-        """Return the time [s]."""
         return self._time
 
     def advance(self, seconds: float) -> None:
@@ -76,7 +86,7 @@ class Waker:
     Attributes:
         wakes: how many there were.
         condition: told of every wake.
-        lockstep: with what the run takes turns, if it does.
+        turns: with what the run takes turns, if it does.
 
     Args:
         clock: the run's clock, for `wake_at`.
@@ -85,7 +95,7 @@ class Waker:
     def __init__(self, clock: Clock):
         self._clock = clock
         self.condition = threading.Condition()
-        self.lockstep: Lockstep | None = None
+        self.turns: Turns | None = None
         self.wakes = 0
         self._times: list[float] = []
         listen = getattr(clock, "on_advance", None)
@@ -119,8 +129,8 @@ class Waker:
         A clock that runs faster than the wall and doesn't say when it moves is noticed at the latest after `timeout`.
         In lockstep with a simulated world, the time-out is on the run's clock.
         """
-        if self.lockstep is not None and self.lockstep.on:
-            self.lockstep.rest(seen, timeout)
+        if self.turns is not None and self.turns.on:
+            self.turns.rest(seen, timeout)
             return
         with self.condition:
             self.ring()

@@ -68,7 +68,7 @@ class RunParts:
 
 
 class RunContext:
-    """Implements `grip_bt.base.ports.Context` over mappings.
+    """Implements `grip_bt.base.ports.Context`, where its methods are described, over mappings.
 
     Args:
         clock: the run's clock; the wall's by default.
@@ -101,7 +101,6 @@ class RunContext:
 
     @property
     def preempt_requested(self) -> bool:
-        """Whether somebody asked the task to come to an end on its own terms."""
         return self.preempt_requests > 0
 
     def request_preempt(self) -> None:
@@ -110,31 +109,21 @@ class RunContext:
         self.wake()
 
     def wake(self) -> None:
-        """Have the task ticked soon; from any thread."""
         self.waker.wake()
 
     def wake_at(self, time: float) -> None:
-        """Have the task ticked when the run's clock reaches `time` [s]."""
         self.waker.wake_at(time)
 
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
-        """Run blocking code in a worker thread."""
         return self._workers.run(work) if self.lockstep is None else self.lockstep.work(self._workers.run, work)
 
     def left(self, path: str, work: Operation[Any]) -> None:
-        """Take note of a leaf's work that was told to stop, and may move something until it has ended."""
         self._motions.left(path, work)
 
     def unfinished(self) -> Sequence[str]:
-        """Return the paths of the leaves of which that was said and whose work hasn't ended; else arms and hands.
-
-        Raises:
-            NotStoppedError: of one of them nobody can say whether it has.
-        """
         return self._motions.unfinished()
 
     def hold_with(self, part: Pausable) -> Callable[[], None]:
-        """Have `part` stand still whenever the run is paused, at once if it is; call what is returned to end that."""
         with self._pausing:
             self._pausable.insert(0, part)
             if self._paused:
@@ -147,47 +136,31 @@ class RunContext:
         return over
 
     def arm(self, name: str) -> Arm:
-        """Return an arm; an empty name means the only one.
-
-        Raises:
-            UnknownNameError: there is no such arm; it lists those that exist.
-        """
         arm = _named("arm", self._arms, name)
         self._used[id(arm)] = arm
         return arm
 
     def hand(self, name: str) -> Hand:
-        """Return a hand, likewise."""
         hand = _named("hand", self._hands, name)
         self._used[id(hand)] = hand
         return hand
 
     def camera(self, name: str) -> Camera:
-        """Return a sensor's camera, likewise."""
         return _named("sensor", self._cameras, name)
 
     def component(self, name: str) -> Component:
-        """Return an external component, likewise."""
         return _named("component", self._components, name)
 
     def scene(self) -> Scene:
-        """Return the planning scene.
-
-        Raises:
-            MissingPartError: this run has none.
-        """
         return _there(self._scene, "a planning scene", "run with a robot: `grip run TASK --robot sim`")
 
     def sensor(self, name: str) -> Sensor:
-        """Return a sensor on topics, likewise."""
         return _named("sensor", self._sensors, name)
 
     def ros(self) -> Ros:
-        """Return the connection to ROS, likewise."""
         return _there(self._ros, "a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
 
     def messages(self) -> Messages:
-        """Return the project's named values, likewise."""
         return _there(self._messages, "a store of named messages", "run the task in a project: `grip new DIR`")
 
     # --- for the runner ---

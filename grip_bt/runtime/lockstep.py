@@ -105,7 +105,6 @@ class Lockstep:
 
     @property
     def on(self) -> bool:
-        """Whether run and world take turns now."""
         return self._on
 
     # --- for the runner ---
@@ -131,7 +130,7 @@ class Lockstep:
         self._driver: int | None = None
         WAITS.set(self._until_done)
         self._on = True
-        waker.lockstep = self
+        waker.turns = self
         self._world.take_turns(partial(self.through, patient=True), self._stood)
 
     def end(self) -> None:
@@ -216,7 +215,6 @@ class Lockstep:
     # --- for the threads of the run ---
 
     def rest(self, seen: int, poll: float | None) -> None:
-        """Return when there was a wake later than number `seen`, or after `poll` [s] of the run's clock."""
         waker = self._waker
         assert waker is not None, "it has begun"
         self.rest_until(lambda: waker.wakes != seen, poll)
@@ -231,7 +229,6 @@ class Lockstep:
         thread.look_at = None
 
     def fork(self, count: int) -> list[AbstractContextManager[object]]:
-        """Return what threads enter that this thread starts, each for as long as it works."""
         if not self._on:
             return [nullcontext() for _ in range(count)]
         parent = self._thread()
@@ -243,7 +240,6 @@ class Lockstep:
 
     @contextmanager
     def joined(self) -> Iterator[None]:
-        """Let the threads that were started work, until they have ended."""
         if not self._on:
             yield
             return

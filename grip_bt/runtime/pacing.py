@@ -55,11 +55,6 @@ class Pacing:
     # --- for the run ---
 
     def turn(self) -> int:
-        """Return when it is time to tick.
-
-        Raises:
-            Halted: the run was stopped.
-        """
         with self._gate:
             while self._paused and not self._steps and not self.stopped:
                 self._gate.wait()
@@ -72,7 +67,6 @@ class Pacing:
         return self._waker.wakes
 
     def rest(self, seen: int) -> None:
-        """Return when there may be something to look at."""
         self.begun.pop(threading.get_ident(), None)
         if self._paused or self.stopped:
             return
@@ -82,14 +76,12 @@ class Pacing:
             self._keep_time(self.rate)
 
     def fork(self, count: int) -> list[AbstractContextManager[object]]:
-        """Return what threads enter that this thread starts, each for as long as it works."""
-        lockstep = self._waker.lockstep
-        return alone(count) if lockstep is None else lockstep.fork(count)
+        turns = self._waker.turns
+        return alone(count) if turns is None else turns.fork(count)
 
     def joined(self) -> AbstractContextManager[object]:
-        """Return what this thread enters while it waits for them."""
-        lockstep = self._waker.lockstep
-        return alone(1)[0] if lockstep is None else lockstep.joined()
+        turns = self._waker.turns
+        return alone(1)[0] if turns is None else turns.joined()
 
     def _keep_time(self, rate: float) -> None:
         """Wait for the next multiple of the period; ticks that came too late are left out, not made up for."""
@@ -127,7 +119,6 @@ class Pacing:
         self.begun[me] = time.monotonic()
 
     def wake(self) -> None:
-        """Have every `rest` return."""
         self._waker.wake()
 
     # --- for whoever controls it ---

@@ -259,7 +259,6 @@ class RecordedClock:
             self.on_advance = clock.on_advance
 
     def now(self) -> float:
-        """Return the time [s]."""
         if self._since is None:
             return self._recording.time()
         return self._recording.end_time + (self._clock.now() - self._since)
@@ -269,7 +268,6 @@ class RecordedClock:
         self._since = self._clock.now()
 
     def pause(self) -> None:
-        """Stand still, where the clock can."""
         if isinstance(self._clock, Pausable):
             self._clock.pause()
 

@@ -334,7 +334,7 @@ class Runner:
             self._install()
             root: Behaviour = self.compiled.root  # type: ignore[union-attr]
             # Our nodes keep their methods; somebody's own behaviours may do what they like.
-            self._engine = TickEngine(root, fixed_methods=not any(isinstance(node, Foreign) for node in root.iterate()))
+            self._engine = TickEngine(root, fixed=not any(isinstance(node, Foreign) for node in root.iterate()))
         self._engine.tick()
 
     def _install(self) -> None:

@@ -14,9 +14,10 @@ from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
 from grip_bt.compilers import CompiledTree, Halted, Pacer, to_tree
-from grip_bt.compilers.behaviour_state import MachineRun, Refined, StateContext, drive, label, labels
+from grip_bt.compilers.behaviour_state import MachineRun, Refined, drive, label, labels
 from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
+from grip_bt.nodes.node import AskedContext
 from grip_bt.smach_compat import State
 from grip_bt.task import Leaf, Task
 from grip_bt.task.catalog import Catalog, Manifest
@@ -227,7 +228,7 @@ class BehaviourTree(State):
         self._prepared = True
         self.run.trees.append(self)
         if self.compiled is not None:
-            self.compiled.prepare(StateContext(self.run.context, self))
+            self.compiled.prepare(AskedContext(self.run.context, self.preempt_requested))
         else:
             for behaviour in self.root.iterate():
                 behaviour.setup()

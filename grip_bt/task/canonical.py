@@ -7,10 +7,10 @@ blank lines both give the same bytes.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from pydantic import BaseModel
 
+from grip_bt.base.types import Value
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, to_data
 from grip_bt.base.yaml.writer import write
 from grip_bt.task import model
@@ -100,7 +100,7 @@ def _shortest(number: object) -> object:
     return number
 
 
-def file_data(value: object) -> Any:
+def file_data(value: object) -> Value:
     """Return what stands in a file for a task or a part of one."""
     if isinstance(value, BaseModel):
         value = data_of(value)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -87,18 +86,11 @@ def read_text(text: str, source: str = "") -> Document:
     Raises:
         DocumentError: it isn't a task.
     """
-    # What is made here lives on and holds no cycles: looking for garbage meanwhile would double a large file's time.
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        tree = parse(text, source)
-        _check_version(tree, source)
-        task = read_task(tree, source)
-        assert isinstance(tree, YamlMapping), "as a task is one"
-        return Document(task, tree, text, source)
-    finally:
-        if collects:
-            gc.enable()
+    tree = parse(text, source)
+    _check_version(tree, source)
+    task = read_task(tree, source)
+    assert isinstance(tree, YamlMapping), "as a task is one"
+    return Document(task, tree, text, source)
 
 
 def _check_version(tree: YamlValue, source: str) -> None:

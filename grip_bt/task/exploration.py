@@ -11,9 +11,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple, NoReturn
 
+from grip_bt.base.types import Value
 from grip_bt.task.parts import Edges
 
-from .kinds.base import ChildEnds, End, Ended, Kind, Next, Run, Stay, Step
+from .kinds.base import ChildEnds, End, Ended, Kind, Next, Run, State, Stay, Step
 from .parts import Case
 
 LIMIT = 100_000
@@ -49,7 +50,7 @@ class _Unknown:
     __hash__ = object.__hash__
 
 
-UNKNOWN: Any = _Unknown()
+UNKNOWN: State = _Unknown()
 START = ("start",)
 
 
@@ -96,7 +97,7 @@ class Oracle:
         self.trail: list[int] = []
         self.reads: list[str] = []
         self.puts: list[str] = []
-        self.kept: Any = UNKNOWN
+        self.kept: State = UNKNOWN
 
     def _ask(self, *answers: str) -> int:
         at = len(self.trail)
@@ -115,7 +116,7 @@ class Oracle:
             raise NoWayError
         return self.names.index(name)
 
-    def now(self, *_: Any, **__: Any) -> Any:
+    def now(self, *_: object, **__: object) -> State:
         """Return a time, a number, a value or a list."""
         return UNKNOWN
 
@@ -144,20 +145,20 @@ class Oracle:
         answers = (*(json.dumps(literal) for _, literal in literals), "else")
         return (*(child for child, _ in literals), default)[self._ask(*answers)]
 
-    def items(self, key: str) -> Any:
+    def items(self, key: str) -> State:
         """Return a list."""
         self.reads.append(key)
         return UNKNOWN
 
-    def empty(self, left: Any) -> bool:
+    def empty(self, left: State) -> bool:
         """Answer both."""
         return bool(self._ask("next", "none"))
 
-    def take(self, left: Any) -> tuple[Any, Any]:
+    def take(self, left: State) -> tuple[Value, State]:
         """Return a value and a list."""
         return UNKNOWN, UNKNOWN
 
-    def put(self, key: str, value: Any) -> None:
+    def put(self, key: str, value: Value) -> None:
         """Note what is written."""
         self.puts.append(key)
 
@@ -185,14 +186,14 @@ class Way(NamedTuple):
         to: the vertex to which it leads, None for an end.
     """
 
-    at: Any
+    at: State
     child: int | None
     end: Ended | None
     answers: tuple[str, ...]
     reads: tuple[str, ...]
     puts: tuple[str, ...]
     step: Step | None
-    to: Any
+    to: State
 
 
 def answered(

@@ -14,7 +14,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.joined import all_of
 from grip_bt.commanders.pausing import PausableExecutor
-from grip_bt.nodes.motion import first_of, tolerant
+from grip_bt.nodes.motion import first_of
 
 ros = partial(pytest.param, marks=pytest.mark.ros)
 WAY = Trajectory(("a",), np.array([0.0, 1.0]), np.array([[0.0], [1.0]]))
@@ -28,10 +28,6 @@ def after_first_of(first, step):
     failing = Operation(on_cancel=lambda: None)
     first.add_done_callback(lambda: failing.fail(NoPlanError("no")))
     return first_of([lambda: failing, step])
-
-
-def after_tolerant(first, step):
-    return tolerant(first.then(lambda _: step()))
 
 
 def after_walk(first, step):
@@ -70,9 +66,7 @@ def after_held(first, step):
     return held.execute(WAY)
 
 
-@pytest.mark.parametrize(
-    "combined", [after_then, after_first_of, after_tolerant, ros(after_walk), ros(after_line), after_held]
-)
+@pytest.mark.parametrize("combined", [after_then, after_first_of, ros(after_walk), ros(after_line), after_held])
 def test_a_cancel_in_the_middle_of_a_hand_over_reaches_what_is_begun(combined):
     first, second = Operation(on_cancel=lambda: None), Operation(on_cancel=lambda: None)
     begun = []

@@ -4,7 +4,7 @@ import pytest
 from grip_bt.base.failures import CanceledError, NoIkError, NoPlanError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
-from grip_bt.nodes.motion import first_of, tolerant, without
+from grip_bt.nodes.motion import first_of, without
 
 
 def test_first_of_ends_with_the_first_success_and_tries_no_more():
@@ -60,15 +60,6 @@ def test_first_of_goes_on_when_a_pending_attempt_fails_and_cancels_the_one_under
 def test_thousands_of_attempts_that_end_at_once_do_not_overflow_the_stack():
     attempts = [lambda: Operation.failed(NoIkError("no"))] * 5000
     assert first_of([*attempts, lambda: Operation.finished(1)]).result() == 1
-
-
-def test_tolerant_turns_expected_trouble_into_a_result_and_nothing_else():
-    error = NoIkError("no")
-    assert tolerant(Operation.failed(error)).result() is error
-    assert tolerant(Operation.finished(3)).result() == 3
-    for other in (CanceledError("stop"), ZeroDivisionError("bug")):
-        with pytest.raises(type(other)):
-            tolerant(Operation.failed(other)).result()
 
 
 def test_without_puts_objects_back_as_they_were_also_when_planning_cannot_start(world):

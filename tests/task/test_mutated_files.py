@@ -103,19 +103,6 @@ def test_10_000_different_unknown_nodes_are_all_named():
     assert "did you mean 'flow/wait'" in issues[0].message
 
 
-def test_the_search_for_garbage_is_on_again_after_a_large_file(monkeypatch):
-    import gc
-
-    from grip_bt.task import document
-
-    seen = []
-    monkeypatch.setattr(document, "_check_version", lambda tree, source: seen.append(gc.isenabled()))
-    with pytest.raises(DocumentError):
-        read_text(tasks_of_10_000(lambda n: f"    s{n}: {{nod: 1}}\n"), "t.yaml")
-    assert seen == [False]
-    assert gc.isenabled()
-
-
 def test_a_type_longer_than_any_is_refused_at_once():
     from grip_bt.base.types import parse_type
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from grip_bt.base.types import Value
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 
 from .moveit_package import MoveItPackage
@@ -75,12 +76,12 @@ def _package(package: MoveItPackage) -> dict[str, object]:
     }
 
 
-def told(known: dict[str, Any]) -> str:
+def told(known: dict[str, Value]) -> str:
     """Return facts as text for people."""
     return "\n".join(_lines(known))
 
 
-def _lines(known: dict[str, Any]) -> Iterator[str]:
+def _lines(known: dict[str, Value]) -> Iterator[str]:
     yield f"{known['name']}, standing on {known['base_link']}"
     for group, joints in known["groups"].items():
         frame = known["grasp_frames"].get(group)

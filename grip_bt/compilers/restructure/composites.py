@@ -147,12 +147,12 @@ class Composer:
         only = FrozenDict({item.name: item.node})
         if len(reached) == 1:
             meaning: Meaning = "success" if wishes[reached[0]] == "success" else "failure"
-            forced = Force(kind="force", as_=meaning, child=only)
+            forced = Force(kind=Force.kind_name(), as_=meaning, child=only)
             return self.named(f"try_{item.name}", forced, (Arc(item.name, meaning, None, meaning, reached[0]),), places)
         ends = self.ends(item.ends, wishes)
         exits = FrozenDict(dict(self.exits([item], [], "success")))
         outcomes = FrozenDict({e.outcome: e.meaning for e in ends if e.outcome not in PLAIN})
-        node = Sequence(kind="sequence", outcomes=outcomes, exits=exits, children=only)
+        node = Sequence(kind=Sequence.kind_name(), outcomes=outcomes, exits=exits, children=only)
         return self.named(f"try_{item.name}", node, ends, places)
 
     def named(self, name: str, node: AnyNode, ends: tuple[Arc, ...], places: Mapping[str, Place]) -> Item:

@@ -137,7 +137,7 @@ def _machine(part: Part, same: Built) -> StateMachine:
         children[name] = node.children[name].model_copy(update={"on": FrozenDict(row)})
     return StateMachine(
         **common(node),
-        kind="state_machine",
+        kind=StateMachine.kind_name(),
         outcomes=FrozenDict(part.meaning),
         initial=part.children[0].name,
         children=FrozenDict(children),

@@ -244,7 +244,7 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     if not command.approximate:
         written = {name for name in outputs if placed.around[name].bit & placed.writes}
         expect_nobody_can_tell(placed, set(inputs), written)
-    record: dict[str, Any] = {"kind": "subtask", "task": command.file}
+    record: dict[str, Any] = {"kind": Subtask.kind_name(), "task": command.file}
     for key, bound in (("in", inputs), ("out", outputs)):
         record |= {key: {name: name for name in bound}} if bound else {}
     record |= {key: file_data(value) for key in _AROUND if (value := getattr(placed.node, key))}

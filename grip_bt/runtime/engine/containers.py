@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
-from grip_bt.nodes.node import SILENT, STATUS
-from grip_bt.task.exploration import UNKNOWN, Labels, NoWayError, Oracle
-from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Run, Step
-from grip_bt.task.parts import Edges
+from grip_bt.task.kinds.base import Run
 
-from .composites import Look
-from .halting import Compiled, Halt, Tick, report
-from .known import INVALID, F, R, S
+from .halting import Compiled, Stop, Tick, halt_all
+from .known import F, R
 
 
-def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
+def conditional(node: Any, inner: Tick) -> Tick:
     """`Conditional.tick`: look at the precondition before an activation begins."""
 
-    def tick(known: int) -> Status:
-        if not known and look is not None:
-            known = node.status is not R
-            if (look.changed_below if known else look.changed)():
-                return look.outdated(known)
+    def tick() -> Status:
         if node.status is R:
-            return inner(known)
+            return inner()
         try:
             holds = node.precondition.holds()
         except Exception as error:
@@ -35,7 +28,7 @@ def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
             node.stop(Status.INVALID)
             raise NodeError(node.path, error) from error
         if holds:
-            return inner(known)
+            return inner()
         node.begin()
         node._refuse()
         return F
@@ -43,154 +36,18 @@ def conditional(node: Any, look: Look | None, inner: Tick) -> Tick:
     return tick
 
 
-def automaton(node: object, look: Look, parts: Sequence[Compiled]) -> Tick:
-    """The tick of a container: its kind is asked, or the rows that were made of its answers are followed."""
-    rows = _rows(node, parts)
-    return _asking(node, look, parts) if rows is None else _following(node, look, rows, [part.halt for part in parts])
-
-
-Row = tuple[Any, Tick, Any, Any]
-"""A child, its tick, and what follows its success and its failure: the position of another child, or an outcome."""
-
-
-def _rows(node: Any, parts: Sequence[Compiled]) -> list[Row] | None:
-    """Return what follows the ends of children; None for a kind that asks, counts, or looks at more than meanings.
-
-    Its first child is the one in the first row.
-    """
-    kind, q = node.kind, Oracle(Labels({part.node.name: () for part in parts}, Edges(), Edges()))
-    if kind.concurrent or kind.settles or kind.late_exits or type(kind).over is not Kind.over:
-        return None
-
-    def follows(step: Step) -> Any:
-        if type(step) is Run and len(step.children) == 1 and step[1:] == (0, False) and not q.asked:
-            return step.children[0]
-        return step.outcome if type(step) is End and step.reason is CHILD and not q.asked else None
-
-    try:
-        starts = [kind.begin(None, q), *(kind.again(0, (i,), q) for i in range(len(parts)) if kind.reactive)]
-        if not parts or any(follows(step) != 0 for step in starts):
-            return None
-        rows = []
-        for i, part in enumerate(parts):
-            after = [follows(kind.ended(0, i, Ended(UNKNOWN, UNKNOWN, said, UNKNOWN), q)) for said in STATUS]
-            if None in after:
-                return None
-            rows.append((part.node, part.tick, *after))
-    except (TypeError, NoWayError):
-        return None
-    return rows
-
-
-def _following(node: Any, look: Look, rows: Sequence[Row], halts: Sequence[Halt]) -> Tick:
-    """The tick of a container whose kind asks nothing: `KindNode.tick`, with the kind's answers known."""
-    changed, changed_below, outdated = look
-    kind, reactive, selects = node.kind, node.kind.reactive, node.kind.shown == "selector"
-    target = node.answers.exits.target if node.answers.exits else None
-    composite, runs = kind.shown != "decorator", [(i,) for i in range(len(rows))]
-    begin, end = _begin(node, rows, halts), _end(node)
-
-    def tick(known: int) -> Status:
-        if not known:
-            known = node.status is not R
-            if (changed_below if known else changed)():
-                return outdated(known)
-        if node.kind is not kind:
-            return outdated(known)
-        at = 0
-        if node.status is not R:
-            begin()
-        elif not reactive and node.running:
-            at = node.running[0]
-            if selects and at:
-                node.reset([row[0] for row in rows[:at]])
-        while True:
-            kid, advance, success, failure = rows[at]
-            status = advance(known)
-            if status is R:
-                break
-            following = success if status is S else failure
-            if target is not None:
-                following = target(kid.name, kid.outcome, kid.code) or following
-            if following.__class__ is not int:
-                return end(kid, following)
-            at = following
-        node.running, node.state, node.status = runs[at], 0, R
-        if reactive:
-            node.halt_others(runs[at])
-            node.reset_after(kid)
-        elif selects and kid is not node.current_child:
-            node.reset_after(kid)
-        if composite:
-            node.current_child = kid
-        return R
-
-    return tick
-
-
-def _begin(node: Any, rows: Sequence[Row], halts: Sequence[Halt]) -> Callable[[], None]:
-    pairs = [(row[0], halt) for row, halt in zip(rows, halts, strict=True)] if node.kind.resets else ()
-    first = rows[0][0] if node.kind.shown == "selector" else None
-
-    def begin() -> None:
-        node.last = node.state = node.outcome = node.failure = None
-        node.asked = node.resting = False
-        node.running, node.active = (), True
-        if node.observer is not SILENT:
-            node.observer.entered(node.path)
-        if node.enter is not None:
-            node.enter()
-        for kid, halt in pairs:
-            if kid.status is not INVALID:
-                halt()
-        if first is not None:
-            node.current_child = first
-
-    return begin
-
-
-def _end(node: Any) -> Callable[[Any, str], Status]:
-    kind, statuses = node.kind, {outcome: STATUS[meaning] for outcome, meaning in node.meaning.items()}
-    reactive, composite, tidies = kind.reactive, kind.shown != "decorator", kind.shown == "selector" or kind.reactive
-
-    def end(kid: Any, outcome: str) -> Status:
-        node.last, node.why, node.outcome = kid, CHILD, outcome
-        if reactive:
-            node.halt_others(())
-        if tidies:
-            node.reset_after(kid)
-        if node.leave is not None:
-            node.leave()
-        if composite:
-            node.current_child = kid
-        status = statuses[outcome]
-        node.failure = kid.failure if status is F else None
-        node.state, node.status = None, status
-        report(node)
-        return status
-
-    return end
-
-
-def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
-    """The tick of any container: `KindNode.tick`, without its generators."""
-    changed, changed_below, outdated = look
-    kids, ticks = [part.node for part in parts], [part.tick for part in parts]
-    kind, answers = node.kind, node.answers
+def automaton(node: Any, parts: Sequence[Compiled], stop: Stop) -> Tick:
+    """The tick of a container, whatever its kind: `KindNode.tick`, without its generators."""
+    kids, ticks, kind = [part.node for part in parts], [part.tick for part in parts], node.kind
+    reset = partial(halt_all, parts)
     reactive, patient, again = kind.reactive, kind.concurrent or not kind.settles, kind.again
 
-    def tick(known: int) -> Status:
-        if not known:
-            known = node.status is not R
-            if (changed_below if known else changed)():
-                return outdated(known)
-        if node.kind is not kind:
-            return outdated(known)
+    def tick() -> Status:
         before, step = node.running, None
         if node.status is not R or node.resting or not before:
-            step, before = node.opening(), node.running
+            step, before = node.opening(reset), node.running
         elif reactive:
-            step = again(node.state, before, answers)
+            step = again(node.state, before, node.answers)
         while step is None or type(step) is Run:
             if step is None:
                 run = before
@@ -200,7 +57,7 @@ def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
                 run = node.run(step)
             step, going = None, patient and run is before
             for i in run:
-                if ticks[i](known) is not R:
+                if ticks[i]() is not R:
                     going = False
                     step = node.after(i, kids[i])
                     if step is not None:
@@ -210,7 +67,7 @@ def _asking(node: Any, look: Look, parts: Sequence[Compiled]) -> Tick:
                 return R
             if step is None:
                 step = node.ticked(run)
-        node.land(step)
+        node.land(step, stop)
         return node.status
 
     return tick

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
-from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from py_trees.behaviour import Behaviour
-from py_trees.common import Status
+from py_trees.composites import Composite
 
 from grip_bt.nodes.condition import Conditional
+from grip_bt.nodes.container import KindNode
 
 from . import composites, containers
-from .composites import Look
-from .guard import Methods, watch, watch_all, watch_classes
-from .halting import NOTHING, Compiled, Reset, Stop, Tick, make_halt, make_reset, make_stop, silent
-from .known import INVALID, F, R, Rules, S, children_of, deeper_than, ours, regular, rules_of
-from .leaves import Verdict, by_generator, leaf, only_updates, our_leaf
+from .halting import Compiled, Stop, Tick, make_stop
+from .known import INVALID, LIFE_CYCLE, F, R, Rules, S, children_of, ours, overrides, regular, rules_of
+from .leaves import Verdict, by_generator, leaf, our_leaf
 
 _LEVELS = 150
-"""Trees with more of them are left to py_trees, whose generators go deeper than functions that call functions."""
+"""What is deeper is left to py_trees, whose generators go deeper than functions that call functions."""
 
 _TO_EXHAUSTION = Verdict()
 _VERDICTS = {
@@ -35,18 +35,18 @@ class TickEngine:
 
     Whoever looks at the tree after a tick sees what py_trees would have left: statuses, feedback messages, current
     children, tips; the nodes' callbacks are called in the same order and see the same. The tree may be edited between
-    ticks.
+    ticks: it is looked through before each one, and compiled again when something has changed.
 
     Args:
         root: any behaviour of py_trees.
         visit: called with each node that `root.tick()` yields, which then ticks by itself; None for nobody.
-        fixed_methods: a promise that no method of a node or of its class is replaced while the engine is in use, which
-            spares looking for it.
+        fixed: a promise that the tree isn't edited and no method of a node or of its class replaced while the engine is
+            in use, which spares looking for it.
     """
 
-    def __init__(self, root: Behaviour, visit: Visit | None = None, *, fixed_methods: bool = False):
+    def __init__(self, root: Behaviour, visit: Visit | None = None, *, fixed: bool = False):
         self.root = root
-        self._visit, self._fixed = visit, fixed_methods
+        self._visit, self._fixed = visit, fixed
         if visit is None:
             self._compile()
 
@@ -60,104 +60,105 @@ class TickEngine:
             for node in self.root.tick():
                 self._visit(node)
             return
-        if self._outdated():
+        if not self._fixed and self._changed():
             self._compile()
-        self._tick(NOTHING)
+        self._tick()
 
     def halt(self) -> None:
         """Do what `root.stop(Status.INVALID)` does."""
         self.root.stop(INVALID)
 
     def _compile(self) -> None:
-        self._compiler = compiler = _Compiler(self._fixed)
-        whole = not deeper_than(_LEVELS, self.root)
-        self._tick = (compiler.compile(self.root) if whole else compiler.left_alone(self.root, _TO_EXHAUSTION)).tick
-        self._root_methods = Methods(() if self._fixed else [self.root])
-        self._classes_changed = watch_classes(() if self._fixed else map(type, compiler.nodes))
-
-    def _outdated(self) -> bool:
-        if self._compiler.stale:
-            return True
-        if self._fixed:
-            return False
-        methods = self._root_methods
-        return self._classes_changed() or ([*map(len, methods.dicts)] != methods.sizes and methods.replaced())
+        nodes: list[Behaviour] = []
+        self._tick = _compiled(self.root, nodes).tick
+        if not self._fixed:
+            self._changed = _watch(nodes)
 
 
 def make_ticker(node: Behaviour) -> Callable[[], object]:
     """Return what does `node.tick_once()`; nobody may replace methods of the nodes or edit them from now on."""
-    if rules_of(node) is Rules.LEAF:
-        return partial(_Compiler(fixed_methods=True).compile(node).tick, NOTHING)
-    return TickEngine(node, fixed_methods=True).tick
+    return _compiled(node, []).tick
 
 
-class _Compiler:
-    """From nodes to closures, bottom up, a few microseconds a node.
+def _compiled(node: Any, nodes: list[Behaviour], verdict: Verdict = _TO_EXHAUSTION, level: int = 0) -> Compiled:
+    """Return the compiled node, bottom up; what isn't known to the letter is ticked and stopped by py_trees.
 
-    Attributes:
-        nodes: those compiled so far.
-        stale: whether something was found that has changed since; that node was ticked by its own generator.
+    Args:
+        nodes: gets all that is looked at.
+        level: how far down it is.
     """
+    nodes.append(node)
+    rules = rules_of(node)
+    if rules is Rules.OWN or level > _LEVELS or not regular(node, rules):
+        return Compiled(node, by_generator(node, verdict), node.stop)
+    below = _VERDICTS.get(rules, _TO_EXHAUSTION)
+    parts = [_compiled(kid, nodes, below, level + 1) for kid in children_of(node, rules)]
+    stop = make_stop(node, rules, parts)
+    tick = _ticking(node, rules, parts, stop)
+    if isinstance(node, Conditional):
+        tick = containers.conditional(node, tick)
+    plain = rules is Rules.LEAF and not (ours(node) or overrides(node, "initialise") or overrides(node, "terminate"))
+    return Compiled(node, tick, stop, plain)
 
-    def __init__(self, fixed_methods: bool) -> None:
-        self._fixed = fixed_methods
-        self.nodes: list[Behaviour] = []
-        self.stale = False
 
-    def compile(self, node: object, verdict: Verdict = _TO_EXHAUSTION) -> Compiled:
-        """Return the compiled node; what isn't known to the letter is ticked by its own generator."""
-        rules = rules_of(node)
-        if rules is Rules.OWN or not regular(node, rules):
-            return self.left_alone(node, verdict)
-        self.nodes.append(node)
-        if rules is Rules.LEAF:
-            return self._leaf(node)
-        below = children_of(node, rules)
-        kids = [self.compile(kid, _VERDICTS.get(rules, _TO_EXHAUSTION)) for kid in below]
-        inner = [node, *(one for kid in kids for one in kid.inner)]
-        nodes = [one for kid in kids for one in kid.nodes]
-        changed_below = watch_all(inner, nodes, self._fixed)
-        reset = make_reset(kids, changed_below)
-        stop = make_stop(node, rules, kids, reset)
-        look = Look(watch(node, below, self._fixed), changed_below, self._outdated(node, verdict))
-        tick = self._tick(node, rules, look, kids, stop, reset)
-        if isinstance(node, Conditional):
-            tick = containers.conditional(node, look, tick)
-        halt = make_halt(node, stop, look.changed)
-        return Compiled(node, tick, halt, [node, *nodes], inner, silent(node, rules, kids))
+def _ticking(node: Any, rules: Rules, parts: list[Compiled], stop: Stop) -> Tick:
+    match rules:
+        case Rules.LEAF:
+            return our_leaf(node, stop) if ours(node) else leaf(node)
+        case Rules.SEQUENCE:
+            return composites.sequence(node, parts, stop)
+        case Rules.SELECTOR:
+            return composites.selector(node, parts, stop)
+        case Rules.PARALLEL:
+            return composites.parallel(node, parts, stop)
+        case Rules.DECORATOR:
+            return composites.decorator(node, parts[0], stop)
+    return containers.automaton(node, parts, stop)
 
-    def _leaf(self, node: Any) -> Compiled:
-        stop = make_stop(node, Rules.LEAF, (), lambda known: known)
-        if not ours(node):
-            halt = make_halt(node, stop, None)
-            return Compiled(node, leaf(node), halt, [node], (), silent(node, Rules.LEAF, ()), only_updates(node))
-        tick = our_leaf(node, stop)
-        if isinstance(node, Conditional):
-            tick = containers.conditional(node, None, tick)
-        return Compiled(node, tick, make_halt(node, stop, None), [node])
 
-    def _outdated(self, node: Behaviour, verdict: Verdict) -> Tick:
-        own = by_generator(node, verdict)
+def _watch(nodes: list[Any]) -> Callable[[], bool]:
+    """Return what tells whether nodes have other children or settings, or they or their classes other methods.
 
-        def outdated(known: int) -> Status:
-            self.stale = True
-            return own(known)
+    A method that is assigned to an instance makes its attributes more.
+    """
+    composites = [node for node in nodes if isinstance(node, Composite)]
+    looks = [
+        (attrgetter("children"), composites),
+        (attrgetter("memory"), [node for node in composites if hasattr(node, "memory")]),
+        (attrgetter("decorated"), [node for node in nodes if hasattr(node, "decorated")]),
+        (attrgetter("kind"), [node for node in nodes if isinstance(node, KindNode)]),
+        *((attrgetter(*(name for name in LIFE_CYCLE if hasattr(cls, name))), [cls]) for cls in set(map(type, nodes))),
+    ]
+    was: list[list[Any]] = [[list(at) if isinstance(at, list) else at for at in map(get, of)] for get, of in looks]
+    attributes = [_attributes(node) for node in nodes]
+    sizes = [*map(len, attributes)]
+    owned = [LIFE_CYCLE & own.keys() for own in attributes]
 
-        return outdated
+    def changed() -> bool:
+        if any([*map(get, of)] != before for (get, of), before in zip(looks, was, strict=True)):
+            return True
+        if [*map(len, attributes)] != sizes:
+            sizes[:] = map(len, attributes)
+            return [LIFE_CYCLE & own.keys() for own in attributes] != owned
+        return False
 
-    def left_alone(self, node: Behaviour, verdict: Verdict) -> Compiled:
-        """Return a node that is ticked and stopped by py_trees."""
-        self.nodes.append(node)
-        return Compiled(node, by_generator(node, verdict), lambda: node.stop(INVALID), [node])
+    return changed
 
-    def _tick(self, node: object, rules: Rules, look: Look, kids: list[Compiled], stop: Stop, reset: Reset) -> Tick:
-        if rules is Rules.KIND:
-            return containers.automaton(node, look, kids)
-        match rules:
-            case Rules.SEQUENCE:
-                return composites.sequence(node, look, kids, stop, reset)
-            case Rules.SELECTOR:
-                return composites.selector(node, look, kids, stop)
-            case Rules.PARALLEL:
-                return composites.parallel(node, look, kids, stop, reset)
-        return composites.decorator(node, look, kids[0], stop)
+
+_unshared: dict[int, weakref.ref[Behaviour]] = {}
+
+
+def _attributes(node: Behaviour) -> dict[str, Any]:
+    """Return the node's attributes, in a dictionary of their own.
+
+    Asking for `__dict__` makes CPython 3.11 and 3.12 give up the instance's compact form for one that shares its keys
+    with other instances, in which reading and writing attributes is slow. Plain dictionaries are fast. Each node gets
+    one once, since whoever watches holds on to it.
+    """
+    key = id(node)
+    known = _unshared.get(key)
+    if known is None or known() is not node:
+        node.__dict__ = dict(vars(node))
+        _unshared[key] = weakref.ref(node, lambda _: _unshared.pop(key, None))
+    attributes: dict[str, Any] = vars(node)
+    return attributes

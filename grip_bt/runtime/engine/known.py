@@ -49,13 +49,13 @@ _KIND_STOPS = {
 } | {decorators.Decorator.stop}
 _KIND_TICK = KindNode.tick
 _CONDITIONAL = Conditional.tick
-_VALIDATION = composites.Parallel.validate_policy_configuration
 _PLAIN = {
     "initialise": (Behaviour.initialise,),
     "terminate": (Behaviour.terminate, behaviours.StatusQueue.terminate),  # which writes a debug message
+    "validate_policy_configuration": (composites.Parallel.validate_policy_configuration,),
 }
-LIFE_CYCLE = ("tick", "stop", "initialise", "terminate", "validate_policy_configuration")
-"""Methods whose replacement changes how a node is compiled; `update` is looked up at each call."""
+LIFE_CYCLE = frozenset({"tick", "stop", *_PLAIN})
+"""Methods whose replacement changes how a node is compiled; others are looked up at each call."""
 
 
 def rules_of(node: Behaviour) -> Rules:
@@ -96,38 +96,14 @@ def regular(node: object, rules: Rules) -> bool:
     return rules is not Rules.KIND or all(map(ours, kids))
 
 
-def deeper_than(levels: int, node: Behaviour) -> bool:
-    """Tell whether a tree has more than so many levels."""
-    row = [node]
-    for _ in range(levels):
-        kids = [(parent, getattr(parent, "decorated", None)) for parent in row]
-        row = [one for parent, kid in kids for one in dict.fromkeys((*parent.children, kid)) if one is not None]
-        if not row:
-            return False
-    return True
-
-
 def ours(node: Behaviour) -> bool:
     """Tell whether the node reports to observers and has labelled ends."""
     return isinstance(node, Node)
 
 
 def overrides(node: Behaviour, name: str) -> bool:
-    """Tell whether `initialise` or `terminate` does more than those of py_trees that do nothing."""
+    """Tell whether such a method does more than those of py_trees that need not be called."""
     return _replaced_on(node, name) or getattr(type(node), name) not in _PLAIN[name]
-
-
-def plain_validation(node: Behaviour) -> bool:
-    """Tell whether a parallel looks at its policy as py_trees does."""
-    name = "validate_policy_configuration"
-    return not _replaced_on(node, name) and getattr(type(node), name) is _VALIDATION
-
-
-def plain_activation(node: Behaviour) -> bool:
-    """Tell whether a leaf of ours begins and names its end as all do."""
-    cls: Any = type(node)
-    same = cls.begin is Node.begin and cls.conclude is Leaf.conclude
-    return same and not _replaced_on(node, "begin") and not _replaced_on(node, "conclude")
 
 
 def _replaced_on(node: Behaviour, name: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,10 +9,9 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.errors import NodeError
-from grip_bt.nodes.node import SILENT
 
 from .halting import Stop, Tick
-from .known import INVALID, VALID, F, R, S, overrides, plain_activation
+from .known import INVALID, VALID, F, R, S, overrides
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,7 @@ class Verdict:
 def by_generator(node: Behaviour, verdict: Verdict) -> Tick:
     """Tick by the node's own generator."""
 
-    def tick(known: int) -> Status:
+    def tick() -> Status:
         for yielded in node.tick():
             if yielded is node and node.status in verdict.leave:
                 return node.status
@@ -39,8 +37,10 @@ def by_generator(node: Behaviour, verdict: Verdict) -> Tick:
     return tick
 
 
-def rejected(node: Behaviour, status: object) -> Status:
-    """Return INVALID and complain, as py_trees does about what isn't a status."""
+def checked(node: Behaviour, status: Any) -> Status:
+    """Return what `update` returned; INVALID with a complaint, as py_trees does, of what isn't a status."""
+    if status is S or status is F or status is R or status in VALID:
+        return status
     node.logger.error(f"A behaviour returned an invalid status, setting to INVALID [{status}][{node.name}]")
     return INVALID
 
@@ -49,12 +49,12 @@ def leaf(node: Any) -> Tick:
     """`Behaviour.tick`."""
     initialises, terminates = overrides(node, "initialise"), overrides(node, "terminate")
 
-    def tick(known: int) -> Status:
+    def tick() -> Status:
         if initialises and node.status is not R:
             node.initialise()
         status: Status = node.update()
-        if status is not S and status is not F and status is not R and status not in VALID:
-            status = rejected(node, status)
+        if status is not S and status is not F and status is not R:
+            status = checked(node, status)
         if terminates and status is not R:
             node.terminate(status)
         node.status = status
@@ -63,27 +63,19 @@ def leaf(node: Any) -> Tick:
     return tick
 
 
-def only_updates(node: object) -> bool:
-    """Tell whether a leaf of py_trees overrides `update` alone."""
-    return not (overrides(node, "initialise") or overrides(node, "terminate"))
-
-
 def our_leaf(node: Any, stop: Stop) -> Tick:
     """`Leaf.tick`: an activation is reported, and what `update` raises becomes a NodeError."""
     initialises = overrides(node, "initialise")
-    begin: Callable[[Any], None] = _begin if plain_activation(node) else lambda leaf: leaf.begin()
 
-    def tick(known: int) -> Status:
+    def tick() -> Status:
         try:
             if node.status is not R:
                 node.inputs_read = {}
-                begin(node)
+                node.begin()
                 if initialises:
                     node.initialise()
-            status: Status = node.update()
+            status = checked(node, node.update())
             if status is not R:
-                if status is not S and status is not F and status not in VALID:
-                    status = rejected(node, status)
                 stop(status)
             node.status = status
             if status is INVALID:
@@ -94,10 +86,3 @@ def our_leaf(node: Any, stop: Stop) -> Tick:
         return status
 
     return tick
-
-
-def _begin(node: Any) -> None:
-    node.outcome = node.failure = None
-    node.active = True
-    if node.observer is not SILENT:
-        node.observer.entered(node.path)

@@ -6,13 +6,13 @@ Nobody imports a node to learn these.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints, model_validator
 
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.types import parse_type
+from grip_bt.base.types import Value, parse_type
 from grip_bt.base.yaml.models import check_model, document_error
 from grip_bt.base.yaml.tree import YamlList, YamlMapping, from_data, parse, read_file
 from grip_bt.base.yaml.writer import write
@@ -85,7 +85,7 @@ class Manifest(_ManifestPart):
     )
     codes: tuple[str, ...] = ()
     """Failure codes that it may end with, for completion and checking of `failure.<code>` edges."""
-    settings: FrozenDict[str, Any] = FrozenDict()
+    settings: FrozenDict[str, Value] = FrozenDict()
     """Fixed values that the implementation is made with, for nodes that are generated from one class."""
     resume: Literal["resume", "restart", "ask"] | None = None
     """What is done about an activation of a process that died: the leaf's own `resume`, a new start, or a question.

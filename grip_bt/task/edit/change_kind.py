@@ -54,7 +54,7 @@ class ChangeKind(BaseCommand):
             allowed = {*keys_of(model_of_kind(self.kind)), *CHILDREN}
             for key in [k for k in edit.draft.mapping(place) if k not in allowed and not k.startswith(FREE_PREFIX)]:
                 edit.drop(place, key)
-            if self.kind == "state_machine" and "initial" not in self.fields and names:
+            if model_of_kind(self.kind).by_edges and "initial" not in self.fields and names:
                 edit.put(place, "initial", names[0])
             edit.rekey(place, slot(node), new_slot)
         for key, value in self.fields.items():
@@ -157,7 +157,7 @@ def edges_of(container: AnyNode) -> dict[str, dict[str, str]]:
 
 def chain(container: AnyNode | None, names: list[str]) -> dict[str, dict[str, str]]:
     """Return the edges by which a container of this kind leads from child to child; those of a sequence for None."""
-    kind = container if isinstance(container, Kind) else Sequence(kind="sequence", children=FrozenDict())
+    kind = container if isinstance(container, Kind) else Sequence(kind=Sequence.kind_name(), children=FrozenDict())
     return {name: {end: following(kind, names, name, end) for end in STANDARD} for name in names}
 
 
@@ -166,7 +166,7 @@ def _change_edges(edit: Edit, node: AnyNode, command: ChangeKind) -> None:
     place = edit.place(command.path)
     below = (*place, slot(node))
     edges = edges_of(node)
-    if command.kind == "state_machine":
+    if model_of_kind(command.kind).by_edges:
         for name, on in edges.items():
             edit.set((*below, name), "on", on)
         reached = {target for on in edges.values() for target in on.values() if target in STANDARD}

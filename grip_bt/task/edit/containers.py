@@ -14,6 +14,7 @@ from grip_bt.task.edit.editing import BaseCommand, kind_in_words, path_in_words
 from grip_bt.task.model import children_of, outcomes_of
 
 from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task
+from ..shape import model_of_kind
 from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
 from .editing import Edit, expect_free, slot
 from .steps import Place
@@ -120,7 +121,7 @@ class _Shell:
 
     @property
     def machine(self) -> bool:
-        return self.kind == "state_machine"
+        return model_of_kind(self.kind).by_edges
 
     def record(self) -> dict[str, object]:
         """Return the container as it stands in a file, still without children."""

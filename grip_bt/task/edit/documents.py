@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import blake2b
 
 from grip_bt.base.errors import DocumentError, EditError
-from grip_bt.task.canonical import data_of
 from grip_bt.task.document import Document, read_text
 from grip_bt.task.model import Task
 from grip_bt.task.parts import FREE_PREFIX
@@ -30,11 +29,6 @@ def alike(one: Task, other: Task) -> bool:
     `==` takes 1 for True and 1.0, and doesn't look at the order of a mapping.
     """
     return one.model_dump_json() == other.model_dump_json()
-
-
-def written_alike(one: Task, other: Task) -> bool:
-    """Tell whether two tasks that are alike also say and leave out the same keys, and hold the very same numbers."""
-    return one.model_dump(exclude_unset=True) == other.model_dump(exclude_unset=True)
 
 
 @dataclass(frozen=True)
@@ -92,8 +86,7 @@ def _read(text: str, source: str, expected: Task) -> Document:
         raise EditError("", f"can't be written here ({error.message}); run `grip fmt` and edit again") from error
     if not alike(after.task, expected):
         raise EditError("", "this formatting can't be edited in place; run `grip fmt` first")
-    # The edited task shares with the one before all that the edit left alone, so that others see fast what is new.
-    return replace(after, task=expected) if written_alike(after.task, expected) else after
+    return after
 
 
 def _with_source(step: Step, source: str | None) -> Step:
@@ -119,15 +112,9 @@ def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
         DocumentError: the text isn't a task.
     """
     after = read_text(text, document.source)
-    steps = tuple(differences(_data(document), _data(after)))
+    steps = tuple(differences(file_data(document.task), file_data(after.task)))
     restore = Restore(digest=_digest_of(document.text), splices=(_splice(document.text, text),))
     return Patch(title=title, steps=steps, restore=restore)
-
-
-def _data(document: Document) -> dict[str, object]:
-    found = file_data(data_of(document.task))
-    assert isinstance(found, dict)
-    return found
 
 
 def differences(old: dict[str, object], new: dict[str, object], at: Place = ()) -> Iterator[Step]:

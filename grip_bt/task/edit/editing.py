@@ -9,29 +9,22 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import EditError, listing, nearest
-from grip_bt.task.canonical import data_of, file_data
+from grip_bt.base.types import Value
+from grip_bt.task.canonical import file_data
 from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
 from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
 from grip_bt.task.parts import FREE_PREFIX
 from grip_bt.task.shape import CHILDREN
 
 
-class _Open(dict[str, object]):
-    """A mapping that belongs to the draft and may be changed."""
-
-
-class _OpenList(list[object]):
-    """A list that belongs to the draft and may be changed; its keys are `0`, `1` ..."""
-
-
 class Draft:
-    """The data of a task's file, opened where it is needed."""
+    """The data of a task's file, in mappings and lists of its own."""
 
     def __init__(self, task: Task):
-        self._top = _Open(data_of(task))
+        self._top: dict[str, object] = file_data(task)
 
     def mapping(self, at: Place) -> dict[str, object]:
-        """Return the mapping at a place, to read.
+        """Return the mapping at a place, to read; or the list, whose keys are `0`, `1` ...
 
         Raises:
             EditError: there is none.
@@ -40,10 +33,8 @@ class Draft:
         for depth, key in enumerate(at):
             if not _has(current, key):
                 raise EditError("/".join(at[:depth]), f"there is no {key!r}")
-            index = _index(current, key)
-            inner = current[index] = _opened(current[index])
-            current = inner
-            if not isinstance(current, _Open | _OpenList):
+            current = current[_index(current, key)]
+            if not isinstance(current, dict | list):
                 raise EditError("/".join(at[:depth]), f"{key!r} holds nothing")
         return current  # type: ignore[no-any-return]
 
@@ -56,7 +47,7 @@ class Draft:
         inside = self.mapping(step.at)
         if isinstance(step, Put):
             _expect(inside, step.at, step.key, False)
-            _insert(inside, step.at, step.key, step.value, step.index)
+            _insert(inside, step.at, step.key, file_data(step.value), step.index)
             return Drop(at=step.at, key=step.key)
         if not is_head(step):
             _expect(inside, step.at, step.key, True)
@@ -65,11 +56,11 @@ class Draft:
             return step.model_copy(update={"text": ""})
         if isinstance(step, Drop):
             order = position(inside, step.at, step.key)
-            return Put(at=step.at, key=step.key, value=file_data(inside.pop(step.key)), index=order)
+            return Put(at=step.at, key=step.key, value=inside.pop(step.key), index=order)
         if isinstance(step, Assign):
             index = _index(inside, step.key)
-            before = file_data(inside[index])
-            inside[index] = step.value
+            before = inside[index]
+            inside[index] = file_data(step.value)
             return Assign(at=step.at, key=step.key, value=before)
         if isinstance(step, Rekey):
             _expect(inside, step.at, step.to, False)
@@ -97,20 +88,10 @@ class Draft:
             EditError: it isn't one; `where` is what the message speaks about.
         """
         try:
-            return Task.model_validate(_closed(self._top), strict=True, by_name=False)
+            return Task.model_validate(self._top, strict=True, by_name=False)
         except ValidationError as error:
             faults = "; ".join(dict.fromkeys(_said(e) for e in error.errors()))
             raise EditError(where, faults) from None
-
-
-def _opened(value: object) -> object:
-    if isinstance(value, BaseModel):
-        return _Open(data_of(value))
-    if isinstance(value, dict):
-        return value if isinstance(value, _Open) else _Open(value)
-    if isinstance(value, list | tuple):
-        return value if isinstance(value, _OpenList) else _OpenList(value)
-    return value
 
 
 def _index(inside: object, key: str) -> Any:
@@ -145,13 +126,6 @@ def _expect(mapping: dict[str, object], at: Place, key: str, present: bool) -> N
     if _has(mapping, key) != present:
         where = "/".join(at) or "the task"
         raise EditError(where, f"there is no {key!r}" if present else f"there is a {key!r} already")
-
-
-def _closed(value: object) -> object:
-    """Return a copy that the new task may keep; models that weren't opened are shared."""
-    if isinstance(value, dict):
-        return {key: _closed(inner) for key, inner in value.items()}
-    return [_closed(inner) for inner in value] if isinstance(value, list | tuple) else value
 
 
 def _said(error: ErrorDetails) -> str:
@@ -221,7 +195,7 @@ class Edit:
         else:
             self.drop((*at, field), key)
 
-    def entries(self, at: Place, field: str) -> dict[str, Any]:
+    def entries(self, at: Place, field: str) -> dict[str, Value]:
         """Return a copy of a field that is a mapping; empty where the record at `at` has none."""
         if field not in self.draft.mapping(at):
             return {}

@@ -14,7 +14,7 @@ from grip_bt.task.edit.editing import BaseCommand, path_in_words
 from grip_bt.task.model import children_of, outcomes_of
 
 from ..canonical import file_data
-from ..model import AnyNode, Name, StateMachine, Task
+from ..model import AnyNode, Name, Sequence, StateMachine, Task
 from .editing import Edit, expect_free, expect_room, slot
 from .variables import RenameVariable, declared_by, used_by
 
@@ -120,7 +120,7 @@ def _parsed(clip: Clip) -> Task:
         EditError: it isn't a node.
     """
     data: dict[str, object] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
-    edit = Edit(Task.model_validate({**data, "root": {"kind": "sequence", "children": {}}}))
+    edit = Edit(Task.model_validate({**data, "root": {"kind": Sequence.kind_name(), "children": {}}}))
     edit.put(("root", "children"), clip.name, file_data(clip.node))
     return edit.draft.task(clip.name)
 

@@ -20,16 +20,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, NamedTuple, Protocol, TypeAlias
 
 from pydantic import BaseModel, Discriminator, Field, GetCoreSchemaHandler, Tag
 from pydantic_core import CoreSchema
 
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.types import Value
 
 from ..parts import Case, Meaning, Name, Variable, WithFreeKeys
 
-CHILD: Any = object()
+if TYPE_CHECKING:
+    from grip_bt.base.values import Failure
+
+State: TypeAlias = Any
+"""What a kind keeps while it is active: what it was answered, such as a count, a moment or what is left of a list."""
+CHILD: Final = object()
 """The reason of an end: that of the child which has ended last."""
 
 
@@ -37,27 +43,27 @@ class Run(NamedTuple):
     """Tick these children now, in this order; those that run and aren't among them are halted: before, with `first`."""
 
     children: tuple[int, ...]
-    state: Any = 0
+    state: State = 0
     first: bool = False
 
 
 class Next(NamedTuple):
     """No child is ticked any more in this tick; `begin(state)` is asked in the next one, which is asked for at once."""
 
-    state: Any
+    state: State
 
 
 class Stay(NamedTuple):
     """Everything stays as it is."""
 
-    state: Any
+    state: State
 
 
 class End(NamedTuple):
     """The container has ended."""
 
     outcome: str
-    reason: Any = CHILD
+    reason: object = CHILD
     """A `Reason`, the failure of a child, None, or `CHILD`."""
 
 
@@ -75,7 +81,7 @@ class Ended(NamedTuple):
     outcome: str
     meaning: str
     code: str | None = None
-    failure: Any = None
+    failure: Failure | None = None
 
 
 ChildEnds = Sequence[Sequence[tuple[Ended, str | None]]]
@@ -92,7 +98,7 @@ class Questions(Protocol):
         kept: what a kind keeps from one activation to the next; None at first.
     """
 
-    kept: Any
+    kept: State
 
     @property
     def names(self) -> Sequence[str]:
@@ -105,43 +111,43 @@ class Questions(Protocol):
     def at(self, name: str) -> int:
         """Return the position of a child."""
 
-    def now(self) -> Any:
+    def now(self) -> State:
         """Return the time of the run's clock."""
 
-    def deadline(self, seconds: float) -> Any:
+    def deadline(self, seconds: float) -> State:
         """Return the time in so many seconds, and have the task ticked then."""
 
-    def passed(self, at: Any) -> bool:
+    def passed(self, at: State) -> bool:
         """Tell whether a time has come."""
 
-    def up(self, count: Any) -> Any:
+    def up(self, count: State) -> State:
         """Return one more."""
 
-    def reached(self, count: Any, limit: int) -> bool:
+    def reached(self, count: State, limit: int) -> bool:
         """Tell whether a count has come to its limit."""
 
-    def pick(self, count: Any, size: int) -> int:
+    def pick(self, count: State, size: int) -> int:
         """Return the count modulo `size`."""
 
     def holds(self, key: str) -> bool:
         """Tell whether the condition at a key is true."""
 
-    def value(self, key: str) -> Any:
+    def value(self, key: str) -> Value:
         """Return what the expression at a key evaluates to."""
 
     def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
         """Return the name of the first literal that equals the value at a key, else `default`."""
 
-    def items(self, key: str) -> Any:
+    def items(self, key: str) -> State:
         """Return the items of the list that the variable at a key holds."""
 
-    def empty(self, left: Any) -> bool:
+    def empty(self, left: State) -> bool:
         """Tell whether no items are left."""
 
-    def take(self, left: Any) -> tuple[Any, Any]:
+    def take(self, left: State) -> tuple[Value, State]:
         """Return the first item, and what is left then."""
 
-    def put(self, key: str, value: Any) -> None:
+    def put(self, key: str, value: Value) -> None:
         """Write the variable at a key."""
 
     def exit(self, end: Ended) -> str | None:
@@ -168,7 +174,7 @@ class Leaf(BaseNode):
 
     node: str
     """Catalogue id, such as `arm/lift`."""
-    with_: FrozenDict[str, Any] = Field(default=FrozenDict(), alias="with")
+    with_: FrozenDict[str, Value] = Field(default=FrozenDict(), alias="with")
     """Literal parameters."""
     in_: FrozenDict[str, str] = Field(default=FrozenDict(), alias="in")
     """Input port -> variable."""
@@ -178,7 +184,7 @@ class Leaf(BaseNode):
     """Outcome -> meaning, where it differs from the manifest's."""
 
 
-Shown = Literal["", "sequence", "selector", "parallel", "decorator"]
+Shown = Literal["Composite", "Sequence", "Selector", "Parallel", "Decorator"]
 
 
 class Kind(BaseNode):
@@ -195,7 +201,7 @@ class Kind(BaseNode):
         reads: fields that name a variable which holds a list.
         puts: fields that name a variable of the container's own, it holds an
             item of the list at `reads`.
-        shown: which composite of py_trees its behaviour is.
+        shown: which class of py_trees its behaviour is.
         resets: whether all children are reset on entry, as py_trees' Sequence and Parallel do.
         by_edges: whether the children's own `on` says where their ends lead.
         concurrent: whether children run at the same time; `Questions.ends` is kept for it.
@@ -206,14 +212,14 @@ class Kind(BaseNode):
     title: ClassVar[str] = ""
     sign: ClassVar[str] = ""
     icon: ClassVar[str] = ""
-    example: ClassVar[Mapping[str, Any]] = {}
+    example: ClassVar[Mapping[str, object]] = {}
     codes: ClassVar[tuple[str, ...]] = ()
     keeps_codes: ClassVar[bool] = True
     conditions: ClassVar[tuple[str, ...]] = ()
     values: ClassVar[tuple[str, ...]] = ()
     reads: ClassVar[tuple[str, ...]] = ()
     puts: ClassVar[tuple[str, ...]] = ()
-    shown: ClassVar[Shown] = ""
+    shown: ClassVar[Shown] = "Composite"
     resets: ClassVar[bool] = False
     by_edges: ClassVar[bool] = False
     concurrent: ClassVar[bool] = False
@@ -264,23 +270,23 @@ class Kind(BaseNode):
         """Whether it may request children that run to stop."""
         return False
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Return the first step: the first child is run."""
         return Run((0,))
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Return what follows the end of a child: the container ends with its meaning."""
         return End(end.meaning)
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step | None:
+    def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step | None:
         """Return the first step of a further tick; None: those who run go on, and the state is what it was."""
         return None
 
-    def settle(self, state: Any, q: Questions) -> Step:
+    def settle(self, state: State, q: Questions) -> Step:
         """Return what follows when every child was ticked: nothing changes."""
         return Stay(state)
 
-    def over(self, state: Any, q: Questions) -> None:
+    def over(self, state: State, q: Questions) -> None:
         """Note that an activation has ended or was halted."""
 
     def explorable(self, ends: ChildEnds) -> bool:
@@ -387,7 +393,7 @@ class Composite(Declaring):
 class Decorator(Declaring):
     """What has one child, and does something with its result."""
 
-    shown: ClassVar[Shown] = "decorator"
+    shown: ClassVar[Shown] = "Decorator"
     child: FrozenDict[Name, Node] = Field(min_length=1, max_length=1)
     exits: FrozenDict[str, str] = FrozenDict()
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import model_validator
 
-from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Run, Step
+from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Run, State, Step
 from grip_bt.task.parts import Name
 
 
@@ -17,7 +17,7 @@ class ForEach(Decorator):
     rank: ClassVar[int] = 100
     sign: ClassVar[str] = "∀"
     icon: ClassVar[str] = "M2 3.500h3M2 8h3M2 12.500h3M7.500 3.500h6.500M7.500 8h6.500M7.500 12.500h6.500"
-    example: ClassVar[Mapping[str, Any]] = {"items": "items", "item": "item"}
+    example: ClassVar[Mapping[str, object]] = {"items": "items", "item": "item"}
     reads: ClassVar[tuple[str, ...]] = ("items",)
     puts: ClassVar[tuple[str, ...]] = ("item",)
     kind: Literal["for_each"]
@@ -32,7 +32,7 @@ class ForEach(Decorator):
             raise ValueError(f"`item` declares {self.item!r}; remove it from `data`")
         return self
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child for the next item; the state is what is left of the list."""
         left = q.items("items") if state is None else state
         if q.empty(left):
@@ -41,7 +41,7 @@ class ForEach(Decorator):
         q.put("item", item)
         return Run((0,), left)
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Go on with the next item until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
 

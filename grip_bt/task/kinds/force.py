@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from grip_bt.task.kinds.base import Decorator, End, Ended, Questions, Step
+from grip_bt.task.kinds.base import Decorator, End, Ended, Questions, State, Step
 from grip_bt.task.parts import Meaning
 
 
@@ -17,11 +17,11 @@ class Force(Decorator):
     rank: ClassVar[int] = 160
     sign: ClassVar[str] = "="
     icon: ClassVar[str] = "M2 5.500h12M2 10.500h12"
-    example: ClassVar[Mapping[str, Any]] = {"as": "success"}
+    example: ClassVar[Mapping[str, object]] = {"as": "success"}
     kind: Literal["force"]
     as_: Meaning = Field(alias="as")
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """End with `as`."""
         return End(self.as_)
 

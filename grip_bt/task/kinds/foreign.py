@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import StringConstraints
 
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.types import Value
 from grip_bt.task.kinds.base import Kind
 from grip_bt.task.parts import Meaning, Variable
 
@@ -19,12 +20,12 @@ class Foreign(Kind):
     title: ClassVar[str] = "py_trees behaviour"
     sign: ClassVar[str] = "⇲"
     icon: ClassVar[str] = "M13.500 8.500v5h-11v-11h5M9.500 2.500h4v4M13.500 2.500L7.500 8.500"
-    example: ClassVar[Mapping[str, Any]] = {"behaviour": "py_trees.behaviours:Success"}
+    example: ClassVar[Mapping[str, object]] = {"behaviour": "py_trees.behaviours:Success"}
     codes: ClassVar[tuple[str, ...]] = ("foreign",)
     kind: Literal["foreign"]
     behaviour: Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_.]*:[A-Za-z_][A-Za-z0-9_.]*$")]
     """Where it is imported from when the task is compiled: `package.module:Class`, or a function that makes one."""
-    args: FrozenDict[str, Any] = FrozenDict()
+    args: FrozenDict[str, Value] = FrozenDict()
     """Literal arguments by name."""
     data: ClassVar[FrozenDict[str, Variable | str]] = FrozenDict()
     outcomes: ClassVar[FrozenDict[str, Meaning]] = FrozenDict()

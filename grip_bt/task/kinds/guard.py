@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from grip_bt.task.kinds.base import Decorator, End, Questions, Reason, Run, Step
+from grip_bt.task.kinds.base import Decorator, End, Questions, Reason, Run, State, Step
 
 
 class Guard(Decorator):
@@ -16,7 +16,7 @@ class Guard(Decorator):
     rank: ClassVar[int] = 80
     sign: ClassVar[str] = "⊨"
     icon: ClassVar[str] = "M8 1.500l5.500 2v4.200q0 4.600-5.500 6.800q-5.500-2.200-5.500-6.800V3.500z"
-    example: ClassVar[Mapping[str, Any]] = {"if": "true"}
+    example: ClassVar[Mapping[str, object]] = {"if": "true"}
     codes: ClassVar[tuple[str, ...]] = ("guard",)
     conditions: ClassVar[tuple[str, ...]] = ("if_",)
     kind: Literal["guard"]
@@ -28,11 +28,11 @@ class Guard(Decorator):
         """Always."""
         return True
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child where the condition holds."""
         return self.again(state, (), q) or Run((0,))
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step | None:
+    def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step | None:
         """Look at the condition again."""
         return None if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
 

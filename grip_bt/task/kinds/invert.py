@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
-from grip_bt.task.kinds.base import Decorator, End, Ended, Questions, Step
+from grip_bt.task.kinds.base import Decorator, End, Ended, Questions, State, Step
 
 
 class Invert(Decorator):
@@ -16,6 +16,6 @@ class Invert(Decorator):
     keeps_codes: ClassVar[bool] = False
     kind: Literal["invert"]
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """End with the opposite; where it fails there is no reason, since the child succeeded."""
         return End("failure" if end.meaning == "success" else "success")

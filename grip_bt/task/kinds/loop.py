@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Reason, Run, Step
+from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Reason, Run, State, Step
 
 
 class Loop(Decorator):
@@ -25,7 +25,7 @@ class Loop(Decorator):
     while_: str = Field(default="", alias="while")
     """An expression over variables, looked at before each pass."""
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Look at the condition, then at the number of passes, which is the state."""
         if self.while_ and not q.holds("while_"):
             return End("success")
@@ -35,7 +35,7 @@ class Loop(Decorator):
             return End("failure", Reason("loop_limit", f"it reached the limit of {self.times} passes"))
         return Run((0,), q.up(0 if state is None else state))
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Another pass, until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
 

@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from grip_bt.base.frozen import FrozenDict
 
 from ..parts import Meaning, Name, Shape
-from .base import ChildEnds, Composite, End, Ended, Questions, Run, Shown, Stay, Step
+from .base import ChildEnds, Composite, End, Ended, Questions, Run, Shown, State, Stay, Step
 
 FEW = 50
 """Ends of children, each with each, up to which all ways of a parallel are listed: three children of two ends, say."""
@@ -63,7 +63,7 @@ class Parallel(Composite):
     rank: ClassVar[int] = 30
     sign: ClassVar[str] = "⇉"
     icon: ClassVar[str] = "M1.5 5h12M10.5 2l3 3-3 3M1.5 11h12M10.5 8l3 3-3 3"
-    shown: ClassVar[Shown] = "parallel"
+    shown: ClassVar[Shown] = "Parallel"
     resets: ClassVar[bool] = True
     concurrent: ClassVar[bool] = True
     late_exits: ClassVar[bool] = True
@@ -167,19 +167,19 @@ class Parallel(Composite):
         """The meaning that decides when one child ends with it, and the one that takes all of them."""
         return ("failure", "success") if self.policy == "all" else ("success", "failure")
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run all children."""
         return Run(tuple(range(len(q.names))), None)
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+    def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step:
         """Run all children again."""
         return Run(tuple(range(len(q.names))), state)
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Wait until all children were ticked, or with `prompt` decide at once."""
         return self.settle(state, q) if self.prompt else Stay(state)
 
-    def settle(self, state: Any, q: Questions) -> Step:
+    def settle(self, state: State, q: Questions) -> Step:
         """Decide; `state` is the end that was decided before, while others are asked to stop."""
         everybody = None not in q.ends
         if self.cancel == "join" and not everybody:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Run, Step
+from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Run, State, Step
 
 
 class Repeat(Decorator):
@@ -18,11 +18,11 @@ class Repeat(Decorator):
     kind: Literal["repeat"]
     times: int | None = Field(default=None, ge=1)
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child; the state is the number of times that it has succeeded."""
         return Run((0,), 0 if state is None else state)
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Count a success, and run the child again."""
         if end.meaning == "failure":
             return End("failure")

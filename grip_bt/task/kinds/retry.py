@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Run, Step
+from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Run, State, Step
 
 
 class Retry(Decorator):
@@ -16,15 +16,15 @@ class Retry(Decorator):
     rank: ClassVar[int] = 50
     sign: ClassVar[str] = "↻"
     icon: ClassVar[str] = "M13.5 8a5.5 5.5 0 1 1-2-4.2M11.5 .8v3.200h-3.2"
-    example: ClassVar[Mapping[str, Any]] = {"times": 3}
+    example: ClassVar[Mapping[str, object]] = {"times": 3}
     kind: Literal["retry"]
     times: int = Field(ge=1)
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child; the state is the number of attempts that have failed."""
         return Run((0,), 0 if state is None else state)
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Count a failure, and try again."""
         if end.meaning == "success":
             return End("success")

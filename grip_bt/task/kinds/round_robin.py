@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.kinds.base import Composite, Node, Questions, Run, Step
+from grip_bt.task.kinds.base import Composite, Node, Questions, Run, State, Step
 from grip_bt.task.parts import Name
 
 
@@ -23,12 +23,12 @@ class RoundRobin(Composite):
     kind: Literal["round_robin"]
     children: FrozenDict[Name, Node] = Field(min_length=1)
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child whose turn it is; `q.kept` is the number of turns that there were."""
         turns = 0 if q.kept is None else q.kept
         return Run((q.pick(turns, len(q.names)),), turns)
 
-    def over(self, state: Any, q: Questions) -> None:
+    def over(self, state: State, q: Questions) -> None:
         """Count the turn of a child that was run."""
         if state is not None:
             q.kept = q.up(state)

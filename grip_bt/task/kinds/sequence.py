@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
-from grip_bt.task.kinds.base import Composite, End, Ended, Questions, Run, Shown, Step
+from grip_bt.task.kinds.base import Composite, End, Ended, Questions, Run, Shown, State, Step
 
 
 class _InOrder(Composite):
@@ -17,15 +17,15 @@ class _InOrder(Composite):
         """Without memory."""
         return not self.memory
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the first child."""
         return Run((0,)) if q.names else End(self.onward)
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+    def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step:
         """Begin with the first child again."""
         return Run((0,))
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Go on with the next child, or end with the meaning of this one."""
         if end.meaning == self.onward and child + 1 < len(q.names):
             return Run((child + 1,))
@@ -42,7 +42,7 @@ class Sequence(_InOrder):
     rank: ClassVar[int] = 10
     sign: ClassVar[str] = "→"
     icon: ClassVar[str] = "M1.5 8h12M9.5 4l4 4-4 4"
-    shown: ClassVar[Shown] = "sequence"
+    shown: ClassVar[Shown] = "Sequence"
     resets: ClassVar[bool] = True
     onward: ClassVar[str] = "success"
     kind: Literal["sequence"]
@@ -54,6 +54,6 @@ class Fallback(_InOrder):
     rank: ClassVar[int] = 20
     sign: ClassVar[str] = "?"
     icon: ClassVar[str] = "M5 5.500a3 3 0 1 1 4.3 2.700q-1.3.6-1.3 2M8 12.800v.4"
-    shown: ClassVar[Shown] = "selector"
+    shown: ClassVar[Shown] = "Selector"
     onward: ClassVar[str] = "failure"
     kind: Literal["fallback"]

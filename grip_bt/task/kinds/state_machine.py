@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.kinds.base import Declaring, End, Ended, Next, Node, Questions, Run, Step
+from grip_bt.task.kinds.base import Declaring, End, Ended, Next, Node, Questions, Run, State, Step
 from grip_bt.task.parts import Meaning, Name
 
 
@@ -21,7 +21,7 @@ class StateMachine(Declaring):
         "M5 4.5a2.3 2.3 0 1 1-4.6 0a2.3 2.3 0 1 1 4.6 0zM15.6 11.5a2."
         "3 2.3 0 1 1-4.6 0a2.3 2.3 0 1 1 4.6 0zM5 4.5h8.3v4M11.3 6.6l2 2l2-2"
     )
-    example: ClassVar[Mapping[str, Any]] = {"initial": "", "outcomes": {"success": "success", "failure": "failure"}}
+    example: ClassVar[Mapping[str, object]] = {"initial": "", "outcomes": {"success": "success", "failure": "failure"}}
     by_edges: ClassVar[bool] = True
     kind: Literal["state_machine"]
     initial: str
@@ -34,11 +34,11 @@ class StateMachine(Declaring):
         """The children by name."""
         return self.children
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the initial child, or the one to which the last transition leads."""
         return Run((q.at(self.initial if state is None else state),))
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Go where the end leads; a child's name wins over an outcome that is called the same."""
         target = q.edge(end)
         return Next(target) if target in q.names else End(target)

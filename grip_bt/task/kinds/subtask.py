@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, StringConstraints
 
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.base.types import Value
 from grip_bt.task.kinds.base import Kind
 from grip_bt.task.parts import Meaning, Variable
 
@@ -24,7 +25,7 @@ class Subtask(Kind):
     kind: Literal["subtask"]
     task: Annotated[str, StringConstraints(min_length=1)]
     """The file, relative to the project's folder, such as `tasks/fetch.yaml`."""
-    with_: FrozenDict[str, Any] = Field(default=FrozenDict(), alias="with")
+    with_: FrozenDict[str, Value] = Field(default=FrozenDict(), alias="with")
     """Input -> literal."""
     in_: FrozenDict[str, str] = Field(default=FrozenDict(), alias="in")
     """Input -> variable."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.kinds.base import Composite, End, Node, Questions, Reason, Run, Step
+from grip_bt.task.kinds.base import Composite, End, Node, Questions, Reason, Run, State, Step
 from grip_bt.task.parts import Case, Name
 
 
@@ -22,7 +22,7 @@ class Switch(Composite):
     rank: ClassVar[int] = 90
     sign: ClassVar[str] = "⑂"
     icon: ClassVar[str] = "M1.5 8h4l4-4.500h4M5.500 8l4 4.500h4"
-    example: ClassVar[Mapping[str, Any]] = {"on_value": "0", "cases": {}}
+    example: ClassVar[Mapping[str, object]] = {"on_value": "0", "cases": {}}
     codes: ClassVar[tuple[str, ...]] = ("no_case",)
     values: ClassVar[tuple[str, ...]] = ("on_value",)
     kind: Literal["switch"]
@@ -46,14 +46,14 @@ class Switch(Composite):
             for literal in said if isinstance(said, list) else [said]:
                 yield child, literal
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child whose literal equals the value."""
         child = q.match("on_value", list(self.literals()), self.default)
         if not child:
             return End("failure", Reason("no_case", f"no case matches {q.value('on_value')!r}"))
         return Run((q.at(child),), 0, True)
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step:
+    def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step:
         """Look at the value again."""
         return self.begin(state, q)
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from grip_bt.task.kinds.base import Decorator, End, Questions, Reason, Run, Stay, Step
+from grip_bt.task.kinds.base import Decorator, End, Questions, Reason, Run, State, Stay, Step
 
 
 class Timeout(Decorator):
@@ -19,7 +19,7 @@ class Timeout(Decorator):
     rank: ClassVar[int] = 70
     sign: ClassVar[str] = "◔"
     icon: ClassVar[str] = "M14 8a6 6 0 1 1-12 0a6 6 0 1 1 12 0zM8 4.500V8l2.5 1.8"
-    example: ClassVar[Mapping[str, Any]] = {"seconds": 10.0}
+    example: ClassVar[Mapping[str, object]] = {"seconds": 10.0}
     codes: ClassVar[tuple[str, ...]] = ("time_out",)
     kind: Literal["timeout"]
     seconds: float = Field(gt=0)
@@ -36,15 +36,15 @@ class Timeout(Decorator):
         """Or after it."""
         return self.child_first
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child; the state is the deadline, which isn't reached yet."""
         return Run((0,), q.deadline(self.seconds))
 
-    def again(self, state: Any, running: tuple[int, ...], q: Questions) -> Step | None:
+    def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step | None:
         """Look at the clock before the child."""
         return self._late(q) if q.passed(state) else None
 
-    def settle(self, state: Any, q: Questions) -> Step:
+    def settle(self, state: State, q: Questions) -> Step:
         """Look at the clock after the child."""
         return self._late(q) if q.passed(state) else Stay(state)
 

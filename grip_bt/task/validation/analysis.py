@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 from operator import or_
 from typing import Never
 
@@ -64,7 +64,6 @@ Scope = Mapping[str, VariableDeclaration]
 
 
 _NOTHING: Mapping[str, Never] = {}
-_UNASKED = frozenset({"?"})
 
 
 class PlacedNode:
@@ -78,11 +77,6 @@ class PlacedNode:
         writes: likewise.
     """
 
-    __slots__ = (
-        *("around", "children", "manifest", "name", "node", "outcomes", "parent", "path"),
-        *("_codes", "reads", "scope", "writes"),
-    )
-
     def __init__(self, path: str, name: str, node: AnyNode, parent: PlacedNode | None, scope: Scope):
         self.path, self.name, self.node, self.parent, self.scope = path, name, node, parent, scope
         self.around = scope
@@ -90,15 +84,12 @@ class PlacedNode:
         self.outcomes: Mapping[str, str] = _NOTHING
         self.children: Mapping[str, PlacedNode] = _NOTHING
         self.reads = self.writes = 0
-        self._codes: frozenset[str] | None = _UNASKED
 
-    @property
+    @cached_property
     def codes(self) -> frozenset[str] | None:
         """Failure codes that it may end with, those of everything below it among them; None when they aren't known."""
-        if self._codes is _UNASKED:
-            own = _codes_of(self)
-            self._codes = own if own is None or not self.node.precondition else own | {"precondition"}
-        return self._codes
+        own = _codes_of(self)
+        return own if own is None or not self.node.precondition else own | {"precondition"}
 
     def scope_of(self, key: str) -> Scope:
         """Return the variables that its expression at `key` sees: of a precondition, those around the node."""

@@ -14,14 +14,14 @@ from py_trees.common import Status
 VALUES = [S, F, R]
 
 
-def edit(root: Behaviour, seed: int, log: Log, *, methods: bool = True) -> None:
-    """Do one thing, chosen by `seed`, to the tree; `methods` allows to replace those of instances."""
+def edit(root: Behaviour, seed: int, log: Log, *, fixed: bool = False) -> None:
+    """Do one thing, chosen by `seed`, to the tree; where it is fixed, only its statuses change."""
     rng = random.Random(seed)
     nodes = list(root.iterate())
     node: Any = rng.choice(nodes)
     if rng.random() < 0.3:
         node = root
-    draw = rng.randrange(12)
+    draw = rng.randrange(5 if fixed else 12)
     maker = Maker(seed, log)
     maker.made = 1000 + seed % 1000
     if draw < 3:
@@ -34,7 +34,7 @@ def edit(root: Behaviour, seed: int, log: Log, *, methods: bool = True) -> None:
         _children(node, rng, maker)
     elif draw == 8:
         _settings(node, rng)
-    elif methods:
+    else:
         _method(node, rng, log)
 
 

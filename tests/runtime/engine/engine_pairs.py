@@ -77,12 +77,12 @@ class Pair:
         """Stop both; return how they differ."""
         return self._both(lambda: self.trees[0].stop(INVALID), self.engine.halt)
 
-    def edit(self, seed: int, methods: bool) -> str | None:
+    def edit(self, seed: int, fixed: bool) -> str | None:
         """Do the same to both; return how they differ."""
         first, second = self.trees
         return self._both(
-            lambda: edit(first, seed, self.logs[0], methods=methods),
-            lambda: edit(second, seed, self.logs[1], methods=methods),
+            lambda: edit(first, seed, self.logs[0], fixed=fixed),
+            lambda: edit(second, seed, self.logs[1], fixed=fixed),
         )
 
     def _both(self, theirs: Any, ours: Any) -> str | None:
@@ -118,16 +118,16 @@ def _tail(left: Any, right: Any) -> Any:
     return f"from item {first}: {left[first : first + 4]}"
 
 
-def compare(seed: int, ticks: int = 8, edits: float = 0.3, methods: bool = True, **options: Any) -> str | None:
-    """Tick twin trees, with edits in between; return how they differ."""
+def compare(seed: int, ticks: int = 8, edits: float = 0.3, fixed: bool = False, **options: Any) -> str | None:
+    """Tick twin trees, with edits in between, of statuses only where they are fixed; return how they differ."""
     rng = random.Random(seed + 1)
     with quiet_world() as world:
-        pair = Pair(seed, **options)
+        pair = Pair(seed, fixed=fixed, **options)
         for tick in range(ticks):
             world.now += 1.0
             found = pair.tick()
             if found is None and rng.random() < edits:
-                found = pair.halt() if rng.random() < 0.2 else pair.edit(rng.randrange(10**6), methods)
+                found = pair.halt() if rng.random() < 0.2 else pair.edit(rng.randrange(10**6), fixed)
             if found is not None:
                 tree = py_trees.display.unicode_tree(pair.trees[0], show_status=True)
                 return f"seed {seed}, tick {tick}: {found}\n{tree}"

@@ -17,14 +17,14 @@ QUICK = 2
 WAYS: list[dict[str, Any]] = [
     {},
     {"watched": True},
-    {"fixed_methods": True, "methods": False},
+    {"fixed": True},
     {"wild": False},
 ]
 CALM: list[dict[str, Any]] = [
     {"edits": 0.05},
     {"edits": 0.0},
     {"edits": 0.1, "wild": False},
-    {"edits": 0.05, "fixed_methods": True, "methods": False},
+    {"edits": 0.05, "fixed": True},
 ]
 
 
