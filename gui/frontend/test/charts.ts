@@ -50,7 +50,7 @@ export function measured(chart: FlowChart): ReturnType<typeof measureFlow> {
   // Ends and starts of open containers are on their borders.
   const held = (id: string): string => (chart.boxes.has(id) ? id : id.slice(0, id.indexOf("#")));
   const edges = chart.edges.map(({ id, source, target, meaning, points, label, words }) => {
-    const width = labelWidth(label) - 4;
+    const width = labelWidth(label) - 10;
     return { id, source: held(source), target: held(target), meaning, points: [...points], label: words && { x: words.x - width / 2, y: words.y - LABEL_HEIGHT / 2, width, height: LABEL_HEIGHT } };
   });
   return measureFlow({ boxes, edges });

@@ -25,7 +25,8 @@ export interface Level {
 }
 
 export const LABEL_HEIGHT = 15;
-export const labelWidth = (text: string): number => textWidth(text, 11) + 10;
+/** With the room between a dot and its words. */
+export const labelWidth = (text: string): number => textWidth(text, 11) + 16;
 /** Above what is inside an open container. */
 export const OPEN_TOP = FLOW_HEAD + 12;
 /** Above so many nodes the order of crossings is looked for less long. */
@@ -143,7 +144,7 @@ const whole = ({ x = 0, y = 0 }: { x?: number; y?: number }): Point => ({ x: Mat
 function middleOf({ x = 0, y = 0, width = 0, height = 0 }: ElkLabel, points: readonly Point[], where: "tail" | "loop" | "beside"): Point {
   const beside = { x: x + width / 2, y: y + height / 2 };
   if (where === "beside") return whole(beside);
-  if (where === "tail") return whole({ ...beside, y: points[0]?.y ?? beside.y });
+  if (where === "tail") return whole({ x: beside.x + 3, y: points[0]?.y ?? beside.y });
   const level = points.slice(1).filter((point, i) => point.y === points[i]?.y).sort((a, b) => Math.abs(a.y - beside.y) - Math.abs(b.y - beside.y));
   return whole({ ...beside, y: level[0]?.y ?? beside.y });
 }
