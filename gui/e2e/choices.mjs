@@ -65,10 +65,10 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   await draw();
   assert.match(await asked.getByRole("group").getByRole("button").first().textContent(), /fallback\(attempts, machine\)/);
   await check(page, "a few choices");
-  // By keys: the first has the focus, arrows go round, a letter leads to what begins with it, Enter takes it.
+  // By keys: the first has the focus, arrows go round, letters leave what they mean, Enter takes it.
   const focused = () => page.evaluate(() => document.activeElement?.querySelector(".option-label")?.textContent ?? document.activeElement?.textContent);
   await eventually(focused, "fallback(attempts, machine)");
-  for (const [key, wanted] of [["ArrowDown", "Make short a state machine"], ["ArrowDown", "fallback(attempts, machine)"], ["ArrowUp", "Make short a state machine"], ["Home", "fallback(attempts, machine)"], ["Tab", "Make short a state machine"], ["Tab", "Cancel"], ["Shift+Tab", "Make short a state machine"], ["f", "fallback(attempts, machine)"], ["m", "Make short a state machine"]]) {
+  for (const [key, wanted] of [["ArrowDown", "Make short a state machine"], ["ArrowDown", "fallback(attempts, machine)"], ["ArrowUp", "Make short a state machine"], ["Home", "fallback(attempts, machine)"], ["Tab", "Make short a state machine"], ["Tab", "Cancel"], ["Shift+Tab", "Make short a state machine"], ["f", "fallback(attempts, machine)"], ["Backspace", "fallback(attempts, machine)"], ["m", "Make short a state machine"]]) {
     await page.keyboard.press(key);
     assert.equal(await focused(), wanted, key);
   }

@@ -21,13 +21,13 @@ root:
 `,
 );
 
-await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
+await onPage(url, async (page, { answer, button, choose, fileIs, more, pick }) => {
   await choose("Task", "tasks/watch.yaml");
   await fileIs("saved");
   await pick("watch");
 
   // What asks again on every tick has no equal machine; roughly, the difference is found and can be played.
-  await button("Convert").click();
+  await more("Convert");
   await answer("approximately");
   const dialog = page.getByRole("dialog", { name: "watch as a state machine" });
   await dialog.getByText(/They are not the same/).waitFor();
@@ -66,7 +66,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   await dialog.getByRole("button", { name: /Leave it as it is/ }).click();
   await page.getByRole("treeitem", { name: /^watch sequence/ }).waitFor();
   await fileIs("saved");
-  await button("Convert").click();
+  await more("Convert");
   await answer("approximately");
   await dialog.getByRole("button", { name: /Convert anyway/ }).click();
   await page.getByRole("treeitem", { name: /^watch state machine/ }).waitFor();

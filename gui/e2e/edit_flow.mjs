@@ -7,7 +7,7 @@ import { onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 
-await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item, pick }) => {
+await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item, more, pick }) => {
   const box = (path) => page.locator(`.flow [data-path="${path}"]`);
   const port = (path, outcome) => box(path).locator(".port", { hasText: outcome }).locator(".react-flow__handle");
   const end = (outcome) => page.locator(".flow .end-node", { hasText: outcome });
@@ -100,7 +100,7 @@ await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item
 
   // Convert: compared first, and one edit.
   await pick("attempts");
-  await button("Convert").click();
+  await more("Convert");
   await answer("machine");
   const conversion = page.getByRole("dialog", { name: "attempts as a state machine" });
   await conversion.getByText(/the same in \d+ runs/).waitFor();

@@ -24,7 +24,12 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
     ([around, within]) => within.x > around.x && within.y > around.y && within.x + within.width < around.x + around.width && within.y + within.height < around.y + around.height,
     "what is inside isn't in the box",
   );
-  await page.locator(".flow .end-node", { hasText: "done" }).waitFor();
+  // Its end is its outcome on its border.
+  await eventually(
+    async () => [await edge("machine/b.success").locator("path").first().boundingBox(), await box("machine").boundingBox()],
+    ([line, around]) => Math.abs(line.x + line.width - (around.x + around.width)) < 8,
+    "the end isn't on the border",
+  );
 
   // Selecting inside stays in this chart; what is edited is drawn where it is.
   await pick("b");
@@ -49,8 +54,8 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick }) =
   await looped.waitFor();
   await eventually(
     () => boxes(edge("attempts/repeat/second.success").locator("path").first(), looped),
-    ([loop, node]) => loop.y + loop.height > node.y + node.height && loop.x < node.x && loop.x + loop.width > node.x + node.width,
-    "the loop doesn't go below its node and round both of its sides",
+    ([loop, node]) => (loop.y + loop.height > node.y + node.height || loop.y < node.y) && loop.x < node.x && loop.x + loop.width > node.x + node.width,
+    "the loop doesn't go round its node",
   );
 
   // Closed again: only the box is left. By its key: the chart still moves to what was selected, and the mark with it.

@@ -66,6 +66,11 @@ export function words(page) {
     /** Wait until the outline says that `node` is `status`. */
     nodeIs: (node, status) =>
       page.getByRole("treeitem", { name: new RegExp(`^${node} [a-z ]+, ${status}$`) }).waitFor({ state: "attached" }),
+    /** Do one of the further things that can be done with the selected node. */
+    more: async (name) => {
+      await page.locator(".actions summary").click();
+      await page.locator(".actions").getByRole("button", { name, exact: true }).click();
+    },
     choose: (label, value) => page.getByLabel(label, { exact: true }).selectOption(value),
     item: (name) => page.getByRole("treeitem", { name: new RegExp(`^${name} `) }),
     /** Select a node in the outline, with the focus on it. */

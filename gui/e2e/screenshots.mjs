@@ -15,7 +15,11 @@ for (const colorScheme of ["light", "dark"]) {
         const shoot = (name) => page.screenshot({ path: join(folder, `${name}-${colorScheme}-${width}.png`) });
         if (task) await choose("Task", task);
         await choose("Robot", process.env.ROBOT ?? "sim");
-        await page.getByLabel("Seed").fill(seed);
+        if (seed !== "0") {
+          await page.locator(".bar summary").click();
+          await page.getByLabel("Seed").fill(seed);
+          await page.keyboard.press("Escape");
+        }
         await shoot("before");
         await button("Run").click();
         await page.waitForTimeout(Number(seconds) * 1000);

@@ -8,7 +8,7 @@ import { onPage, rest, url } from "./page.mjs";
 
 const [folder] = rest;
 
-await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, rowsAre }) => {
+await onPage(url, async (page, { answer, button, choose, fileIs, item, more, pick, rowsAre }) => {
   const whole = ["/", "first", "attempts", "attempts/broken", "attempts/second", "machine", "machine/a", "machine/b"];
   await choose("Task", "tasks/short.yaml");
   await fileIs("saved");
@@ -16,7 +16,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
 
   // Extract: the file is named, a name that won't do is refused in the dialog.
   await pick("attempts");
-  await button("Extract").click();
+  await more("Extract");
   const dialog = page.getByRole("dialog", { name: "Extract attempts to a task of its own" });
   assert.equal(await dialog.getByLabel("File").inputValue(), "tasks/attempts.yaml");
   await dialog.getByLabel("File").fill("tasks/long.yaml");
@@ -74,14 +74,14 @@ await onPage(url, async (page, { answer, button, choose, fileIs, item, pick, row
   await answer("timeout");
   await item("timeout").waitFor({ state: "attached" }); // which is selected then
   await pick("b");
-  await button("Extract").click();
+  await more("Extract");
   await answer("tasks/counting.yaml");
   const question = page.getByRole("dialog", { name: "Extract b?" });
   await question.getByText(/the timeout timeout may halt it/).waitFor();
   await question.getByRole("button", { name: /Leave it as it is/ }).click();
   assert.ok(!existsSync(join(folder, "tasks/counting.yaml")));
   await item("b").getByText("leaf").waitFor({ state: "attached" });
-  await button("Extract").click();
+  await more("Extract");
   await answer("tasks/counting.yaml");
   await question.getByRole("button", { name: /anyway/ }).click();
   await item("b").getByText("subtask").waitFor({ state: "attached" });

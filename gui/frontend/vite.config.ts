@@ -18,7 +18,7 @@ export default defineConfig({
           groups: [
             { name: "text-vendor", test: /node_modules\/(@codemirror|@lezer|@marijn|style-mod|w3c-keyname|crelt)\//, priority: 2 },
             { name: "robot-vendor", test: /node_modules\/three\//, priority: 2 },
-            { name: "flow-vendor", test: /node_modules\/@dagrejs\//, priority: 2 },
+            { name: "flow-vendor", test: /node_modules\/elkjs\//, priority: 2 },
             { name: "vendor", test: /node_modules/, priority: 1 },
           ],
         },

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-import socket
 import threading
 import webbrowser
 from collections.abc import AsyncIterator
@@ -23,6 +22,7 @@ from starlette.exceptions import HTTPException
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
+from grip_gui.address import HOST, listen
 from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError
 from grip_gui.editing.routes import make_edit_router
@@ -131,7 +131,6 @@ async def _refuse(request: Request, error: Exception) -> JSONResponse:
     return JSONResponse(ErrorBody(detail=why, kind=kind).model_dump(), status_code=status, headers=headers)
 
 
-HOST = "127.0.0.1"
 LARGEST_FRAME = 64 * 1024
 """Longest message on the socket that is taken in at all [bytes]; what the page sends is far shorter."""
 
@@ -151,7 +150,7 @@ def serve(
         project: a project folder, or anything in it.
         task: the task file to open first.
         autostart: start a run of `task` at once, with these options.
-        port: 0 takes a free one.
+        port: 0 takes the one from before, where that is free, else any.
         open_browser: open the page when there is a display. The address is printed in any case.
         show_run: the run that the page shows first.
         journal: where runs are read; None for the project's own.
@@ -165,15 +164,10 @@ def serve(
     folder = find_project(project).folder
     name = ProjectFolder(folder).relative(Path(task)) if task is not None else None
     source = JournalRuns(journal, folder) if journal is not None else None
-    app = create_app(folder, task=name, autostart=autostart, source=source, show_run=show_run)
-    try:
-        server = socket.create_server((HOST, port))
-    except OSError as error:
-        raise GripError(
-            f"port {port} of {HOST} isn't free ({error.strerror}); leave --port out for a free one"
-        ) from error
-    with server as listener:
-        url = f"http://{HOST}:{listener.getsockname()[1]}/?" + urlencode({"token": app.state.token})
+    listener, token = listen(ProjectFolder(folder).journal.with_name("editor.json"), port)
+    with listener:
+        app = create_app(folder, token=token, task=name, autostart=autostart, source=source, show_run=show_run)
+        url = f"http://{HOST}:{listener.getsockname()[1]}/?" + urlencode({"token": token})
         print(f"GRIP editor of {folder}\n  {url}\nCtrl-C ends it.", flush=True)  # noqa: T201 - this is for the person
         if open_browser and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
             threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()

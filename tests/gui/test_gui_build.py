@@ -49,6 +49,7 @@ def test_lock_files_name_no_download_hosts(folder: str) -> None:
 
 def test_notices_name_all_that_is_shipped() -> None:
     notices = (STATIC / "THIRD_PARTY_NOTICES.txt").read_text(encoding="utf-8")
+    assert "Eclipse Public License" in notices  # of ELK's worker, which is shipped as it is
     for package in json.loads((FRONTEND / "package.json").read_text(encoding="utf-8"))["dependencies"]:
         assert f"\n{package} " in notices
 

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from http.cookiejar import CookieJar
 from pathlib import Path
 from urllib.request import HTTPCookieProcessor, Request, build_opener
@@ -151,6 +151,7 @@ def browser(script: str, url: str, *more: str) -> list[str]:
         "axe_everywhere.mjs",
         "touch.mjs",
         "presence.mjs",
+        "panes.mjs",
     ],
 )
 def test_the_page_in_a_browser(folder: Path, script: str) -> None:
@@ -176,6 +177,7 @@ def test_the_page_in_a_browser(folder: Path, script: str) -> None:
         "near.mjs",
         "in_sight.mjs",
         "edit_while_paused.mjs",
+        "typing.mjs",
     ],
 )
 def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
@@ -197,6 +199,33 @@ def test_every_page_sees_a_run_and_its_sudden_death(folder: Path) -> None:
             os.kill(process, signal.SIGKILL)
         out, err = pages.communicate(timeout=SCENARIO)
         assert pages.returncode == 0, out + err
+
+
+@pytest.mark.e2e
+@pytest.mark.slow
+def test_a_page_outlives_its_server(folder: Path) -> None:
+    with editing(folder) as (server, url):
+        page = subprocess.Popen(
+            browser("server_gone.mjs", url),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert page.stdin is not None
+        assert page.stdout is not None
+        with ExitStack() as again:
+            while page.stdout.readline().strip() == "READY":
+                server.kill()
+                server.wait()
+                print("KILLED", file=page.stdin, flush=True)
+                if page.stdout.readline().strip() != "WAITS":
+                    break
+                server, same = again.enter_context(editing(folder))
+                assert same == url
+                print("BACK", file=page.stdin, flush=True)
+            out, err = page.communicate(timeout=SCENARIO)
+        assert page.returncode == 0, out + err
 
 
 @pytest.mark.slow

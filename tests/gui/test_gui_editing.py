@@ -142,8 +142,10 @@ def test_an_edit_that_is_many_revisions_late_reaches_the_node_that_it_was_made_f
     for number in range(40):
         pen.edit(do="rename", path=f"n{number}" if number else "first", name=f"n{number + 1}")
     for late in (39, 38, 20, 1, 0):
-        pen.edit(base=base + late, do="set", path=f"n{late}" if late else "first", key=["doc"], value=f"late by {late}")
-        assert [node["doc"] for node in pen.view["task"]["nodes"] if node["name"] == "n40"] == [f"late by {late}"]
+        pen.edit(
+            base=base + late, do="set", path=f"n{late}" if late else "first", key=[f"x-{late}"], value=f"late by {late}"
+        )
+        assert f"x-{late}: late by {late}" in pen.view["text"]
 
 
 def test_a_late_edit_follows_a_rename_and_is_refused_after_a_removal(page: TestClient) -> None:
@@ -158,6 +160,19 @@ def test_a_late_edit_follows_a_rename_and_is_refused_after_a_removal(page: TestC
     assert refused["kind"] == "stale"
     assert "removed elsewhere" in refused["detail"]
     assert two.open()["text"] == one.view["text"]
+
+
+def test_of_two_who_set_one_thing_the_second_is_told_and_others_are_not_in_the_way(page: TestClient) -> None:
+    one, two = Pen(page), Pen(page)
+    one.edit(do="set", path="first", key=["with", "seconds"], value=7)
+    refused = two.edit(409, do="set", path="first", key=["with", "seconds"], value=9)
+    assert refused["kind"] == "stale"
+    assert "with seconds of first was just set elsewhere" in refused["detail"]
+    two.edit(base=two.view["revision"], do="set", path="first", key=["doc"], value="Waits.")
+    assert "seconds: 7" in two.view["text"]
+    assert "Waits." in two.view["text"]
+    two.edit(do="set", path="first", key=["with", "seconds"], value=9)
+    assert "seconds: 9" in two.view["text"]
 
 
 def test_a_late_undo_or_text_takes_nothing_of_others_back(page: TestClient) -> None:

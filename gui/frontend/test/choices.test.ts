@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 
-import { startingWith, turned } from "../src/model/values";
+import { turned } from "../src/model/values";
 import { isFew } from "../src/store/ask";
 
 test("arrows lead from one to the next and round, Home and End to the ends", () => {
@@ -14,16 +14,6 @@ test("arrows lead from one to the next and round, Home and End to the ends", () 
   expect(turned("End", 0, 3)).toBe(2);
   expect(turned("Enter", 0, 3)).toBeNull(); // which presses the button
   expect(turned("ArrowDown", -1, 0)).toBeNull();
-});
-
-test("a letter leads to the next that begins with it", () => {
-  const options = ["success", "failure", "Stopped"].map((label) => ({ label }));
-  expect(startingWith(options, "f", 0)).toBe(1);
-  expect(startingWith(options, "s", 0)).toBe(2);
-  expect(startingWith(options, "S", 2)).toBe(0);
-  expect(startingWith(options, "x", 0)).toBeNull();
-  expect(startingWith(options, " ", 0)).toBeNull();
-  expect(startingWith(options, "Tab", 0)).toBeNull();
 });
 
 test("a few choices are buttons, many are a list that is filtered, and a search always is", () => {

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 
 import { sharing } from "../src/model/changes";
-import { layoutTree } from "../src/model/flowLayout";
+import { layoutTree } from "../src/model/layout";
 import { extent, foldedAtFirst, hasRoomForMap, isInSight, linesIn, nodesIn, opened, unfolded } from "../src/model/visibility";
 import type { NodeView, Problem } from "../src/protocol/generated";
 import { SMALL } from "./tasks";

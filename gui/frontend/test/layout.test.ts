@@ -1,7 +1,7 @@
 import fc from "fast-check";
 import { expect, test } from "vitest";
 
-import { type Box, layoutTree, sizeOf } from "../src/model/flowLayout";
+import { type Box, layoutTree, sizeOf } from "../src/model/layout";
 import type { NodeView } from "../src/protocol/generated";
 import { node, randomTree, SMALL } from "./tasks";
 

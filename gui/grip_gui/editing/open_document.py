@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -12,7 +12,7 @@ from grip_bt.task import Task, join, read_text, walk
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Edited, Group, History, Patch, command_of, path_after, rewrite
 from grip_bt.task.edit.history import history_path, load_history, save_history
-from grip_bt.task.edit.steps import Step
+from grip_bt.task.edit.steps import Remark, Shift, Step, path_of
 from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError
 from grip_gui.editing.layout import Layout, read_layout, write_layout
 
@@ -325,7 +325,7 @@ def rebased(command: AnyCommand, since: Iterable[tuple[Step, ...]]) -> AnyComman
     """Return a command with the paths of its nodes as they are after some edits.
 
     Raises:
-        StaleEditError: a node that it is about is gone, or it fits one state of a task alone.
+        StaleEditError: a node that it is about is gone, what it sets was set, or it fits one state of a task alone.
     """
     taken = tuple(step for steps in since for step in steps)
     return command_of(_moved(command.model_dump(mode="json"), taken)) if taken else command
@@ -335,11 +335,24 @@ def _moved(command: dict[str, Any], steps: tuple[Step, ...]) -> dict[str, Any]:
     if command["do"] == Patch.model_fields["do"].default:
         raise StaleEditError("the task was just changed elsewhere; check it, then try again")
     moved = {key: _where(value, steps) if key in ("path", "parent") else value for key, value in command.items()}
+    if command["do"] in ("set", "unset") and any(_sets(step, moved["path"], command["key"]) for step in steps):
+        raise StaleEditError(
+            f"{' '.join(command['key'])} of {moved['path'] or 'the task'} was just set elsewhere; "
+            "nothing was changed: look at what it is now, then set it again"
+        )
     if "paths" in command:
         moved["paths"] = [_where(path, steps) for path in command["paths"]]
     if "commands" in command:
         moved["commands"] = [_moved(part, steps) for part in command["commands"]]
     return moved
+
+
+def _sets(step: Step, path: str, key: Sequence[str]) -> bool:
+    """Tell whether a step has changed a key of a node."""
+    if isinstance(step, Shift | Remark):
+        return False
+    at, inner = step.at[: len(step.at) - len(key) + 1], (*step.at[len(step.at) - len(key) + 1 :], step.key)
+    return inner == tuple(key) and path_of(at) == path
 
 
 def _where(path: str, steps: tuple[Step, ...]) -> str:

@@ -3,11 +3,12 @@ import type { NodeView, TaskView } from "../protocol/generated";
 import { join, nameOf, takesChildren } from "./commands";
 import { hasEdges, kindOf, kindTitle } from "./kinds";
 
-export const FLOW_WIDTH = 208;
+/** Where an edge enters a box and its first outcome leaves it, below the top: at one height, so that a chain is a line. */
+export const LEAD = 23;
 export const PORT_HEIGHT = 20;
 export const FLOW_HEAD = 46;
-const END_SIZE = { width: 132, height: 34 };
-const START_SIZE = { width: 28, height: 28 };
+const WIDEST = 250;
+const START_SIZE = { width: 20, height: 20 };
 /** Id of the mark from which the first child is entered, after the path of its container where that is open in another; no path holds a `#`. */
 export const START = "#start";
 
@@ -37,6 +38,9 @@ export interface FlowEdge {
   readonly outcome: string;
   /** Whether it follows from the order or the kind, and isn't one that stands in the file. */
   readonly derived: boolean;
+  /** What the outcome means to what is around: success, failure, or nothing. */
+  readonly meaning: string;
+  /** What stands on it. */
   readonly label: string;
 }
 
@@ -49,6 +53,7 @@ export interface Flow {
 }
 
 export const endId = (outcome: string, within = ""): string => `${within}#end:${outcome}`;
+export const isEnd = (id: string): boolean => id.includes("#end:");
 export const isStart = (id: string): boolean => id.endsWith(START);
 
 /**
@@ -61,22 +66,48 @@ export function flowOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, co
   const children = around.children.map((path) => byPath.get(path)).filter((node) => node !== undefined);
   const machine = hasEdges(around);
   const concurrent = kindOf(around.kind)?.concurrent ?? false;
-  const edges = machine ? storedEdges(children, around, within) : derivedEdges(children, around, within, concurrent);
-  const led = new Set(edges.map((edge) => `${edge.source}\n${edge.outcome}`));
+  const bare = machine ? storedEdges(children, around, within) : derivedEdges(children, around, within, concurrent);
+  const led = new Set(bare.map((edge) => `${edge.source}\n${edge.outcome}`));
   const items: FlowItem[] = children.map((node) => item(node, led, concurrent));
+  const meanings = new Map(items.flatMap(({ id, ports }) => ports.map((port) => [`${id}\n${port.outcome}`, port.meaning])));
+  const edges: FlowEdge[] = bare.map((edge) => ({ ...edge, label: edge.label || edge.outcome, meaning: meanings.get(`${edge.source}\n${edge.outcome}`) ?? "" }));
   const used = new Set(edges.map((edge) => edge.target));
   const ends = Object.entries(container === "/" && children.length === 0 ? task.outcomes : around.outcomes);
   for (const [outcome, meaning] of ends) {
     const id = endId(outcome, within);
-    if (machine || used.has(id)) items.push({ id, kind: "end", outcome, meaning, ports: [], ...END_SIZE });
+    if (machine || used.has(id)) items.push({ id, kind: "end", outcome, meaning, ports: [], width: Math.max(96, textWidth(outcome, 14) + 62), height: 34 });
   }
   const first = takesChildren(around) ? children.find((node) => node.initial) : undefined;
   if (first) {
     const id = within + START;
     items.unshift({ id, kind: "start", ports: [], ...START_SIZE });
-    edges.unshift({ id, source: id, target: first.path, outcome: "", derived: true, label: "" });
+    edges.unshift({ id, source: id, target: first.path, outcome: "", derived: true, meaning: "", label: "" });
   }
   return { items, edges, strip: stripOf(around), machine };
+}
+
+/** In which order outcomes stand at a box: success first, what means nothing before failures. */
+const rank = (meaning: string): number => ({ success: 0, failure: 2 })[meaning] ?? 1;
+
+/** Room for a text [px], whatever the font: wide letters count twice, and nothing is covered by words that are a little longer. */
+export function textWidth(text: string, size: number): number {
+  let wide = 0;
+  for (const letter of text) wide += (letter.codePointAt(0) as number) > 0x2e7f ? 1.1 : 0.58;
+  return Math.ceil(wide * size);
+}
+
+/** What a node is, in small print. */
+export function subtitleOf(node: NodeView): string {
+  const kind = node.kind === "leaf" ? node.label : [kindTitle(node.kind), node.label].filter(Boolean).join(", ");
+  return node.children.length > 0 ? `${kind}: ${node.children.length} inside` : kind;
+}
+
+function sizeOf(node: NodeView, ports: readonly Port[]): { width: number; height: number } {
+  const head = textWidth(node.name, 13) + (node.children.length > 0 ? 96 : 74);
+  const wide = Math.min(WIDEST, Math.max(132, head, textWidth(subtitleOf(node), 12) + 40));
+  // An outcome that leads nowhere has its name in the box: it is what one drags.
+  const free = Math.max(0, ...ports.filter((port) => !port.led).map((port) => textWidth(port.outcome, 12) + 30));
+  return { width: wide + free, height: Math.max(FLOW_HEAD + 2, LEAD + (ports.length - 1) * PORT_HEIGHT + 17) };
 }
 
 /** @param without whether what is around has no edges, so that no outcome waits for one. */
@@ -87,11 +118,14 @@ function item(node: NodeView, led: ReadonlySet<string>, without: boolean): FlowI
     meaning: node.outcomes[outcome.split(".")[0] as string] ?? "failure",
     led: without || led.has(`${node.path}\n${outcome}`),
   }));
-  return { id: node.path, kind: "node", node, ports, width: FLOW_WIDTH, height: FLOW_HEAD + ports.length * PORT_HEIGHT + 6 };
+  ports.sort((a, b) => rank(a.meaning) - rank(b.meaning));
+  return { id: node.path, kind: "node", node, ports, ...sizeOf(node, ports) };
 }
 
-function storedEdges(children: readonly NodeView[], around: NodeView, within: string): FlowEdge[] {
-  const edges: FlowEdge[] = [];
+type BareEdge = Omit<FlowEdge, "meaning">;
+
+function storedEdges(children: readonly NodeView[], around: NodeView, within: string): BareEdge[] {
+  const edges: BareEdge[] = [];
   for (const node of children) {
     for (const { outcome, target } of node.on) {
       const sibling = join(around.path, target);
@@ -103,8 +137,8 @@ function storedEdges(children: readonly NodeView[], around: NodeView, within: st
 }
 
 /** What follows from the kind of a container, as edges; exits stand in the file and come first. */
-function derivedEdges(children: readonly NodeView[], around: NodeView, within: string, concurrent: boolean): FlowEdge[] {
-  const edges: FlowEdge[] = [];
+function derivedEdges(children: readonly NodeView[], around: NodeView, within: string, concurrent: boolean): BareEdge[] {
+  const edges: BareEdge[] = [];
   for (const node of children) {
     const exits = new Map(node.on.map((edge) => [edge.outcome, edge.target]));
     for (const [outcome, target] of exits) {

@@ -1,12 +1,21 @@
-/** A flow chart with containers open in it: the chart of each stands in its box, laid out by itself. */
+/** A flow chart with containers open in it: each is laid out by itself, and stands in its box with its ends on the border. */
+import type { ElkNode } from "elkjs/lib/elk-api";
+
 import type { NodeView, TaskView } from "../protocol/generated";
 import { parentOf } from "./commands";
-import { type Flow, type FlowEdge, type FlowItem, flowOf } from "./flow";
-import { type Box, type FlowLayout, layoutFlow, type Point } from "./flowLayout";
+import { type Flow, type FlowEdge, type FlowItem, flowOf, isEnd } from "./flow";
+import { graphOf, type Lay, type Level, levelOf, PLACEMENTS } from "./flowElk";
+import { gridOf } from "./flowGrid";
+import { type Pins, withPins } from "./flowPins";
+import type { Box, Point } from "./layout";
 
-/** Around a chart that stands in a box. */
-const MARGIN = 14;
-type Pins = Readonly<Record<string, readonly [number, number] | number[]>>;
+/** What a chart shows, before it has places. */
+export interface Scene {
+  readonly flow: Flow;
+  /** Of a container that is open in another chart: its own box there. */
+  readonly box: FlowItem | null;
+  readonly inside: ReadonlyMap<string, Scene>;
+}
 
 export interface PlacedItem {
   readonly item: FlowItem;
@@ -16,12 +25,15 @@ export interface PlacedItem {
   readonly box: Box;
   /** Where the origin of its own chart is, relative to that box: pins are positions in that chart. */
   readonly origin: Point;
+  /** Where its entry and its outcomes are, relative to its box; only of containers that are open. */
+  readonly ports: ReadonlyMap<string, Point> | null;
 }
 
 export interface PlacedEdge extends FlowEdge {
-  readonly bends: readonly Point[];
-  /** Of an edge to its own node: where that node ends below. */
-  readonly bottom: number;
+  /** On the whole chart, from the outcome to the entry. */
+  readonly points: readonly Point[];
+  /** The middle of its words. */
+  readonly words: Point | null;
 }
 
 export interface FlowChart {
@@ -29,59 +41,102 @@ export interface FlowChart {
   /** Boxes before what stands in them. */
   readonly items: readonly PlacedItem[];
   readonly edges: readonly PlacedEdge[];
-  /** Where everything is on the whole chart. */
+  /** Where everything is on the whole chart; ends and starts of open containers are on their borders and aren't among them. */
   readonly boxes: ReadonlyMap<string, Box>;
 }
 
+/** Above so many nodes in one container a layered layout takes too long, or more stack than a browser has. */
+const MOST = 300;
+
+/** @param opened containers whose inside is shown in place. */
+export function sceneOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, container: string, opened: ReadonlySet<string>, box: FlowItem | null = null): Scene {
+  const flow = flowOf(task, byPath, container, box === null ? "" : container);
+  const open = flow.items.filter((item) => item.node !== undefined && item.node.children.length > 0 && opened.has(item.id));
+  return { flow, box, inside: new Map(open.map((item) => [item.id, sceneOf(task, byPath, item.id, opened, item)])) };
+}
+
 interface Laid {
-  readonly flow: Flow;
-  readonly layout: FlowLayout;
+  readonly level: Level;
+  readonly origin: Point;
   readonly inside: ReadonlyMap<string, Laid>;
-  readonly extent: Box;
 }
 
 /**
- * The chart of a container.
- * @param opened containers whose inside is shown in place.
+ * The chart of a scene.
  * @param pins positions of pinned nodes, each in the chart of its own container.
  */
-export function chartOf(task: TaskView, byPath: ReadonlyMap<string, NodeView>, container: string, opened: ReadonlySet<string>, pins: Pins): FlowChart {
-  const lay = (path: string, within: string): Laid => {
-    const flow = flowOf(task, byPath, path, within);
-    const inside = new Map<string, Laid>();
-    const items = flow.items.map((item) => {
-      if (item.node === undefined || item.node.children.length === 0 || !opened.has(item.id)) return item;
-      const laid = lay(item.id, item.id);
-      inside.set(item.id, laid);
-      return { ...item, width: Math.max(item.width, laid.extent.width + 2 * MARGIN), height: item.height + laid.extent.height + 2 * MARGIN };
-    });
-    const layout = layoutFlow({ ...flow, items }, pins);
-    return { flow: { ...flow, items }, layout, inside, extent: extentOf(layout.boxes.values()) };
-  };
-  const whole = lay(container, "");
+export async function chartOf(scene: Scene, pins: Pins, lay: Lay): Promise<FlowChart> {
+  return placed(scene, await laidOut(scene, pins, lay));
+}
+
+/** Inner charts before those in which they stand: their sizes and the places of their ends have to be known. */
+async function laidOut(scene: Scene, pins: Pins, lay: Lay): Promise<Laid> {
+  const inside = new Map<string, Laid>();
+  for (const [path, inner] of scene.inside) inside.set(path, await laidOut(inner, pins, lay));
+  const levels = new Map([...inside].map(([path, laid]) => [path, laid.level]));
+  const free = scene.flow.items.length > MOST ? gridOf(scene.flow, levels, scene.box) : await straightest(scene, levels, lay);
+  return { ...withPins(free, scene.flow, pins, levels, scene.box !== null), inside };
+}
+
+/** Up to so many nodes other ways to place them are tried, where success isn't a straight line. */
+const FEW = 60;
+
+/** The layout in which most edges of success are straight; the first of those. */
+async function straightest(scene: Scene, levels: ReadonlyMap<string, Level>, lay: Lay): Promise<Level> {
+  const bent = (level: Level): number => scene.flow.edges.filter((edge) => edge.meaning === "success" && !isBack(level, edge) && (level.lines.get(edge.id)?.points.length ?? 2) > 2).length;
+  let best: Level | null = null;
+  for (const placement of PLACEMENTS) {
+    const level = levelOf(await lay(graphOf(scene.flow, levels, scene.box, placement)));
+    if (best === null || bent(level) < bent(best)) best = level;
+    if (bent(best) === 0 || scene.flow.items.length > FEW) break;
+  }
+  return best as Level;
+}
+
+/** Whether an edge leads to what stands left of where it begins, or ends the container. */
+function isBack(level: Level, edge: FlowEdge): boolean {
+  const [from, to] = [level.boxes.get(edge.source), level.boxes.get(edge.target)];
+  return from === undefined || to === undefined || isEnd(edge.target) || to.x < from.x + from.width;
+}
+
+function placed(scene: Scene, laid: Laid): FlowChart {
   const items: PlacedItem[] = [];
   const edges: PlacedEdge[] = [];
   const boxes = new Map<string, Box>();
-  const place = (laid: Laid, parent: string | null, origin: Point, dx: number, dy: number): void => {
-    for (const item of laid.flow.items) {
-      const box = laid.layout.boxes.get(item.id) as Box;
-      const here = { ...box, x: box.x + dx, y: box.y + dy };
-      items.push({ item, parent, box: here, origin: { x: dx, y: dy } });
-      boxes.set(item.id, { ...here, x: here.x + origin.x, y: here.y + origin.y });
+  const place = ({ flow, inside }: Scene, { level, origin, inside: inner }: Laid, parent: string | null, at: Point): void => {
+    const moved = ({ x, y }: Point): Point => ({ x: x + at.x, y: y + at.y });
+    for (const item of flow.items) {
+      const found = level.boxes.get(item.id);
+      if (found === undefined) continue;
+      const { x, y, width, height } = found;
+      items.push({ item: { ...item, width, height }, parent, box: { x, y, width, height }, origin, ports: inner.get(item.id)?.level.ports ?? null });
+      boxes.set(item.id, { ...moved(found), width, height });
     }
-    const moved = ({ x, y }: Point): Point => ({ x: x + dx + origin.x, y: y + dy + origin.y });
-    for (const edge of laid.flow.edges) {
-      const { y, height } = boxes.get(edge.source) as Box;
-      edges.push({ ...edge, bends: (laid.layout.bends.get(edge.id) ?? []).map(moved), bottom: y + height });
+    for (const edge of flow.edges) {
+      const line = level.lines.get(edge.id);
+      if (line) edges.push({ ...edge, points: line.points.map(moved), words: line.label && moved(line.label) });
     }
-    for (const [path, inner] of laid.inside) {
-      const box = boxes.get(path) as Box;
-      const top = box.height - inner.extent.height - MARGIN;
-      place(inner, path, { x: box.x, y: box.y }, MARGIN - inner.extent.x, top - inner.extent.y);
-    }
+    for (const [path, each] of inside) place(each, inner.get(path) as Laid, path, boxes.get(path) as Box);
   };
-  place(whole, null, { x: 0, y: 0 }, 0, 0);
-  return { flow: whole.flow, items, edges, boxes };
+  place(scene, laid, null, { x: 0, y: 0 });
+  return { flow: scene.flow, items, edges, boxes };
+}
+
+/** Layouts that are kept: a change in one container lays out that one and those around it. */
+const KEPT = 100;
+
+/** A layout that remembers its answers: nothing that leaves sizes, order and edges as they were is laid out again. */
+export function remembering(lay: Lay): Lay {
+  const known = new Map<string, Promise<ElkNode>>();
+  return (graph) => {
+    const key = JSON.stringify(graph);
+    const answer = known.get(key) ?? lay(graph);
+    known.delete(key);
+    known.set(key, answer);
+    answer.catch(() => known.delete(key));
+    for (const old of known.keys()) if (known.size > KEPT) known.delete(old);
+    return answer;
+  };
 }
 
 /** Whether a node stands in the chart of a container: all that is between them is open. */
@@ -104,12 +159,4 @@ export function chartedIn(id: string, container: string): string {
   const mark = id.indexOf("#");
   if (mark === 0) return container;
   return mark > 0 ? id.slice(0, mark) : (parentOf(id) ?? "/");
-}
-
-function extentOf(boxes: Iterable<Box>): Box {
-  const all = [...boxes];
-  const x = Math.min(...all.map((box) => box.x));
-  const y = Math.min(...all.map((box) => box.y));
-  if (all.length === 0) return { x: 0, y: 0, width: 0, height: 0 };
-  return { x, y, width: Math.max(...all.map((box) => box.x + box.width)) - x, height: Math.max(...all.map((box) => box.y + box.height)) - y };
 }

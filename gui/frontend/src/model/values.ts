@@ -46,17 +46,6 @@ export function turned(key: string, at: number, count: number): number | null {
   return key === "End" ? count - 1 : null;
 }
 
-/** The next one after `at` that begins with a letter; null where none does. */
-export function startingWith(options: readonly { readonly label: string }[], key: string, at: number): number | null {
-  if (key.length !== 1 || key.trim() === "") return null;
-  const letter = key.toLowerCase();
-  for (let step = 1; step <= options.length; step++) {
-    const next = (at + step) % options.length;
-    if (options[next]?.label.toLowerCase().startsWith(letter)) return next;
-  }
-  return null;
-}
-
 export interface Use {
   readonly path: string;
   readonly how: "writes" | "reads" | "looks at";

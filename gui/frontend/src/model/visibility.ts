@@ -1,6 +1,6 @@
 /** What of a large drawing is in sight: the boxes and lines that touch a part of it. */
 import type { NodeView } from "../protocol/generated";
-import type { Box } from "./flowLayout";
+import type { Box } from "./layout";
 
 export interface Area {
   readonly left: number;

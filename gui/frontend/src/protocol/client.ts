@@ -82,12 +82,21 @@ export class RefusedError extends Error {
   }
 }
 
+/** The server doesn't answer at all. */
+export class GoneError extends Error {
+  constructor() {
+    super("The server doesn't answer.");
+  }
+}
+
 async function ask<T>(path: string, body?: unknown): Promise<T> {
   const init: RequestInit =
     body === undefined
       ? {}
       : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
-  const answer = await fetch(`/api/${path}`, init);
+  const answer = await fetch(`/api/${path}`, init).catch(() => {
+    throw new GoneError();
+  });
   if (!answer.ok) {
     const error = (await answer.json().catch(() => null)) as ErrorBody | null;
     throw new RefusedError(error?.detail ?? `the server answered ${answer.status}`, error?.kind ?? "");
@@ -152,7 +161,8 @@ const LONGEST_PAUSE = 5000;
 
 export interface SocketListener {
   frame(frame: ServerFrame): void;
-  connected(yes: boolean): void;
+  /** Told of every connection and its end; `stranger` where a server answers that doesn't know this page's token. */
+  connected(yes: boolean, stranger: boolean): void;
   /** What to subscribe to, asked after every (re)connection. */
   request(): Subscribe | null;
   /** What this page says of itself, after every (re)connection and whenever it changes. */
@@ -191,13 +201,19 @@ export class Socket {
     this.socket?.close();
   }
 
+  /** A socket doesn't tell why it was refused. */
+  private async lookWhoAnswers(): Promise<void> {
+    const answer = await fetch("/", { method: "HEAD" }).catch(() => null);
+    if (!this.closed && answer?.status === 401) this.listener.connected(false, true);
+  }
+
   private open(): void {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     const socket = new WebSocket(`${scheme}://${location.host}/api/socket?page=${PAGE}`);
     this.socket = socket;
     socket.onopen = () => {
       this.pause = 250;
-      this.listener.connected(true);
+      this.listener.connected(true, false);
       this.introduce();
       this.select(this.listener.selection());
       this.subscribe();
@@ -205,7 +221,8 @@ export class Socket {
     socket.onmessage = (message) => this.listener.frame(JSON.parse(String(message.data)) as ServerFrame);
     socket.onclose = () => {
       if (this.closed) return;
-      this.listener.connected(false);
+      this.listener.connected(false, false);
+      void this.lookWhoAnswers();
       this.timer = setTimeout(() => this.open(), this.pause);
       this.pause = Math.min(this.pause * 2, LONGEST_PAUSE);
     };

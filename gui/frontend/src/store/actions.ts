@@ -10,6 +10,7 @@ import { redo, save, undo } from "./editing";
 import { connectOutcome, enterSelected, leaveContainer, toggleInPlace } from "./flowing";
 import { addHere, changeKind, connectFree, copy, cut, duplicate, paste, remove, rename, shift, unwrap, wrap } from "./gestures";
 import { goToPanel, usePage, type ViewName } from "./page";
+import { type Pane, resetPanes, usePanes, widen } from "./panes";
 import { LONGEST_NAME } from "./presence";
 import { useRun } from "./run";
 import { useRunning } from "./runDesk";
@@ -23,6 +24,8 @@ export interface Action {
   readonly keys: readonly string[];
   /** Whether it also works while the focus is in a field. */
   readonly inFields?: boolean;
+  /** Whether it asks something after it has looked at the server. */
+  readonly asks?: boolean;
   readonly run: () => unknown;
 }
 
@@ -37,6 +40,12 @@ function foldAll(): void {
   usePage.setState({ closed: allFolded(useRun.getState().task.nodes) });
   usePage.getState().select("/");
 }
+
+const PANES: readonly (readonly [Pane, string])[] = [
+  ["left", "outline and palette"],
+  ["right", "the forms"],
+  ["foot", "what is below the views"],
+];
 
 export const ACTIONS: readonly Action[] = [
   { id: "commands", title: "All commands", keys: ["Ctrl+k"], inFields: true, run: chooseAction },
@@ -56,9 +65,9 @@ export const ACTIONS: readonly Action[] = [
   { id: "wrap", title: "Wrap in a container", keys: ["w"], run: () => wrap() },
   { id: "unwrap", title: "Unwrap", keys: ["Shift+W"], run: unwrap },
   { id: "kind", title: "Change kind", keys: ["k"], run: () => changeKind() },
-  { id: "convert", title: "Convert to the other form", keys: ["Shift+K"], run: () => askConversion() },
-  { id: "extract", title: "Extract to a task of its own", keys: ["Shift+E"], run: extract },
-  { id: "inline", title: "Inline the subtask", keys: ["Shift+I"], run: inline },
+  { id: "convert", title: "Convert to the other form", keys: ["Shift+K"], asks: true, run: () => askConversion() },
+  { id: "extract", title: "Extract to a task of its own", keys: ["Shift+E"], asks: true, run: extract },
+  { id: "inline", title: "Inline the subtask", keys: ["Shift+I"], asks: true, run: inline },
   { id: "open", title: "Open the subtask", keys: ["o"], run: () => openSubtask() },
   { id: "up", title: "Move up", keys: ["Alt+ArrowUp"], run: () => shift("up") },
   { id: "down", title: "Move down", keys: ["Alt+ArrowDown"], run: () => shift("down") },
@@ -71,6 +80,15 @@ export const ACTIONS: readonly Action[] = [
   { id: "flow", title: "Show the flow chart", keys: ["Alt+2"], run: show("flow") },
   { id: "split", title: "Show tree and flow chart", keys: ["Alt+3"], run: show("split") },
   { id: "text", title: "Show the text", keys: ["Alt+4"], inFields: true, run: show("text") },
+  { id: "robot", title: "Show the robot in 3D", keys: ["Alt+5"], inFields: true, run: show("robot") },
+  { id: "left", title: "Show or hide outline and palette", keys: ["Ctrl+b"], inFields: true, run: () => usePanes.getState().toggle("left") },
+  { id: "right", title: "Show or hide the forms", keys: ["Ctrl+Alt+b"], inFields: true, run: () => usePanes.getState().toggle("right") },
+  { id: "foot", title: "Show or hide what is below the views", keys: ["Ctrl+j"], inFields: true, run: () => usePanes.getState().toggle("foot") },
+  ...PANES.flatMap(([pane, title]) => [
+    { id: `${pane}-more`, title: `More room for ${title}`, keys: [], run: () => widen(pane, 40) },
+    { id: `${pane}-less`, title: `Less room for ${title}`, keys: [], run: () => widen(pane, -40) },
+  ]),
+  { id: "panes", title: "Panes as they were at first", keys: [], run: resetPanes },
   { id: "enter", title: "Go into the container", keys: ["Enter"], run: enterSelected },
   { id: "in-place", title: "Open the container in place, or close it", keys: ["Shift+Enter"], run: toggleInPlace },
   { id: "leave", title: "Go out of the container", keys: ["Backspace"], run: leaveContainer },

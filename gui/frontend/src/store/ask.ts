@@ -62,3 +62,18 @@ export function ask(question: Question): Promise<string | null> {
 
 export const askText = (question: Omit<TextQuestion, "kind">): Promise<string | null> => ask({ kind: "text", ...question });
 export const askChoice = (question: Omit<ChoiceQuestion, "kind">): Promise<string | null> => ask({ kind: "choice", ...question });
+
+let expected = 0;
+
+/** Whether a question is on its way: what is typed meanwhile is meant for it, and for nothing else. */
+export const isExpected = (): boolean => expected > 0;
+
+/** Do something that asks once it has looked. */
+export async function expecting(work: () => unknown): Promise<void> {
+  expected++;
+  try {
+    await work();
+  } finally {
+    expected--;
+  }
+}

@@ -3,7 +3,7 @@ import { foldedAtFirst } from "../model/visibility";
 import { server, Socket } from "../protocol/client";
 import type { RunRecord, ServerFrame } from "../protocol/generated";
 import { useDocument } from "./document";
-import { heardOfRevisions, take } from "./editing";
+import { heardOfRevisions, serverIsBack, take } from "./editing";
 import { ownSelection, tellSelection, useOthers } from "./others";
 import { type Above, usePage } from "./page";
 import { givenName, keepName, lookedAt } from "./presence";
@@ -21,8 +21,10 @@ let greeted = false;
 export function connect(): () => void {
   socket = new Socket({
     frame: heard,
-    connected: (yes) => {
-      useRun.getState().setConnected(yes);
+    connected: (yes, stranger) => {
+      const { connected, setConnected } = useRun.getState();
+      setConnected(yes, stranger);
+      if (yes && connected === false) void serverIsBack();
       // Everybody is told of anew by the next connection.
       useOthers.getState().forget();
     },

@@ -16,6 +16,8 @@ export interface DocumentStore {
   readonly catalog: CatalogView;
   readonly forms: FormsView | null;
   readonly conflict: Conflict | null;
+  /** How many edits wait for a server that doesn't answer. */
+  readonly waiting: number;
   /** Told to people who don't see the canvas. */
   readonly said: string;
   /** Grows when the text view is to give up what was typed there and take the document's text. */
@@ -33,6 +35,7 @@ export const useDocument = create<DocumentStore>()((set) => ({
   catalog: { nodes: [], tasks: [], error: "" },
   forms: null,
   conflict: null,
+  waiting: 0,
   said: "",
   resets: 0,
   setDocument: (document) => set((s) => ({ document, forms: s.document?.path === document?.path ? s.forms : null })),

@@ -1,7 +1,7 @@
 /** What edits do: each goes to the server, one after the other, and its answer is the new state. */
 import type { Command } from "../model/commands";
 import { sharing, whereNow } from "../model/changes";
-import { RefusedError, server } from "../protocol/client";
+import { GoneError, RefusedError, server } from "../protocol/client";
 import type { DocumentView, PinRequest } from "../protocol/generated";
 import { type Conflict, useDocument } from "./document";
 import { usePage } from "./page";
@@ -18,16 +18,25 @@ export function editable(): boolean {
   return useRun.getState().record === null && useDocument.getState().document !== null;
 }
 
-/** Take what the server sent; an older document than that which is shown comes too late. */
-export function take(answer: DocumentView): void {
+/**
+ * Take what the server sent; an older document than that which is shown comes too late.
+ * @param from who has changed it: this page, another one, or a server that was started again and counts anew.
+ */
+export function take(answer: DocumentView, from: "here" | "elsewhere" | "anew" = "here"): void {
   const { document, setDocument } = useDocument.getState();
-  if (document?.path === answer.path && answer.revision < document.revision) return;
+  if (from !== "anew" && document?.path === answer.path && answer.revision < document.revision) return;
   const view = document?.path === answer.path ? { ...answer, task: sharing(answer.task, document.task, answer.checked) } : answer;
   setDocument(view);
   const { record, task, showTask } = useRun.getState();
   if (record !== null) return;
   if (task !== view.task) showTask(view.task);
+  const before = usePage.getState().selected;
   keepSelection(answer.moved);
+  const now = usePage.getState().selected;
+  // Who works at a node learns that it went, and that the forms are about another one.
+  if (from === "elsewhere" && before !== null && before !== now && whereNow(before, useRun.getState().index.byPath, answer.moved) !== now) {
+    useRun.getState().setError(`${before} was removed elsewhere; ${now === "/" ? "the root" : now} is selected now.`);
+  }
   if (!view.checked) loadProblems();
   loadForms();
 }
@@ -61,25 +70,58 @@ export function settingNow(path: string, key: string): unknown {
   return useRun.getState().index.byPath.get(path)?.fields[key];
 }
 
+/** Makes a request on a document; `again` when the server had gone before it could be taken. */
+type Request = (document: DocumentView, again: boolean) => Promise<DocumentView> | null;
+
 /** Send a request when its turn comes; one that finds nothing to request for any more (null) is left out. */
-function send(request: (document: DocumentView) => Promise<DocumentView> | null, text?: string, taken: Refused = () => false): Promise<boolean> {
-  const sent = queue.then(async () => {
+function send(request: Request, text?: string, taken: Refused = () => false): Promise<boolean> {
+  const attempt = async (again: boolean): Promise<boolean> => {
     const { document } = useDocument.getState();
     if (document === null) return false;
     useDocument.getState().setConflict(null);
     useRun.getState().setError("");
     try {
-      const answer = request(document);
+      const answer = request(document, again);
       if (answer === null) return false;
       take(await answer);
       return true;
     } catch (error) {
+      if (error instanceof GoneError) return (await isSame(document)) ? attempt(true) : false;
       if (!(error instanceof RefusedError) || !taken(error.kind, error.message)) await refused(document.path, error, text);
       return false;
     }
-  });
+  };
+  const sent = queue.then(() => attempt(false));
   queue = sent;
   return sent;
+}
+
+let waiters: (() => void)[] = [];
+
+/** Wait until the server answers again. Whether the file is then what it was: what was sent last may have come through, and isn't done twice. */
+async function isSame(before: DocumentView): Promise<boolean> {
+  useDocument.setState(({ waiting }) => ({ waiting: waiting + 1 }));
+  await new Promise<void>((resolve) => waiters.push(resolve));
+  useDocument.setState(({ waiting }) => ({ waiting: waiting - 1 }));
+  const { document } = useDocument.getState();
+  if (document?.path === before.path && document.text === before.text) return true;
+  useRun.getState().setError("The server went away during an edit, and the file is another one now: look whether the edit is in it.");
+  return false;
+}
+
+/** Look at everything anew, then send what has waited. */
+export async function serverIsBack(): Promise<void> {
+  const { document } = useDocument.getState();
+  try {
+    if (document !== null) take(await server.document(document.path), "anew");
+    useRun.getState().setError("");
+  } catch (error) {
+    if (error instanceof GoneError) return; // the next connection comes here again
+    useRun.getState().setError(error instanceof Error ? error.message : String(error));
+  }
+  const released = waiters;
+  waiters = [];
+  for (const release of released) release();
 }
 
 async function refused(path: string, error: unknown, text?: string): Promise<void> {
@@ -127,7 +169,7 @@ export const goTo = (number: number): Promise<boolean> => step("go", number);
 
 /** Take a text that was typed on the revision `base`; null puts it over whatever is there. */
 export function typeText(text: string, base: number | null): Promise<boolean> {
-  return send(({ path, revision }) => server.text({ path, base: base ?? revision, text, over: base === null }, revision), text);
+  return send(({ path, revision }, again) => server.text({ path, base: again ? revision : (base ?? revision), text, over: base === null }, revision), text);
 }
 
 export function pin(view: PinRequest["view"], positions: Record<string, [number, number] | null>): Promise<boolean> {
@@ -138,7 +180,18 @@ export function convert(node: string, form: "tree" | "machine", approximate: boo
   return send(({ path, revision }) => server.convert({ path, base: revision, node, form, approximate }, revision));
 }
 
-export function save(over = false): Promise<boolean> {
+let typed: (() => Promise<unknown>) | null = null;
+
+/** Say how to send what is being typed in the text view; null when that is closed. */
+export function typing(flush: (() => Promise<unknown>) | null): void {
+  typed = flush;
+}
+
+/** What is typed goes first: it is what the person sees. */
+export const settled = async (): Promise<unknown> => typed?.();
+
+export async function save(over = false): Promise<boolean> {
+  await settled();
   return send(({ path, revision }) => server.save({ path, over }, revision));
 }
 
@@ -151,7 +204,7 @@ export function heardOfRevisions(revisions: Record<string, number>): void {
   void queue.then(async () => {
     const { document } = useDocument.getState();
     if (document === null || (revisions[document.path] ?? 0) <= document.revision) return;
-    take(await server.document(document.path, document.revision));
+    take(await server.document(document.path, document.revision), "elsewhere");
   });
 }
 

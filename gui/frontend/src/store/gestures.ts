@@ -212,7 +212,8 @@ export async function connectFree(path?: string): Promise<void> {
   const candidates = [path, selected, selected === null ? null : parentOf(selected), container];
   const machine = candidates.find((each) => each && hasEdges(nodes().get(each)));
   const command = machine ? connectingFree(nodes(), machine) : null;
-  if (command === null) return report(machine ? "Every outcome leads somewhere." : "Select a state machine, or a node in one.");
+  if (command === null && machine) return useDocument.getState().say("Every outcome leads somewhere already.");
+  if (command === null) return report("Select a state machine, or a node in one.");
   await edit(command, undefined, "free outcomes connected");
 }
 

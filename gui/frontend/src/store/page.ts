@@ -3,7 +3,7 @@ import { create } from "zustand";
 
 import { opened } from "../model/visibility";
 
-export type ViewName = "tree" | "flow" | "split" | "text";
+export type ViewName = "tree" | "flow" | "split" | "text" | "robot";
 export type FootTab = "problems" | "run" | "holds" | "history";
 
 /** A task, or the files that put the project together. */

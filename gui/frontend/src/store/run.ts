@@ -23,6 +23,8 @@ export interface RunStore {
   readonly session: SessionView | null;
   /** Null before the first connection. */
   readonly connected: boolean | null;
+  /** Whether a server answers that another page belongs to: it was started anew, with another token. */
+  readonly stranger: boolean;
   readonly error: string;
 
   showTask(task: TaskView, record?: RunRecord | null): void;
@@ -31,7 +33,7 @@ export interface RunStore {
   addEvents(run: string, events: readonly RunEvent[], complete: boolean): void;
   scrub(cursor: number | null): void;
   setSession(session: SessionView | null): void;
-  setConnected(connected: boolean): void;
+  setConnected(connected: boolean, stranger?: boolean): void;
   setError(error: string): void;
 }
 
@@ -41,6 +43,7 @@ export const useRun = create<RunStore>()((set, get) => ({
   version: 0,
   session: null,
   connected: null,
+  stranger: false,
   error: "",
 
   showTask: (task, record = null) => set((s) => ({ ...fresh(task), record, version: s.version + 1 })),
@@ -62,7 +65,7 @@ export const useRun = create<RunStore>()((set, get) => ({
   },
 
   setSession: (session) => set({ session }),
-  setConnected: (connected) => set({ connected }),
+  setConnected: (connected, stranger = false) => set({ connected, stranger }),
   setError: (error) => set({ error }),
 }));
 

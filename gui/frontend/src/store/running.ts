@@ -4,7 +4,7 @@ import type { Breakpoint, Control, StartRun } from "../protocol/generated";
 import { askChoice } from "./ask";
 import { openTask, trying } from "./desk";
 import { useDocument } from "./document";
-import { save, take } from "./editing";
+import { save, settled, take } from "./editing";
 import { usePage } from "./page";
 import { useRun } from "./run";
 import { breakpointsOf, useRunning } from "./runDesk";
@@ -47,6 +47,7 @@ export function start(where: Partial<Pick<StartRun, "begin_at" | "run_to">> = {}
     await sent;
     // An old run on display gives way to the task as it is now.
     if (useRun.getState().record !== null) await openTask(task.path);
+    await settled();
     // What runs is the file: what was drawn is saved first, and a file that somebody else has changed asks.
     if (useDocument.getState().document?.saved === false && !(await save())) return;
     const { options, mocks } = useRunning.getState();
@@ -145,5 +146,5 @@ async function lookAgain(): Promise<void> {
   await loadProject();
   if (document === null) return;
   const now = await server.document(document.path);
-  if (useDocument.getState().document?.path === now.path) take(now);
+  if (useDocument.getState().document?.path === now.path) take(now, "elsewhere");
 }

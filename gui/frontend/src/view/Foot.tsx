@@ -7,7 +7,9 @@ import { useDocument } from "../store/document";
 import { goTo } from "../store/editing";
 import { setRobotOpen, useRobot } from "../store/live";
 import { type FootTab, usePage } from "../store/page";
+import { usePanes } from "../store/panes";
 import { useRun } from "../store/run";
+import { Divider } from "./Divider";
 import { Holds } from "./Holds";
 import { Problems } from "./Problems";
 import { TimeLine } from "./TimeLine";
@@ -23,39 +25,52 @@ export function Foot(): JSX.Element {
   const foot = usePage((s) => s.foot);
   const problems = useRun((s) => s.task.problems.length);
   const robot = useRobot((s) => s.open);
+  const hidden = usePanes((s) => s.hidden.has("foot"));
+  const said = useDocument((s) => s.said);
   const { setFoot } = usePage.getState();
+  function choose(tab: FootTab): void {
+    usePanes.getState().toggle("foot", false);
+    setFoot(tab);
+  }
   function onKeyDown(event: KeyboardEvent): void {
     const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (by === undefined) return;
     const next = TABS[(TABS.findIndex(([name]) => name === foot) + by + TABS.length) % TABS.length] as readonly [FootTab, string];
-    setFoot(next[0]);
+    choose(next[0]);
     document.getElementById(`tab-${next[0]}`)?.focus();
   }
+  // Where nothing is wrong there is nothing to read.
+  const closed = hidden || (foot === "problems" && problems === 0);
   return (
-    <footer>
+    <footer className={closed ? "closed" : ""}>
+      {!closed && <Divider pane="foot" across="y" grows={-1} />}
       <div className="foot-bar">
         <div className="tabs" role="tablist" aria-label="Below the views" aria-orientation="horizontal" onKeyDown={onKeyDown}>
           {TABS.map(([name, label]) => (
-            <button key={name} id={`tab-${name}`} role="tab" aria-selected={foot === name} aria-controls="foot-panel" tabIndex={foot === name ? 0 : -1} onClick={() => setFoot(name)}>
+            <button key={name} id={`tab-${name}`} role="tab" aria-selected={foot === name} aria-controls="foot-panel" tabIndex={foot === name ? 0 : -1} onClick={() => choose(name)}>
               {label}
-              {name === "problems" && problems > 0 && ` (${problems})`}
+              {name === "problems" && (problems > 0 ? ` (${problems})` : <span className="phase-success"> ✓</span>)}
             </button>
           ))}
         </div>
+        <output className="said" aria-live="polite" aria-label="What was done" title={said}>
+          {said}
+        </output>
         <button aria-pressed={robot} title="The robot at the shown moment" onClick={() => setRobotOpen(!robot)}>
           Robot in 3D
         </button>
       </div>
       <div id="foot-panel" role="tabpanel" aria-labelledby={`tab-${foot}`} className={`foot-panel foot-${foot}`}>
-        {foot === "problems" && <Problems />}
-        {foot === "run" && (
+        {foot === "problems" && problems > 0 && !hidden && <Problems />}
+        {foot === "problems" && problems === 0 && <h2 className="hidden">Problems: no errors, no warnings</h2>}
+        {foot === "run" && !hidden && (
           <>
             <TimeLine />
             <EventLog />
           </>
         )}
-        {foot === "holds" && <Holds />}
-        {foot === "history" && <HistoryPanel />}
+        {foot === "holds" && !hidden && <Holds />}
+        {foot === "history" && !hidden && <HistoryPanel />}
       </div>
     </footer>
   );

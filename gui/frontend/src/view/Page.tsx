@@ -1,6 +1,6 @@
 /** The page: what it is made of, and what happens when it opens. */
 import { ReactFlowProvider } from "@xyflow/react";
-import { type JSX, lazy, Suspense, useEffect, useState } from "react";
+import { type CSSProperties, type JSX, lazy, Suspense, useEffect, useState } from "react";
 
 import { processNotices } from "../model/words";
 import { server } from "../protocol/client";
@@ -9,9 +9,11 @@ import { useDocument } from "../store/document";
 import { save, takeFromDisk, typeText, undo } from "../store/editing";
 import { useRobot } from "../store/live";
 import { usePage } from "../store/page";
+import { usePanes } from "../store/panes";
 import { useRun } from "../store/run";
 import { lookAgainOnReturn } from "../store/running";
 import { loadProject, newTask, useProject } from "../store/tasks";
+import { Divider } from "./Divider";
 import { Foot } from "./Foot";
 import { Outline } from "./Outline";
 import { VariablesPanel } from "./SidePanel";
@@ -24,6 +26,8 @@ import { Palette } from "./edit/Palette";
 import { useKeys } from "./hooks";
 
 const SetupPage = lazy(() => import("./setup/SetupPage"));
+
+const IN_PARTS = new Set(["outline", "node", "split"]);
 
 export function Page(): JSX.Element {
   const project = useProject((s) => s.project);
@@ -56,10 +60,11 @@ export function Page(): JSX.Element {
   useKeys();
   const said = useDocument((s) => s.said);
   const room = usePage((s) => s.room);
+  const { sizes, hidden } = usePanes();
 
   if (!project) return <p className="hint padded">{error || "Opening the project ..."}</p>;
   return (
-    <div className="page">
+    <div className={`page room-${room}${[...hidden].map((pane) => ` no-${pane}`).join("")}`} style={Object.fromEntries(Object.entries(sizes).map(([pane, size]) => [`--${pane}`, IN_PARTS.has(pane) ? `${size}%` : `${size}px`])) as CSSProperties}>
       <TopBar project={project} />
       <Notices />
       {room === "project" ? (
@@ -70,9 +75,11 @@ export function Page(): JSX.Element {
         <TaskRoom empty={project.tasks.length === 0} />
       )}
       <Ask />
-      <output className="hidden" aria-live="polite" aria-label="What was done">
-        {said}
-      </output>
+      {room === "project" && (
+        <output className="hidden" aria-live="polite" aria-label="What was done">
+          {said}
+        </output>
+      )}
     </div>
   );
 }
@@ -83,6 +90,8 @@ function TaskRoom({ empty }: { empty: boolean }): JSX.Element {
       <aside className="left" aria-label="Outline and palette">
         <Outline />
         <Palette />
+        <Divider pane="left" across="x" grows={1} />
+        <Divider pane="outline" across="y" grows={1} part />
       </aside>
       <main aria-label="Views">
         <EditBar />
@@ -97,6 +106,8 @@ function TaskRoom({ empty }: { empty: boolean }): JSX.Element {
       <aside className="right" aria-label="Details">
         <Inspector />
         <VariablesPanel />
+        <Divider pane="right" across="x" grows={-1} />
+        <Divider pane="node" across="y" grows={1} part />
       </aside>
       <Foot />
     </>
@@ -123,7 +134,7 @@ export function Stage(): JSX.Element {
   const stale = useDocument((s) => s.document?.draft === true) && view !== "text";
   const robot = useRobot((s) => s.open);
   return (
-    <div className={`stage stage-${view}${robot ? " stage-robot" : ""}`}>
+    <div className={`stage stage-${view === "robot" ? "3d" : view}${robot && view !== "robot" ? " stage-robot" : ""}`}>
       {stale && (
         <p className="stale-note" role="status">
           {drawn ? "The text is not a valid task: the last valid version is shown." : "This file is not a valid task yet; fix its text."}{" "}
@@ -142,8 +153,13 @@ export function Stage(): JSX.Element {
           </ReactFlowProvider>
         )}
         {(view === "text" || (view === "split" && beside === "text")) && <TextPane key={path} />}
-        {robot && <RobotView />}
       </Suspense>
+      {(robot || view === "robot") && (
+        <Suspense fallback={<p className="hint padded loading">Loading the 3D view ...</p>}>
+          <RobotView />
+        </Suspense>
+      )}
+      {view === "split" && !robot && <Divider pane="split" across="x" grows={1} part />}
     </div>
   );
 }
@@ -154,6 +170,7 @@ export function Notices(): JSX.Element {
   const error = useRun((s) => s.moment.facts.error);
   return (
     <div className="notices">
+      <Gone />
       <Conflicts />
       {message && (
         <div className="notice bad" role="alert">
@@ -177,6 +194,23 @@ export function Notices(): JSX.Element {
           <button onClick={() => usePage.getState().select(error.path)}>Show</button>
         </div>
       )}
+    </div>
+  );
+}
+
+/** The server is away: what that means, and what happens when it is back. */
+function Gone(): JSX.Element | null {
+  const gone = useRun((s) => s.connected === false);
+  const stranger = useRun((s) => s.stranger);
+  const waiting = useDocument((s) => s.waiting);
+  if (!gone) return null;
+  const kept = waiting > 0 ? `${waiting} ${waiting === 1 ? "edit waits" : "edits wait"} for it.` : "What you type is kept.";
+  return (
+    <div className="notice bad" role="alert">
+      <p>
+        <strong>{stranger ? "The server was started anew, and this page doesn't belong to it." : "The server doesn't answer."}</strong> What runs can't be seen or stopped from here: use the robot's own stop. {kept}{" "}
+        {stranger ? "Open the address that grip edit has printed, in this tab." : "Start grip edit again where it ran: this page comes back by itself."}
+      </p>
     </div>
   );
 }

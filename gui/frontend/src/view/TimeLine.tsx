@@ -11,7 +11,16 @@ import { hold, isKept, play, sideOf, useReplay, useRun } from "../store/run";
 /** So that a single bar doesn't fill the whole height. */
 const LEAST_LANES = 2;
 
+/** Why there are no events. */
+const NOTHING = {
+  begun: "The run has told nothing yet.",
+  edited: "The task is edited; choose a run to see it again.",
+  never: "Nothing has run yet.",
+};
+
 export function TimeLine(): JSX.Element {
+  const record = useRun((s) => s.record);
+  const ran = useRun((s) => s.session?.run != null);
   const version = useRun((s) => s.version);
   const { history, cursor, moment, scrub, index } = useRun.getState();
   const follow = usePage((s) => s.follow);
@@ -58,7 +67,7 @@ export function TimeLine(): JSX.Element {
         <RunPicker />
         <span className="time-words">
           {history.length === 0
-            ? "Nothing has run yet."
+            ? NOTHING[record ? "begun" : ran ? "edited" : "never"]
             : `${seconds(event?.t ?? 0)} of ${seconds(end)}, event ${shown} of ${history.length}, ${factsText(moment.facts)}`}
         </span>
         <label className="check">

@@ -1,11 +1,12 @@
 /** What is shown, what is run and how; the buttons of the run are beside it, or below where there is less room. */
-import { type JSX, type ReactNode, useEffect } from "react";
+import { type JSX, type KeyboardEvent, type ReactNode, useEffect } from "react";
 
 import { runText } from "../model/words";
 import type { Control, ProjectView } from "../protocol/generated";
 import { actionTitle } from "../store/actions";
 import { chooseTask } from "../store/desk";
 import { type Room, usePage } from "../store/page";
+import { type Pane, usePanes } from "../store/panes";
 import { useRun } from "../store/run";
 import { type RunOptions as Options, useRunning } from "../store/runDesk";
 import { control, start, step, stop } from "../store/running";
@@ -61,6 +62,7 @@ export function TopBar({ project }: { project: ProjectView }): JSX.Element {
         <RunOptionFields project={project} options={options} change={change} disabled={under_way} />
       </div>
       <RunBar />
+      {room === "task" && <PaneButtons />}
     </header>
   );
 }
@@ -85,6 +87,11 @@ function RunOptionFields(props: {
           ))}
         </select>
       </Field>
+      <details className="more" onKeyDown={closeOnEscape}>
+        <summary title="How it runs: as a tree or a machine, how fast, with which seed">
+          {[options.target === "sm" && "machine", options.pace !== 1 && (options.pace === null ? "no limit" : `${options.pace}x`), options.seed !== 0 && `seed ${options.seed}`].filter(Boolean).join(", ") || "Options"}
+        </summary>
+        <div className="more-list">
       <Field label="As">
         <select id="as-field"
           value={options.target}
@@ -119,7 +126,38 @@ function RunOptionFields(props: {
           onChange={(event) => change({ seed: Math.max(0, Math.floor(Number(event.target.value) || 0)) })}
         />
       </Field>
+        </div>
+      </details>
     </>
+  );
+}
+
+/** Close a list of further things with the key that closes everything. */
+export function closeOnEscape(event: KeyboardEvent<HTMLDetailsElement>): void {
+  if (event.key !== "Escape" || !event.currentTarget.open) return;
+  event.currentTarget.open = false;
+  event.currentTarget.querySelector("summary")?.focus();
+  event.stopPropagation();
+}
+
+const PANES: readonly [Pane, string, string][] = [
+  ["left", "Outline and palette", "M2.5 3h11v10h-11zM6 3v10"],
+  ["foot", "Below the views", "M2.5 3h11v10h-11zM2.5 9.5h11"],
+  ["right", "Forms", "M2.5 3h11v10h-11zM10 3v10"],
+];
+
+function PaneButtons(): JSX.Element {
+  const { hidden, toggle } = usePanes();
+  return (
+    <span className="segments panes" role="group" aria-label="Panes">
+      {PANES.map(([pane, label, shape]) => (
+        <button key={pane} aria-pressed={!hidden.has(pane)} aria-label={label} title={actionTitle(pane)} onClick={() => toggle(pane)}>
+          <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+            <path d={shape} />
+          </svg>
+        </button>
+      ))}
+    </span>
   );
 }
 
@@ -147,9 +185,7 @@ export function RunBar(): JSX.Element {
         <button className="pause" disabled={!paused && state !== "running"} title={actionTitle("pause")} onClick={() => void control(paused ? "resume" : "pause")}>
           {paused ? "Resume" : "Pause"}
         </button>
-        <button className="stop" aria-keyshortcuts="F8" title="Stop the run at once (F8)" onClick={stop}>
-          STOP
-        </button>
+        <Stop />
       </div>
       <Steps disabled={!paused} />
       <Presence />
@@ -158,19 +194,38 @@ export function RunBar(): JSX.Element {
   );
 }
 
-const STEPS: readonly [Control["how"], string, string][] = [
-  ["over", "Step over", "over"],
-  ["in", "Step in", "into"],
-  ["out", "Step out", "step-out"],
-  ["tick", "Step", "tick"],
+/** Dead where it can't reach anything: who relies on it has to see that. */
+function Stop(): JSX.Element {
+  const dead = useRun((s) => s.connected === false);
+  if (dead) {
+    return (
+      <button className="stop dead" disabled title="No connection to the server: nothing is stopped from here. Use the robot's own stop.">
+        <s>STOP</s> <span className="hidden">is dead: no connection to the server</span>
+      </button>
+    );
+  }
+  return (
+    <button className="stop" aria-keyshortcuts="F8" title="Stop the run at once (F8)" onClick={stop}>
+      STOP
+    </button>
+  );
+}
+
+const STEPS: readonly [Control["how"], string, string, string][] = [
+  ["over", "Step over", "over", "M2 9a6 5 0 0 1 11-2M13 3v4H9M8 12.5h.1"],
+  ["in", "Step in", "into", "M8 2v8M4.5 6.5 8 10l3.5-3.5M8 13.5h.1"],
+  ["out", "Step out", "step-out", "M8 10V2M4.5 5.5 8 2l3.5 3.5M8 13.5h.1"],
+  ["tick", "Step", "tick", "M3 8h7M7 4.5 10.5 8 7 11.5M13 4v8"],
 ];
 
 function Steps({ disabled }: { disabled: boolean }): JSX.Element {
   return (
-    <span className="buttons" role="group" aria-label="Steps of a paused run">
-      {STEPS.map(([how, label, action]) => (
-        <button key={how} disabled={disabled} title={actionTitle(action)} onClick={() => step(how)}>
-          {label}
+    <span className="buttons steps" role="group" aria-label="Steps of a paused run">
+      {STEPS.map(([how, label, action, shape]) => (
+        <button key={how} disabled={disabled} aria-label={label} title={actionTitle(action)} onClick={() => step(how)}>
+          <svg className="icon" viewBox="0 0 16 16" aria-hidden="true">
+            <path d={shape} />
+          </svg>
         </button>
       ))}
     </span>
@@ -182,7 +237,7 @@ function RunState(): JSX.Element {
   const session = useRun((s) => s.session);
   const connected = useRun((s) => s.connected);
   useEffect(() => {
-    const onKey = (event: KeyboardEvent): void => {
+    const onKey = (event: globalThis.KeyboardEvent): void => {
       if (event.key === "F8") {
         event.preventDefault();
         stop();

@@ -2,7 +2,7 @@
 import { Background, ControlButton, Controls, type Node, Panel, Position, ReactFlow, type ReactFlowState, useReactFlow, useStore, ViewportPortal } from "@xyflow/react";
 import { type JSX, type PointerEvent, type RefObject, useEffect, useMemo, useRef, useState } from "react";
 
-import { type Box, layoutTree } from "../model/flowLayout";
+import { type Box, layoutTree } from "../model/layout";
 import type { Moment, TaskIndex } from "../model/status";
 import { areaInSight, extent, FEW_NODES, hasRoomForMap, isInSight, LINE_AT, linesIn, nearestShown, nodesIn, silhouette, unfolded } from "../model/visibility";
 import type { NodeView } from "../protocol/generated";

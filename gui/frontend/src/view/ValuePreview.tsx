@@ -1,5 +1,5 @@
 /** A value that a run has written, looked at: its parts, and a drawing of clouds and images. */
-import { type JSX, type ReactNode, useEffect, useState } from "react";
+import { type JSX, type ReactNode, useEffect, useRef, useState } from "react";
 
 import { server } from "../protocol/client";
 import type { ValueView } from "../protocol/generated";
@@ -28,11 +28,20 @@ export function ValuePreview({ run, seq, name }: { run: string; seq: number; nam
 
 /** A value's drawing, its line, and its parts. */
 export function ValueShown({ view, name, children }: { view: ValueView; name: string; children?: ReactNode }): JSX.Element {
+  const large = useRef<HTMLDialogElement>(null);
   return (
     <div className="value-preview">
       {view.picture && (
         <figure>
-          <img src={view.picture} alt={`${name}: ${view.caption}`} />
+          <button className="picture" title="Look at it large" aria-label={`${name}, large`} onClick={() => large.current?.showModal()}>
+            <img src={view.picture} alt={`${name}: ${view.caption}`} />
+          </button>
+          <dialog ref={large} className="large" aria-label={name} onClick={() => large.current?.close()}>
+            <img src={view.picture} alt={`${name}, large: ${view.caption}`} />
+            <p>
+              {name}: {view.caption} <button autoFocus>Close</button>
+            </p>
+          </dialog>
           <figcaption>{view.caption}</figcaption>
         </figure>
       )}

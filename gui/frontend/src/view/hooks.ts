@@ -3,7 +3,7 @@ import { type DragEvent, type RefObject, type UIEvent, useEffect, useLayoutEffec
 
 import { parentOf, type Spot, takesChildren } from "../model/commands";
 import { actionFor } from "../store/actions";
-import { useAsk } from "../store/ask";
+import { expecting, isExpected, useAsk } from "../store/ask";
 import { editable } from "../store/editing";
 import { add, dropAt } from "../store/gestures";
 import { usePage } from "../store/page";
@@ -76,7 +76,7 @@ export function useWindow(box: RefObject<HTMLElement | null>, count: number, at:
 const PRESSES = new Set(["Enter", " "]);
 /** What also works where no task is shown. */
 const EVERYWHERE = new Set(["stop", "pause", "panel", "panel-before"]);
-const READING = new Set(["commands", "panel", "panel-before", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new", "run", "pause", "stop", "breakpoint", "over", "into", "step-out", "tick", "from-here", "to-here"]);
+const READING = new Set(["robot", "left", "right", "foot", "panes", "commands", "panel", "panel-before", "find", "toggle", "tree", "flow", "split", "text", "enter", "leave", "copy", "new", "run", "pause", "stop", "breakpoint", "over", "into", "step-out", "tick", "from-here", "to-here"]);
 
 function inField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest("input, textarea, select, [contenteditable=true]") !== null;
@@ -89,6 +89,7 @@ function onPressable(target: EventTarget | null): boolean {
 function onKeyDown(event: KeyboardEvent): void {
   if (useAsk.getState().question !== null || event.defaultPrevented) return;
   const action = actionFor(event);
+  if (isExpected() && !(action && EVERYWHERE.has(action.id))) return;
   if (!action || (inField(event.target) && !action.inFields)) return;
   if (usePage.getState().room === "project" && !EVERYWHERE.has(action.id)) return;
   if (PRESSES.has(event.key) && onPressable(event.target)) return;
@@ -96,7 +97,7 @@ function onKeyDown(event: KeyboardEvent): void {
   if (action.id === "copy" && !getSelection()?.isCollapsed) return;
   if (!editable() && !READING.has(action.id)) return;
   event.preventDefault();
-  void action.run();
+  void (action.asks ? expecting(action.run) : action.run());
 }
 
 export function useKeys(): void {

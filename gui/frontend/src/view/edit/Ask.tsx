@@ -2,7 +2,7 @@
 import { type JSX, type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
 
 import { matching } from "../../model/search";
-import { startingWith, turned } from "../../model/values";
+import { turned } from "../../model/values";
 import { type ChoiceQuestion, isFew, type TextQuestion, useAsk } from "../../store/ask";
 
 /** Most options that are listed; typing finds the others. */
@@ -105,7 +105,9 @@ function Chooser({ question, answer }: { question: ChoiceQuestion; answer: (valu
       setAt(Math.max(0, Math.min(shown.length - 1, active + by)));
     } else if (event.key === "Enter" && !event.nativeEvent.isComposing) {
       event.preventDefault();
-      answer(shown[active]?.value ?? null);
+      const chosen = shown[active];
+      // Where nothing is found there is nothing to take, and the question stays.
+      if (chosen !== undefined) answer(chosen.value);
     }
   }
 
@@ -151,32 +153,44 @@ interface Props {
   readonly answer: (value: string | null) => void;
 }
 
+/** Buttons: letters leave those that they mean, arrows go round, Enter takes the one that has the focus. */
 export function FewChoices({ question, answer }: Props): JSX.Element {
   const list = useRef<HTMLDivElement>(null);
+  const [text, setText] = useState("");
+  const found = useMemo(() => matching(question.options, text), [question, text]);
+  useEffect(() => {
+    const buttons = [...(list.current?.querySelectorAll("button") ?? [])];
+    const first = buttons.find((button) => button.value === found[0]?.value);
+    if (text !== "") (first ?? list.current)?.focus();
+  }, [text, found]);
 
   function onKeyDown(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const buttons = [...(list.current?.querySelectorAll("button") ?? [])];
-    const at = buttons.indexOf(document.activeElement as HTMLButtonElement);
-    const to = turned(event.key, at, buttons.length) ?? startingWith(question.options, event.key, at);
-    if (to === null) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.nativeEvent.isComposing) return;
+    const buttons = [...(list.current?.querySelectorAll<HTMLButtonElement>("button:not([hidden])") ?? [])];
+    const to = turned(event.key, buttons.indexOf(document.activeElement as HTMLButtonElement), buttons.length);
+    const typed = event.key.length === 1 && (event.key !== " " || text !== "");
+    if (to === null && !typed && event.key !== "Backspace") return;
     event.preventDefault();
-    buttons[to]?.focus();
+    if (to !== null) buttons[to]?.focus();
+    else setText(typed ? text + event.key : text.slice(0, -1));
   }
 
   return (
-    <div className="few-choices">
+    <div className="few-choices" onKeyDown={onKeyDown}>
       <p id="few-choices-label" className="hint">
         {question.label}
       </p>
-      <div role="group" aria-labelledby="few-choices-label" ref={list} onKeyDown={onKeyDown}>
+      <div role="group" aria-labelledby="few-choices-label" ref={list} tabIndex={-1}>
         {question.options.map((option) => (
-          <button key={option.value} type="button" onClick={() => answer(option.value)}>
+          <button key={option.value} type="button" value={option.value} hidden={!found.some((each) => each.value === option.value)} onClick={() => answer(option.value)}>
             <span className="option-label">{option.label}</span> {option.mark && <span className="option-mark">{option.mark}</span>}{" "}
             {option.detail && <span className="option-detail">{option.detail}</span>}
           </button>
         ))}
       </div>
+      <p className="hint typed" role="status">
+        {text === "" ? "" : found.length === 0 ? `Nothing is like "${text}"; Backspace takes letters back.` : `"${text}": ${found.length} of ${question.options.length}`}
+      </p>
       {!question.options.some((option) => option.value === NEITHER) && (
         <div className="ask-buttons">
           <button type="button" onClick={() => answer(null)}>

@@ -16,6 +16,7 @@ const VIEWS: readonly [ViewName, string][] = [
   ["flow", "Flow"],
   ["split", "Split"],
   ["text", "Text"],
+  ["robot", "3D"],
 ];
 
 export function EditBar(): JSX.Element {
@@ -25,6 +26,7 @@ export function EditBar(): JSX.Element {
   const beside = usePage((s) => s.beside);
   const history = document?.history;
   const played = sideOf(record) !== null;
+  const waiting = useDocument((s) => s.waiting);
   return (
     <div className="edit-bar" role="toolbar" aria-label="Editing">
       <div className="segments" role="group" aria-label="View">
@@ -63,7 +65,7 @@ export function EditBar(): JSX.Element {
             Save
           </button>
           <output className="saved-state" aria-label="State of the file">
-            {document === null ? "" : document.draft ? "text isn't a task" : document.saved ? "saved" : "not saved"}
+            {document === null ? "" : waiting > 0 ? "waits for the server" : document.draft ? "text isn't a task" : document.saved ? "saved" : "not saved"}
           </output>
         </>
       )}

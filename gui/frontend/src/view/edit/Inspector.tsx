@@ -7,10 +7,12 @@ import { seconds, statusText } from "../../model/words";
 import { IDLE } from "../../model/status";
 import type { NodeView } from "../../protocol/generated";
 import { ACTIONS, actionTitle } from "../../store/actions";
+import { expecting } from "../../store/ask";
 import { edit } from "../../store/editing";
 import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { ProblemList } from "../Problems";
+import { closeOnEscape } from "../TopBar";
 import { KindIcon, PhaseIcon } from "../icons";
 import { NewPane } from "../marks";
 import { ContainerForm } from "./ContainerForm";
@@ -93,19 +95,31 @@ function Actions({ node }: { node: NodeView }): JSX.Element {
     ...(node.kind === "subtask" ? ["unwrap", "convert", "extract"] : ["inline", "open"]),
     ...(machine ? [] : ["free"]),
   ]);
+  const offered = ACTIONS.filter((action) => FOR_ALL.includes(action.id) && !not.has(action.id));
+  const button = (action: (typeof ACTIONS)[number]): JSX.Element => (
+    <button key={action.id} title={actionTitle(action.id)} onClick={() => run(action.id)}>
+      {SHORT[action.id] ?? action.title}
+    </button>
+  );
   return (
     <div className="actions" role="group" aria-label={`Actions for ${nameOf(node.path) || node.name}`}>
-      {ACTIONS.filter((action) => FOR_ALL.includes(action.id) && !not.has(action.id)).map((action) => (
-        <button key={action.id} title={actionTitle(action.id)} onClick={() => void action.run()}>
-          {SHORT[action.id] ?? action.title}
-        </button>
-      ))}
+      {offered.filter((action) => FIRST.has(action.id)).map(button)}
+      <details className="more" onKeyDown={closeOnEscape}>
+        <summary>More</summary>
+        <div className="more-list" onClick={(event) => event.currentTarget.closest("details")?.removeAttribute("open")}>
+          {offered.filter((action) => !FIRST.has(action.id)).map(button)}
+        </div>
+      </details>
     </div>
   );
 }
 
+/** What is done most; the rest is a press away, and among the commands. */
+const FIRST = new Set(["rename", "wrap", "connect", "open", "remove"]);
+
 const SHORT: Record<string, string> = { wrap: "Wrap", connect: "Connect", free: "Connect free", convert: "Convert", extract: "Extract", inline: "Inline", open: "Open", up: "Up", down: "Down" };
 
 function run(id: string): void {
-  void ACTIONS.find((action) => action.id === id)?.run();
+  const action = ACTIONS.find((each) => each.id === id);
+  void (action?.asks ? expecting(action.run) : action?.run());
 }

@@ -1,5 +1,5 @@
 /** Fields of forms: each sends its edit when it is left or Enter is pressed, and Escape takes back what was typed. */
-import { type JSX, type ReactNode, useEffect, useId, useState } from "react";
+import { type JSX, type ReactNode, useEffect, useId, useRef, useState } from "react";
 
 import { parseValue, valueText } from "../../model/values";
 import { server } from "../../protocol/client";
@@ -49,9 +49,21 @@ export function ValueField({ label, value, type, doc, placeholder, disabled, lin
   const given = valueText(value, type);
   const [text, setText] = useState(given);
   const [fault, setFault] = useState("");
+  /** What it was when the person began to type. */
+  const [base, setBase] = useState(given);
+  const sent = useRef<{ readonly typed: string; readonly value: string } | null>(null);
   useEffect(() => {
+    const own = sent.current;
+    sent.current = null;
+    if (own?.value === given ? text !== own.typed : text !== base && text !== given) {
+      // Typed on since: it stays, on what is there now.
+      if (own?.value === given) return setBase(given);
+      return setFault(`Somebody set this to ${given === "" ? "its default" : given} meanwhile. Enter puts yours there, Escape takes theirs.`);
+    }
     setText(given);
+    setBase(given);
     setFault("");
+    // What is typed is compared when something else comes, not at each letter.
   }, [given]);
   useEffect(() => {
     if (!check || text === given || text === "") return;
@@ -62,12 +74,15 @@ export function ValueField({ label, value, type, doc, placeholder, disabled, lin
       clearTimeout(timer);
     };
   }, [text, given, check]);
-  const commit = (): void => {
-    if (text === given) return;
-    if (text === "") return set(undefined);
-    const parsed = parseValue(text, type);
-    if ("fault" in parsed) setFault(parsed.fault);
-    else set(parsed.value);
+  const commit = (over: boolean): void => {
+    // Who leaves the field hasn't decided against what another has put there.
+    if (text === given || (base !== given && !over)) return;
+    const parsed = text === "" ? { value: undefined } : parseValue(text, type);
+    if ("fault" in parsed) return setFault(parsed.fault);
+    sent.current = { typed: text, value: parsed.value === undefined ? "" : valueText(parsed.value, type) };
+    setBase(given);
+    setFault("");
+    set(parsed.value);
   };
   return (
     <Field label={label} {...(doc ? { doc } : {})} fault={fault} {...(type === "text" || type === "expression" ? {} : { mark: type })}>
@@ -80,12 +95,15 @@ export function ValueField({ label, value, type, doc, placeholder, disabled, lin
           "aria-describedby": about,
           "aria-invalid": fault !== "",
           spellCheck: type === "text",
-          onBlur: commit,
+          onBlur: () => commit(false),
           onChange: (event: { target: { value: string } }) => setText(event.target.value),
         };
         const keys = (event: { key: string; preventDefault: () => void }): void => {
-          if (event.key === "Enter" && !lines) commit();
-          if (event.key === "Escape") setText(given);
+          if (event.key === "Enter" && !lines) commit(true);
+          if (event.key !== "Escape") return;
+          setText(given);
+          setBase(given);
+          setFault("");
         };
         if (lines) return <textarea rows={lines} {...common} onKeyDown={keys} />;
         return (

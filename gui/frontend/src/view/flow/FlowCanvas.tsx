@@ -3,9 +3,9 @@ import { Background, type Connection, Controls, type Edge, MarkerType, MiniMap, 
 import { type DragEvent, type JSX, useCallback, useEffect, useMemo, useRef, useState } from "react";
 
 import { parentOf } from "../../model/commands";
-import { FLOW_HEAD, isStart, PORT_HEIGHT, targetName } from "../../model/flow";
-import { chartedIn, chartOf, type FlowChart, isCharted, pinAt } from "../../model/flowChart";
-import type { Box } from "../../model/flowLayout";
+import { isStart, LEAD, PORT_HEIGHT, targetName } from "../../model/flow";
+import { chartedIn, type FlowChart, isCharted, pinAt, type PlacedItem, sceneOf } from "../../model/flowChart";
+import type { Box } from "../../model/layout";
 import { FEW_NODES, hasRoomForMap, isInSight } from "../../model/visibility";
 import { openSubtask } from "../../store/converting";
 import { useDocument } from "../../store/document";
@@ -17,7 +17,8 @@ import { useRun } from "../../store/run";
 import { FormBadge } from "../edit/EditBar";
 import { drop, isDrag } from "../hooks";
 import { Detail, NewPane } from "../marks";
-import { EndNode, FlowEdgeLine, FlowNode, StartNode } from "./FlowNode";
+import { EndNode, FlowEdgeLine, FlowNode, INSIDE, StartNode } from "./FlowNode";
+import { useChart } from "./layouter";
 
 const NODE_TYPES = { node: FlowNode, end: EndNode, start: StartNode };
 const EDGE_TYPES = { line: FlowEdgeLine };
@@ -33,28 +34,42 @@ export function FlowCanvas(): JSX.Element {
   useSelectedContainer();
   const pins = useDocument((s) => s.document?.layout.flow) ?? NO_PINS;
   const opened = usePage((s) => s.opened);
-  const chart = useMemo(() => chartOf(task, index.byPath, container, opened, pins), [task, index, container, opened, pins]);
+  const scene = useMemo(() => sceneOf(task, index.byPath, container, opened), [task, index, container, opened]);
+  const shown = useChart(scene, pins, `${task.path}:${container}`);
+  return (
+    <section className="flow" aria-label="Flow chart" onDragOver={allow} onDrop={(event) => drop(event, { parent: container, index: index.byPath.get(container)?.children.length ?? 0 })}>
+      {shown ? <Chart key={shown.key} chart={shown.chart} pins={pins} locked={locked} /> : <p className="hint padded">Laying out the chart ...</p>}
+    </section>
+  );
+}
+
+function Chart({ chart, pins, locked }: { chart: FlowChart; pins: Record<string, number[]>; locked: boolean }): JSX.Element {
+  const index = useRun((s) => s.index);
+  const container = usePage((s) => s.container);
   const { flow, boxes } = chart;
-  const key = `${task.path}:${container}`;
-  const [begun, setBegun] = useState("");
+  const [begun, setBegun] = useState(false);
   const [edge, setEdge] = useState<string | null>(null);
   const [dragged, setDragged] = useState<{ id: string; x: number; y: number } | null>(null);
   const nodes = useMemo(() => flowNodes(chart, dragged), [chart, dragged]);
-  const edges = useMemo(() => flowEdges(chart, edge), [chart, edge]);
+  const edges = useMemo(() => flowEdges(chart, edge, dragged?.id ?? null), [chart, edge, dragged?.id]);
   const mapped = useStore((s) => hasRoomForMap(s.width)) && nodes.length > FEW_NODES;
-  useEffect(() => setDragged(null), [boxes]);
+  const pinned = chart.items.some(({ item }) => pins[item.id] !== undefined);
+  useEffect(() => setDragged(null), [chart]);
 
-  const onConnect = useCallback(({ source, sourceHandle, target }: Connection): void => {
+  const onConnect = useCallback(({ source, sourceHandle, target, targetHandle }: Connection): void => {
+    // From inside to the border of its own box: to an end of the container, or from its start.
+    const end = targetHandle?.startsWith(INSIDE) ? targetHandle.slice(INSIDE.length) : null;
+    const within = sourceHandle === INSIDE ? source : chartedIn(source, container);
     if (isStart(target)) return;
-    if (chartedIn(source, container) !== chartedIn(target, container)) {
+    if (within !== (end === null ? chartedIn(target, container) : target)) {
       useRun.getState().setError("An edge stays within its container: connect it to a sibling or to an end of the container.");
-    } else if (isStart(source)) void beginWith(target);
-    else void connect(source, sourceHandle ?? "success", targetName(target));
+    } else if (isStart(source) || sourceHandle === INSIDE) void beginWith(target);
+    else void connect(source, sourceHandle ?? "success", end ?? targetName(target));
   }, [container]);
   const chosen = chart.edges.find((each) => each.id === edge);
   const canEdit = !locked;
   return (
-    <section className="flow" aria-label="Flow chart" onDragOver={allow} onDrop={(event) => drop(event, { parent: container, index: index.byPath.get(container)?.children.length ?? 0 })}>
+    <>
       <div className="flow-strip">
         <Breadcrumbs />
         <FormBadge path={container} />
@@ -68,7 +83,6 @@ export function FlowCanvas(): JSX.Element {
         )}
       </div>
       <ReactFlow
-        key={key}
         nodes={nodes}
         edges={edges}
         nodeTypes={NODE_TYPES}
@@ -83,7 +97,7 @@ export function FlowCanvas(): JSX.Element {
         multiSelectionKeyCode={null}
         minZoom={0.1}
         maxZoom={2}
-        onInit={(canvas) => void showAll(canvas).then(() => setBegun(key))}
+        onInit={(canvas) => void showAll(canvas).then(() => setBegun(true))}
         onConnect={onConnect}
         onNodeClick={(event, node) => {
           setEdge(null);
@@ -109,10 +123,10 @@ export function FlowCanvas(): JSX.Element {
         <Controls orientation="horizontal" showInteractive={false} />
         {mapped && <MiniMap pannable zoomable style={{ width: 140, height: 96 }} />}
         <Detail />
-        <Keeper boxes={boxes} begun={begun === key} mapped={mapped} />
+        <Keeper boxes={boxes} begun={begun} mapped={mapped} pinned={pinned} />
       </ReactFlow>
       <Pinned chart={chart} pins={pins} locked={locked} />
-    </section>
+    </>
   );
 }
 
@@ -155,7 +169,7 @@ function useSelectedContainer(): void {
 }
 
 /** Brings a node that was selected elsewhere into sight, and keeps the middle of the chart in the middle of its pane. */
-function Keeper({ boxes, begun, mapped }: { boxes: ReadonlyMap<string, Box>; begun: boolean; mapped: boolean }): null {
+function Keeper({ boxes, begun, mapped, pinned }: { boxes: ReadonlyMap<string, Box>; begun: boolean; mapped: boolean; pinned: boolean }): null {
   const selected = usePage((s) => s.selected);
   const { setCenter, setViewport, getZoom, getViewport } = useReactFlow();
   const width = useStore((s) => s.width);
@@ -168,6 +182,15 @@ function Keeper({ boxes, begun, mapped }: { boxes: ReadonlyMap<string, Box>; beg
     // A pane beside this one has come or gone.
     if (begun && before.width > 0 && width > 0) void setViewport({ x: x + (width - before.width) / 2, y: y + (height - before.height) / 2, zoom });
   }, [begun, width, height, getViewport, setViewport]);
+  const were = useRef(boxes);
+  useEffect(() => {
+    const before = were.current;
+    were.current = boxes;
+    if (!begun || before === boxes || pinned) return;
+    const { x, y, zoom } = getViewport();
+    const [dx, dy] = shiftOf(before, boxes, usePage.getState().selected, { x: (size.current.width / 2 - x) / zoom, y: (size.current.height / 2 - y) / zoom });
+    if (dx !== 0 || dy !== 0) void setViewport({ x: x - dx * zoom, y: y - dy * zoom, zoom });
+  }, [boxes, begun, pinned, getViewport, setViewport]);
   useEffect(() => {
     const box = selected === null ? undefined : boxes.get(selected);
     if (!begun || !box || width === 0) return;
@@ -176,44 +199,60 @@ function Keeper({ boxes, begun, mapped }: { boxes: ReadonlyMap<string, Box>; beg
   return null;
 }
 
-function flowNodes({ items }: FlowChart, dragged: { id: string; x: number; y: number } | null): Node[] {
-  return items.map(({ item, parent, box: { x, y, width, height } }) => {
-    const position = dragged?.id === item.id ? { x: dragged.x, y: dragged.y } : { x, y };
-    const handle = { width: 10, height: 10 };
-    const target = { type: "target" as const, position: Position.Left, id: "in", x: -5, y: (item.kind === "end" ? height / 2 : 24) - 5, ...handle };
-    const sources = item.ports.map((port, i) => ({ type: "source" as const, position: Position.Right, id: port.outcome, x: width - 5, y: FLOW_HEAD + (i + 0.5) * PORT_HEIGHT - 5, ...handle }));
-    const start = { type: "source" as const, position: Position.Right, id: "", x: width - 5, y: height / 2 - 5, ...handle };
-    return {
-      id: item.id,
-      type: item.kind,
-      position,
-      data: { item },
-      width,
-      height,
-      measured: { width, height },
-      draggable: item.kind === "node",
-      handles: item.kind === "start" ? [start] : [target, ...sources],
-      ...(parent === null ? {} : { parentId: parent }),
-    };
-  });
+/** How far what the person looks at has moved: the selected node, or the one in the middle of the pane. It stays where it was on the screen. */
+function shiftOf(before: ReadonlyMap<string, Box>, now: ReadonlyMap<string, Box>, selected: string | null, middle: { x: number; y: number }): [number, number] {
+  const both = [...before].filter(([id]) => now.has(id));
+  const far = ([, box]: [string, Box]): number => Math.hypot(box.x + box.width / 2 - middle.x, box.y + box.height / 2 - middle.y);
+  const anchor = both.find(([id]) => id === selected) ?? both.sort((a, b) => far(a) - far(b))[0];
+  if (anchor === undefined) return [0, 0];
+  const to = now.get(anchor[0]) as Box;
+  return [to.x - anchor[1].x, to.y - anchor[1].y];
 }
 
-function flowEdges({ edges }: FlowChart, selected: string | null): Edge[] {
-  return edges.map((edge) => ({
-    id: edge.id,
-    type: "line",
-    data: { bends: edge.bends, bottom: edge.bottom },
-    source: edge.source,
-    sourceHandle: edge.outcome,
-    target: edge.target,
-    targetHandle: "in",
-    label: edge.label || (edge.outcome === "" ? undefined : edge.outcome),
-    selected: edge.id === selected,
-    className: edge.derived ? "derived" : "stored",
-    markerEnd: { type: MarkerType.ArrowClosed },
-    focusable: false,
-    interactionWidth: 18,
+function flowNodes({ items }: FlowChart, dragged: { id: string; x: number; y: number } | null): Node[] {
+  return items.map(({ item, parent, box: { x, y, width, height }, ports }) => ({
+    id: item.id,
+    type: item.kind,
+    position: dragged?.id === item.id ? { x: dragged.x, y: dragged.y } : { x, y },
+    data: { item, ports },
+    width,
+    height,
+    measured: { width, height },
+    draggable: item.kind === "node",
+    handles: handlesOf({ item, ports, box: { x, y, width, height } }),
+    ...(parent === null ? {} : { parentId: parent }),
   }));
+}
+
+function handlesOf({ item, ports, box: { width, height } }: Pick<PlacedItem, "item" | "ports" | "box">): NonNullable<Node["handles"]> {
+  const dot = (type: "source" | "target", id: string, x: number, y: number) => ({ type, id, position: x > 0 ? Position.Right : Position.Left, x: x - 5, y: y - 5, width: 10, height: 10 });
+  if (item.kind === "start") return [dot("source", "", width, height / 2)];
+  const entry = item.kind === "end" ? height / 2 : (ports?.get("")?.y ?? LEAD);
+  const outcomes = item.ports.map((port, i) => [port.outcome, ports?.get(port.outcome)?.y ?? LEAD + i * PORT_HEIGHT] as const);
+  const inside = ports === null ? [] : [dot("source", INSIDE, 0, entry), ...outcomes.map(([outcome, y]) => dot("target", INSIDE + outcome, width, y))];
+  return [dot("target", "in", 0, entry), ...outcomes.map(([outcome, y]) => dot("source", outcome, width, y)), ...inside];
+}
+
+function flowEdges({ edges, boxes }: FlowChart, selected: string | null, dragged: string | null): Edge[] {
+  return edges.map((edge) => {
+    // The start and the ends of a container that is open are on its border.
+    const [begin, end] = [edge.source, edge.target].map((id) => (boxes.has(id) ? null : id.slice(0, id.indexOf("#"))));
+    return {
+      id: edge.id,
+      type: "line",
+      data: { points: edge.points, words: edge.words, meaning: edge.meaning, free: dragged !== null && [edge.source, edge.target].some((id) => id === dragged || id.startsWith(`${dragged}/`)) },
+      source: begin ?? edge.source,
+      sourceHandle: begin ? INSIDE : edge.outcome,
+      target: end ?? edge.target,
+      targetHandle: end ? INSIDE + targetName(edge.target) : "in",
+      label: edge.label || undefined,
+      selected: edge.id === selected,
+      className: `${edge.derived ? "derived" : "stored"} ${edge.meaning}`,
+      markerEnd: { type: MarkerType.ArrowClosed, width: 14, height: 14, color: `var(--edge-${edge.meaning || "plain"})` },
+      focusable: false,
+      interactionWidth: 18,
+    };
+  });
 }
 
 export function Breadcrumbs(): JSX.Element {

@@ -1,10 +1,9 @@
 /** What stands in a flow chart: a child with its outcomes as ports, an end of the container, the mark of the start. */
-import { BaseEdge, EdgeLabelRenderer, type EdgeProps, getBezierPath, Handle, type NodeProps, Position } from "@xyflow/react";
+import { BaseEdge, EdgeLabelRenderer, type EdgeProps, getSmoothStepPath, Handle, type NodeProps, Position } from "@xyflow/react";
 import type { JSX } from "react";
 
-import type { FlowItem } from "../../model/flow";
-import type { Point } from "../../model/flowLayout";
-import { kindTitle } from "../../model/kinds";
+import { type FlowItem, LEAD, PORT_HEIGHT, subtitleOf } from "../../model/flow";
+import type { Point } from "../../model/layout";
 import { statusText } from "../../model/words";
 import { IDLE } from "../../model/status";
 import { usePage } from "../../store/page";
@@ -15,6 +14,9 @@ import { useForm } from "../edit/EditBar";
 import { HoldMark, lensMark, ProblemMark } from "../marks";
 import { KindIcon, PhaseIcon } from "../icons";
 
+/** What stands before the names of the handles on a box's border that what is inside it leads to. */
+export const INSIDE = "#inside:";
+
 export function FlowNode({ data }: NodeProps): JSX.Element {
   const item = data["item"] as FlowItem;
   const node = item.node as NonNullable<FlowItem["node"]>;
@@ -23,11 +25,13 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
   const lens = usePage((s) => s.lens);
   const form = useForm(node.path);
   const open = usePage((s) => s.opened.has(node.path));
-  const kind = node.kind === "leaf" ? node.label : [kindTitle(node.kind), node.label].filter(Boolean).join(", ");
+  const places = data["ports"] as ReadonlyMap<string, Point> | null;
+  const entry = places?.get("")?.y ?? LEAD;
   return (
     <div className={`node flow-node${open ? " open" : ""} kind-${node.kind} is-${status.phase}${selected ? " selected" : ""}`} data-path={node.path} title={node.doc}>
       <OthersRing path={node.path} folded={!open} />
-      <Handle type="target" position={Position.Left} id="in" />
+      <Handle type="target" position={Position.Left} id="in" style={{ top: entry }} />
+      {places && <Handle type="source" className="inside" position={Position.Left} id={INSIDE} style={{ top: entry }} title={`Drag to where ${node.name} begins`} />}
       <div className="node-head">
         {node.children.length > 0 && <Open node={node} />}
         <KindIcon kind={node.kind} id={node.label} />
@@ -36,17 +40,20 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
         <ProblemMark path={node.path} />
         {lensMark(node, lens)}
         {form && !form.both && <span className="form-badge" title={form.reason}>~</span>}
+      </div>
+      <div className="flow-sub">
+        <NodeSub node={node} what={subtitleOf(node)} />
         <span className={`badge phase-${status.phase}`}>
           <PhaseIcon phase={status.phase} />
           {status.phase === "idle" ? "" : statusText(status)}
         </span>
       </div>
-      <NodeSub node={node} what={node.children.length > 0 ? `${kind}: ${node.children.length} inside` : kind} />
       <ul className="ports">
-        {item.ports.map((port) => (
-          <li key={port.outcome} className={`port ${port.meaning}${port.led ? "" : " free"}`}>
-            {port.outcome}
+        {item.ports.map((port, i) => (
+          <li key={port.outcome} className={`port ${port.meaning}${port.led ? "" : " free"}`} data-outcome={port.outcome} style={{ top: (places?.get(port.outcome)?.y ?? LEAD + i * PORT_HEIGHT) - PORT_HEIGHT / 2 }}>
+            <span className={port.led ? "hidden" : ""}>{port.outcome}</span>
             <Handle type="source" position={Position.Right} id={port.outcome} title={`${node.name}.${port.outcome}: drag to where it leads`} />
+            {places && <Handle type="target" className="inside" position={Position.Right} id={INSIDE + port.outcome} />}
           </li>
         ))}
       </ul>
@@ -94,20 +101,19 @@ export function StartNode(): JSX.Element {
 }
 
 export function FlowEdgeLine(props: EdgeProps): JSX.Element {
-  const { id, sourceX, sourceY, targetX, targetY, data, label, markerEnd, selected, source, target } = props;
-  const bends = (data?.["bends"] ?? []) as readonly Point[];
-  const from = { x: sourceX, y: sourceY };
-  const to = { x: targetX, y: targetY };
-  const loop = source === target;
-  const back = targetX < sourceX + 10;
-  const points = loop ? around(from, to, Number(data?.["bottom"] ?? Math.max(sourceY, targetY) + 40)) : bends.length > 1 || back ? [from, ...bends, to] : [from, to];
-  const [path, x, y] = points.length === 2 ? getBezierPath(props) : [loop ? round(points) : smooth(points), ...middle(points)];
+  const { id, sourceX, sourceY, data, label, markerEnd, selected } = props;
+  const points = data?.["points"] as readonly Point[];
+  const words = data?.["words"] as Point | null;
+  // While one of its ends is dragged it follows at once; it is laid out when that is dropped.
+  const free = data?.["free"] === true;
+  const path = free ? getSmoothStepPath(props)[0] : rounded(toDot(points));
+  const at = free ? { x: sourceX + 40, y: sourceY } : words;
   return (
     <>
       <BaseEdge id={id} path={path} interactionWidth={18} {...(markerEnd ? { markerEnd } : {})} />
-      {label !== undefined && (
+      {label !== undefined && at && (
         <EdgeLabelRenderer>
-          <span className={`edge-label${selected ? " selected" : ""}`} style={{ transform: `translate(-50%, -50%) translate(${x}px, ${y}px)` }}>
+          <span className={`edge-label ${(data?.["meaning"] as string | undefined) ?? ""}${selected ? " selected" : ""}`} data-edge={id} style={{ transform: `translate(-50%, -50%) translate(${at.x}px, ${at.y}px)` }}>
             {label}
           </span>
         </EdgeLabelRenderer>
@@ -116,42 +122,30 @@ export function FlowEdgeLine(props: EdgeProps): JSX.Element {
   );
 }
 
-/** Round below the node, which ends at `bottom`, back to its own entry. */
-function around(from: Point, to: Point, bottom: number): Point[] {
-  const below = bottom + 18;
-  return [from, { x: from.x + 24, y: (from.y + below) / 2 }, { x: (from.x + to.x) / 2, y: below }, { x: to.x - 24, y: (to.y + below) / 2 }, to];
+const RADIUS = 8;
+const DOT = 5;
+
+/** The arrow ends before the dot of the entry, which would cover it. */
+function toDot(points: readonly Point[]): readonly Point[] {
+  const last = points.at(-1);
+  return last === undefined ? points : [...points.slice(0, -1), { x: last.x - DOT, y: last.y }];
 }
 
-/** A curve through points: each piece leaves and arrives level. */
-function smooth(points: readonly Point[]): string {
+/** Level and upright pieces with round corners. */
+function rounded(points: readonly Point[]): string {
   const [first, ...rest] = points as [Point, ...Point[]];
-  let at = first;
   let path = `M ${first.x} ${first.y}`;
   for (const [i, point] of rest.entries()) {
-    const reach = Math.max(Math.abs(point.x - at.x) / 2, i === 0 || i === rest.length - 1 ? 18 : 0);
-    const ahead = i === 0 || point.x >= at.x ? reach : -reach;
-    const behind = i === rest.length - 1 || point.x >= at.x ? -reach : reach;
-    path += ` C ${at.x + ahead} ${at.y} ${point.x + behind} ${point.y} ${point.x} ${point.y}`;
-    at = point;
+    const before = points[i] as Point;
+    const after = rest[i + 1];
+    const [a, b] = [Math.hypot(point.x - before.x, point.y - before.y), after ? Math.hypot(after.x - point.x, after.y - point.y) : 0];
+    const r = Math.min(RADIUS, a / 2, b / 2);
+    if (!after || r < 0.5) {
+      path += ` L ${point.x} ${point.y}`;
+      continue;
+    }
+    const toward = (other: Point, length: number): string => `${point.x + ((other.x - point.x) / length) * r} ${point.y + ((other.y - point.y) / length) * r}`;
+    path += ` L ${toward(before, a)} Q ${point.x} ${point.y} ${toward(after, b)}`;
   }
   return path;
-}
-
-/** A curve round a node through five points: out to the right, down, along below, up, and in from the left. */
-function round(points: readonly Point[]): string {
-  const [from, right, low, left, to] = points as [Point, Point, Point, Point, Point];
-  const r = 12;
-  return [
-    `M ${from.x} ${from.y} H ${right.x - r} Q ${right.x} ${from.y} ${right.x} ${from.y + r}`,
-    `V ${low.y - r} Q ${right.x} ${low.y} ${right.x - r} ${low.y}`,
-    `H ${left.x + r} Q ${left.x} ${low.y} ${left.x} ${low.y - r}`,
-    `V ${to.y + r} Q ${left.x} ${to.y} ${left.x + r} ${to.y} H ${to.x}`,
-  ].join(" ");
-}
-
-function middle(points: readonly Point[]): [number, number] {
-  const i = Math.floor((points.length - 1) / 2);
-  const one = points[i] as Point;
-  const other = points.length % 2 === 1 ? one : (points[i + 1] as Point);
-  return [(one.x + other.x) / 2, (one.y + other.y) / 2];
 }

@@ -7,6 +7,7 @@ import type { Stand } from "../../model/timeline";
 import { seconds } from "../../model/words";
 import type { NamedPlace, SceneItem } from "../../protocol/generated";
 import { cloudOf, loadGeometry, type NamedCloud, placesOf, readMotion, setRobotOpen, useRobot } from "../../store/live";
+import { usePage } from "../../store/page";
 import { useRun } from "../../store/run";
 import { makeSpace, type Side, type Space } from "./space";
 
@@ -56,6 +57,10 @@ export default function RobotView(): JSX.Element {
     event.preventDefault();
     event.stopPropagation();
   }
+  const close = (): void => {
+    setRobotOpen(false);
+    if (usePage.getState().view === "robot") usePage.getState().setView("tree");
+  };
   const origin = useRun((s) => s.history.start);
   const known = stand && view ? view.joints.filter((joint) => stand.joints.has(joint.name)).length : 0;
   const said = view === null ? "Fetching the robot ..." : view.error || (stand === null ? `${view.name} at rest: the run has measured nothing` : known === 0 ? `${view.name} at rest: the joints of this run's robot aren't its joints (a fake?)` : `${view.name}: ${known} joints as measured at ${seconds(Math.max(0, stand.t - origin))}`);
@@ -75,7 +80,7 @@ export default function RobotView(): JSX.Element {
             <input type="checkbox" checked={shown} onChange={(event) => setShown(event.target.checked)} /> Clouds
           </label>
         )}
-        <button className="robot-close" aria-label="Close" title="Close" onClick={() => setRobotOpen(false)}>
+        <button className="robot-close" aria-label="Close" title="Close" onClick={close}>
           ✕
         </button>
       </div>
@@ -83,6 +88,7 @@ export default function RobotView(): JSX.Element {
         {error || said}
       </p>
       <div className="robot-canvas">
+        {view === null && <p className="hint loading">Loading the robot's shape ...</p>}
         {view !== null && !view.error && (
           <canvas ref={canvas} tabIndex={0} role="application" aria-roledescription="3D drawing" aria-label={`${said}. Arrow keys turn it, plus and minus go nearer and away.`} onKeyDown={onKeyDown} />
         )}

@@ -12,7 +12,7 @@ import { type JSX, useEffect, useRef } from "react";
 
 import type { Problem } from "../../protocol/generated";
 import { useDocument } from "../../store/document";
-import { redo, typeText, undo } from "../../store/editing";
+import { redo, typeText, typing, undo } from "../../store/editing";
 import { useRun } from "../../store/run";
 import { complete, followSelection, markedLine } from "./completions";
 import { colours, theme } from "./theme";
@@ -40,6 +40,16 @@ export default function TextPane(): JSX.Element {
   );
 }
 
+/** What was typed and couldn't be sent, by file; a reload keeps it. */
+const unsent = {
+  keep: (path: string, text: string): void => sessionStorage.setItem(`grip-typed:${path}`, text),
+  take: (path: string): string | null => {
+    const text = sessionStorage.getItem(`grip-typed:${path}`);
+    sessionStorage.removeItem(`grip-typed:${path}`);
+    return text;
+  },
+};
+
 /** The editor, kept equal to the document wherever the person hasn't typed something that is still to be sent. */
 class Pane {
   private readonly view: EditorView;
@@ -53,17 +63,23 @@ class Pane {
   constructor(parent: HTMLElement) {
     const { document } = useDocument.getState();
     this.base = document?.revision ?? 0;
-    this.view = new EditorView({ parent, state: EditorState.create({ doc: document?.text ?? "", extensions: this.extensions() }) });
+    const kept = document === null ? null : unsent.take(document.path);
+    this.view = new EditorView({ parent, state: EditorState.create({ doc: kept ?? document?.text ?? "", extensions: this.extensions() }) });
+    if (kept !== null) this.timer = setTimeout(() => void this.send(), PAUSE);
     this.stop.push(useDocument.subscribe((now, before) => this.heard(now.resets !== before.resets)));
     this.stop.push(useRun.subscribe((now, before) => now.task.problems !== before.task.problems && this.squiggle()));
     this.stop.push(useRun.subscribe((now, before) => now.record !== before.record && this.setLock()));
     this.stop.push(followSelection(this.view, () => this.dirty()));
+    typing(() => this.send());
     this.squiggle();
     this.setLock();
   }
 
   close(): void {
-    if (this.dirty()) void this.send();
+    typing(null);
+    const path = useDocument.getState().document?.path;
+    if (this.dirty() && path !== undefined && useRun.getState().connected === false) unsent.keep(path, this.text());
+    else if (this.dirty()) void this.send();
     clearTimeout(this.timer);
     for (const stop of this.stop) stop();
     this.view.destroy();

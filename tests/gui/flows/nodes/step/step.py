@@ -1,0 +1,6 @@
+from grip_bt.nodes import Leaf
+
+
+class Step(Leaf):
+    def update(self):
+        return self.end()
