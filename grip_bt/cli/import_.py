@@ -45,7 +45,7 @@ _IMPORTERS = {
     "btcpp": _Importer("btcpp", ("machine",), one=True),
     "grip": _Importer("first_grip", project=True),
     "pytrees": _Importer("pytrees", ("execute",), one=True),
-    "smach": _Importer("smach", ("machine", "execute", "arguments")),
+    "smach": _Importer("smach", ("machine", "execute", "arguments", "success")),
 }
 
 
@@ -77,7 +77,13 @@ def add_import(parser: argparse.ArgumentParser) -> None:
         "--arguments",
         type=Path,
         metavar="FILE",
-        help="for --execute of smach, YAML or JSON: class or function -> parameter -> value",
+        help="for --execute of smach, YAML or JSON: parameter -> value, or class or function -> parameter -> value",
+    )
+    parser.add_argument(
+        "--success",
+        action="append",
+        metavar="OUTCOME",
+        help="smach: an outcome that means success, whatever it is called",
     )
     parser.add_argument("--report", action="store_true", help="print the report only; write nothing")
     add_no_code(parser)
@@ -99,6 +105,8 @@ def run(args: argparse.Namespace) -> int:
             select=args.machine or "",
             execute=args.execute,
             arguments=_arguments(args.arguments),
+            success=tuple(args.success or ()),
+            progress=_progress,
         )
     )
     if args.report or args.output is not None or not importer.one:
@@ -111,7 +119,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check_options(args: argparse.Namespace, importer: _Importer) -> None:
-    for option in ("machine", "execute", "arguments"):
+    for option in ("machine", "execute", "arguments", "success"):
         if getattr(args, option) and option not in importer.options:
             args.usage_error(f"--{option} isn't for --from {args.source}")
     if args.arguments is not None and not args.execute:
@@ -126,9 +134,18 @@ def _arguments(path: Path | None) -> Mapping[str, Mapping[str, Any]]:
     if path is None:
         return {}
     given = to_data(parse(read_file(path), str(path)))
-    if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
-        raise GripError(f"{path}: write class or function -> parameter -> value, such as `Meet: {{times: 3}}`")
-    return given
+    if not isinstance(given, dict):
+        raise GripError(
+            f"{path}: write parameter -> value, or class or function -> parameter -> value: `Meet: {{times: 3}}`"
+        )
+    for_all = {name: value for name, value in given.items() if not isinstance(value, dict)}
+    return {"": for_all, **{name: each for name, each in given.items() if isinstance(each, dict)}}
+
+
+def _progress(done: int, every: int, name: str) -> None:
+    if sys.stderr.isatty() and every > 1:
+        sys.stderr.write(f"\r{done} of {every} files; {name:<50.50}" if done < every else "\r" + " " * 80 + "\r")
+        sys.stderr.flush()
 
 
 def _folder(output: Path) -> Path:

@@ -5,6 +5,7 @@ Files are marked as generated, so that an import replaces its own and nobody els
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -46,7 +47,9 @@ class Request:
         bound: the folder that files which it includes have to lie in; its own by default.
         select: the only tree or machine that is wanted; empty for all.
         execute: whether the source's code may be run.
-        arguments: what is given to that code: class or function -> parameter -> value.
+        arguments: what is given to that code: class or function, or empty for all -> parameter -> value.
+        success: outcomes that mean success, whatever they are called.
+        progress: hears how many of how many files are done, and which one comes.
     """
 
     path: Path
@@ -56,6 +59,8 @@ class Request:
     select: str = ""
     execute: bool = False
     arguments: Mapping[str, Mapping[str, JsonValue]] = field(default_factory=dict)
+    success: tuple[str, ...] = ()
+    progress: Callable[[int, int, str], None] = lambda done, all, name: None
 
 
 class Issues:
@@ -155,16 +160,16 @@ class Imported:
 
     def text(self) -> str:
         """Return the report that `grip import` prints."""
-        lines = []
+        lines, several = [], len({item.source for item in self.items}) > _LISTED
+        if several:
+            lines += _totals(self.items)
         for source, group in groupby(self.items, key=lambda item: item.source):
             items = list(group)
-            verdicts = [item.verdict for item in items]
-            counts = [f"{verdicts.count(v)} {v}" for v in ("exact", "partial", "failed") if v in verdicts]
-            lines.append(f"{source}: {', '.join(counts)}")
-            for item in items:
+            lines.append(f"{source}: {_counts(items)}")
+            for item in () if several else items:
                 lines.append(f"  {item.verdict:<8}{item.line:>5}  {item.name}")
                 lines += [f"{'':>17}{issue}" for issue in item.issues]
-        for name, task in self.tasks.items():
+        for name, task in () if several else self.tasks.items():
             nodes = [node for _, node in model.walk(task.root)]
             types = sorted({n.node for n in nodes if isinstance(n, model.Leaf)} - {m.id for m in self.manifests})
             sizes = f"{len(nodes)} nodes, {len(task.data)} variables, {len(task.inputs)} inputs"
@@ -175,6 +180,30 @@ class Imported:
             lines.append(f"  nodes whose code has to be written: {listing(m.id for m in self.manifests)}")
         lines += [f"  to do: {line}" for line in self.advice]
         return "\n".join(lines) + "\n"
+
+
+_LISTED = 3
+"""Of more sources than these, a report has totals and causes."""
+
+
+def _counts(items: Iterable[Item]) -> str:
+    verdicts = [item.verdict for item in items]
+    return ", ".join(f"{verdicts.count(v)} {v}" for v in ("exact", "partial", "failed") if v in verdicts)
+
+
+def _totals(items: Iterable[Item]) -> list[str]:
+    """Return how many machines came in how well, and why the others didn't: each cause with one place."""
+    items = list(items)
+    causes: dict[tuple[str, str], list[Issue]] = {}
+    for issue in (issue for item in items for issue in item.issues):
+        cause = re.sub(r"`[^`]*`|'[^']*'|\d+", "…", issue.message)
+        causes.setdefault((issue.severity, cause), []).append(issue)
+    lines = [f"{len(items)} machines in {len({item.source for item in items})} files: {_counts(items)}"]
+    for (severity, _), issues in sorted(causes.items(), key=lambda entry: -len(entry[1])):
+        if severity != "info":
+            place = f"{issues[0].source}:{issues[0].line}"
+            lines.append(f"  {len(issues)} × {issues[0].message} ({place}{', and others' if len(issues) > 1 else ''})")
+    return lines
 
 
 def generated_by(source: str) -> str:

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import logging
+import os
+import re
 import sys
 import tokenize
 import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import sha256
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from importlib.util import spec_from_file_location
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any
 
 from grip_bt import smach_compat
@@ -28,6 +35,10 @@ _FIXERS = (
     *("numliterals", "paren", "print", "raise", "raw_input", "reduce", "repr", "standarderror", "throw"),
     *("tuple_params", "unicode", "urllib", "xrange", "zip"),
 )
+
+
+_PYTHON_2 = re.compile(r"\.(iteritems|iterkeys|itervalues|has_key)\(|\b(xrange|raw_input)\(|\bbasestring\b")
+"""What no Python 3 has, and what its syntax takes all the same."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +66,10 @@ def read_source(path: Path) -> Source:
     except (OSError, SyntaxError, UnicodeDecodeError) as error:
         raise DocumentError(f"can't be read: {error}", str(path)) from error
     try:
-        return Source(path, text, _parse(text), False)
+        tree = _parse(text)
+        if _PYTHON_2.search(text):
+            raise ValueError("is written for Python 2")
+        return Source(path, text, tree, False)
     except (SyntaxError, ValueError) as first:
         try:
             whole = text.expandtabs(_TAB)
@@ -83,10 +97,137 @@ def _converter() -> Any:
     return RefactoringTool([f"lib2to3.fixes.fix_{name}" for name in _FIXERS])
 
 
+# --- where modules are -----------------------------------------------------------------------------------------------
+
+_HIGHEST = 5
+"""How many folders above a package a workspace may begin."""
+_BUILT = ("build", "install", "devel", "log")
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """The packages that lie together: the folder around them, and the folders in which modules are looked for.
+
+    `packages`: the folders of ROS packages, by name.
+    """
+
+    root: Path
+    folders: tuple[Path, ...]
+    packages: Mapping[str, Path]
+
+
+@lru_cache(maxsize=64)
+def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
+    """Return the workspace around a file, found by `package.xml` and `setup.py`.
+
+    Args:
+        bound: the folder that it is, where that is known.
+    """
+    package = next((p for p in file.parents if (p / "package.xml").is_file() or (p / "setup.py").is_file()), None)
+    root = bound or (_root(package) if package is not None else file.parent)
+    packages, folders = {}, [file.parent]
+    for folder in _packages(root) if package is not None or bound is not None else ():
+        packages[_package_name(folder)] = folder
+        folders += _module_folders(folder)
+    folders += [root, root / "src", *sorted(root.glob("*/src"))]
+    return Workspace(root, tuple(dict.fromkeys(f for f in folders if f.is_dir())), packages)
+
+
+def _root(package: Path) -> Path:
+    above = package.parents[:_HIGHEST]
+    for folder in above:
+        if folder.name == "src" and any((folder.parent / name).is_dir() for name in _BUILT):
+            return folder
+    for folder in (package, *above):
+        if (folder / ".git").exists():
+            return folder
+    root = package
+    for folder in above:
+        if not any(p.parent != root for p in folder.glob("*/package.xml")):
+            break
+        root = folder
+    return root
+
+
+def _packages(root: Path) -> Iterator[Path]:
+    for at, folders, files in os.walk(root):
+        folders[:] = sorted(f for f in folders if f[0] != "." and f not in (*_BUILT, "node_modules"))
+        if "package.xml" in files or ("setup.py" in files and Path(at) != root):
+            yield Path(at)
+
+
+def _package_name(folder: Path) -> str:
+    try:
+        found = re.search(r"<name>\s*([^<\s]+)", (folder / "package.xml").read_text(errors="replace"))
+    except OSError:
+        found = None
+    return found.group(1) if found else folder.name
+
+
+def _module_folders(package: Path) -> list[Path]:
+    """Return where a package's `setup.py` has its modules, and where they are by custom."""
+    try:
+        text = (package / "setup.py").read_text(errors="replace")
+    except OSError:
+        text = ""
+    said = re.search(r"package_dir['\"]?\s*[=:]\s*\{([^}]*)\}", text)
+    pairs = re.findall(r"['\"]([\w.]*)['\"]\s*:\s*['\"]([^'\"]+)", said.group(1)) if said else []
+    named = [package / folder if not name else (package / folder).parent for name, folder in pairs]
+    return [*named, package / "src", package]
+
+
+class LegacyFinder(MetaPathFinder, Loader):
+    """Finds the modules of a workspace, of any age of Python.
+
+    Args:
+        folders: where they are.
+        compiled: gives the code of a file; as it is, by default.
+    """
+
+    def __init__(self, folders: Iterable[Path], compiled: Callable[[Path], CodeType] | None = None):
+        self.folders, self.compiled = list(folders), compiled or _compiled
+
+    def find_spec(self, fullname: str, path: Sequence[str] | None = None, target: object = None) -> ModuleSpec | None:
+        """Find a module or package; folders that only have its name are none."""
+        last = fullname.rpartition(".")[2]
+        for folder in map(Path, path) if path is not None else self.folders:
+            for file in (folder / last / "__init__.py", folder / f"{last}.py"):
+                if file.is_file():
+                    return spec_from_file_location(fullname, file, loader=self, submodule_search_locations=_below(file))
+        return None
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Have the usual kind of module made."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Execute it."""
+        exec(self.compiled(Path(str(module.__file__))), module.__dict__)
+
+
+def _below(file: Path) -> list[str] | None:
+    return [str(file.parent)] if file.name == "__init__.py" else None
+
+
+def _compiled(file: Path) -> CodeType:
+    return compile(read_source(file).tree, str(file), "exec")
+
+
+def module_name(path: Path) -> str:
+    """Return the name under which a file is imported: its own in its package, which relative imports need."""
+    names, folder = [path.stem], path.parent
+    while (folder / "__init__.py").is_file():
+        names.insert(0, folder.name)
+        folder = folder.parent
+    return ".".join(names) if len(names) > 1 else f"grip_legacy_{sha256(str(path).encode()).hexdigest()[:12]}"
+
+
+_finder = LegacyFinder(())
+
+
 def load_legacy(path: Path, ros: bool = True) -> ModuleType:
     """Import a legacy file, once per process, with `smach_compat` as its `smach` and `smach_ros`.
 
-    Its folder joins the end of `sys.path`, so that it finds its neighbours.
+    It finds its neighbours, and the packages of its workspace, after all others.
 
     Args:
         path: the file.
@@ -98,13 +239,21 @@ def load_legacy(path: Path, ros: bool = True) -> ModuleType:
         Exception: whatever the file raises when it is imported.
     """
     path = path.resolve()
-    name = f"grip_legacy_{sha256(str(path).encode()).hexdigest()[:12]}"
-    if name in sys.modules:
-        return sys.modules[name]
+    name = module_name(path)
+    there = sys.modules.get(name)
+    if there is not None and getattr(there, "__file__", None) == str(path):
+        return there
     source = read_source(path)
     smach_compat.install(ros=ros)
-    if str(path.parent) not in sys.path:
-        sys.path.append(str(path.parent))
+    workspace = workspace_of(path)
+    top = path.parents[name.count(".")] if "." in name else path.parent
+    for folder in (path.parent, top, *workspace.folders):
+        if folder not in _finder.folders:
+            _finder.folders.append(folder)
+    if _finder not in sys.meta_path:
+        sys.meta_path.append(_finder)
+    if "." in name:
+        return importlib.import_module(name)
     module = ModuleType(name)
     module.__file__ = str(path)
     sys.modules[name] = module

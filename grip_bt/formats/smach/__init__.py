@@ -1,7 +1,8 @@
-"""Legacy SMACH files -> tasks: a static reading that runs nothing, and a recorded execution for what it can't see."""
+"""Legacy SMACH files -> tasks: their construction is recorded, or their text shown as a preview, which runs nothing."""
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 from grip_bt.base.errors import GripError
@@ -9,19 +10,19 @@ from grip_bt.base.issue import Issue
 from grip_bt.formats.imported import CODES, Imported, Item, Request
 from grip_bt.task import Task
 
+from .found import Span
 from .importer import ImportedFile, advice, import_file, write_import
 from .objects import FromMachine, from_machine
-from .reader.found import Span
-from .recorded import import_with_execution
+from .recorded import Recorder
 
 __all__ = [
     "FromMachine",
     "ImportedFile",
+    "Recorder",
     "Span",
     "advice",
     "from_machine",
     "import_file",
-    "import_with_execution",
     "read",
     "write_import",
 ]
@@ -36,11 +37,7 @@ def read(request: Request) -> Imported:
     path = request.path
     if not path.exists():
         raise GripError(f"{path}: there is no such file or folder")
-    root = path if path.is_dir() else None
-    if request.execute:
-        read = [import_with_execution(file, root, request.arguments) for file in _files(path)]
-    else:
-        read = [import_file(file, root) for file in _files(path)]
+    read = _read_all(_files(path), request)
     if len(read) == 1 and read[0].error:
         raise GripError(read[0].error)
     if not any(each.containers or each.error for each in read):
@@ -51,7 +48,7 @@ def read(request: Request) -> Imported:
         raise GripError(f"no machine {request.select!r} was imported (available: {there})")
     tasks: dict[str, Task] = {}
     files: dict[str, str] = {}
-    items, errors, said = [], [], []
+    items, errors = [], []
     for each in read:
         mine = {name: task for name, task in each.tasks.items() if request.select in ("", name)}
         stem = each.file.stem
@@ -64,9 +61,18 @@ def read(request: Request) -> Imported:
         items += [Item(found.title, source, found.span.line, tuple(found.issues)) for found in each.containers]
         if each.error:
             errors.append(Issue(each.file.name, "unreadable", CODES["unreadable"], each.error))
-        if each.containers:
-            said += advice(each, request.execute, request.arguments)
-    return Imported(tasks, tuple(errors), tuple(items), files=files, advice=tuple(said))
+    return Imported(tasks, tuple(errors), tuple(items), files=files, advice=tuple(advice(read, request.execute)))
+
+
+def _read_all(files: list[Path], request: Request) -> list[ImportedFile]:
+    root = request.path if request.path.is_dir() else None
+    with Recorder() if request.execute else nullcontext() as recorder:
+        read = []
+        for number, file in enumerate(files):
+            request.progress(number, len(files), file.name)
+            read.append(import_file(file, root, recorder, request.arguments, request.success))
+        request.progress(len(files), len(files), "")
+    return read
 
 
 def _files(path: Path) -> list[Path]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,12 +12,9 @@ from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf
 from grip_bt.task.model import AnyNode, Meaning
 
-from .leaves import meaning_of
-from .reader.found import Child, ContainerInfo, Unresolved
+from .found import Child, ContainerInfo
+from .leaves import Meanings
 from .userdata import Keys, Variables, plain_literal
-
-MOST_ITEMS = 10_000
-"""Of a range; they stand in the task one by one."""
 
 
 class RefusedError(Exception):
@@ -101,7 +97,7 @@ def iteration_of(found: ContainerInfo) -> Iteration:
         raise RefusedError("it needs exactly one contained state")
     (added,) = found.added.values()
     try:
-        items = plain_literal(_given(settings.get("it", [])))
+        items = plain_literal(settings.get("it", []))
     except ValueError as error:
         raise RefusedError(f"its items are `{error}`, known only at run time") from None
     label, exhausted = settings.get("it_label", "it_data"), settings.get("exhausted_outcome", "exhausted")
@@ -118,36 +114,6 @@ def iteration_of(found: ContainerInfo) -> Iteration:
         if target not in (found.outcomes or ()):
             raise RefusedError(f"it would end with {target!r}, which is none of its outcomes")
     return Iteration(items, label, loops, final, mapped.get(exhausted, exhausted), dict(mapped))
-
-
-def _given(items: object) -> object:
-    """Return items; those of a function that only returns a literal, or a range between literals, are that."""
-    if isinstance(items, Unresolved) and isinstance(items.expression, ast.Lambda):
-        body = items.expression.body
-        try:
-            return _range(body) if isinstance(body, ast.Call) else ast.literal_eval(body)
-        except (TypeError, ValueError):
-            return items
-    return items
-
-
-def _range(call: ast.Call) -> list[int]:
-    """Return what `range(0, 5)` holds, or `list(range(0, 5))`, also in Python 2's spelling.
-
-    Raises:
-        TypeError, ValueError: it is none, none of literals, or longer than a task should be.
-    """
-    name, given = getattr(call.func, "id", ""), call.args
-    if call.keywords:
-        raise ValueError(name)
-    if name == "list" and len(given) == 1 and isinstance(given[0], ast.Call):
-        return _range(given[0])
-    if name not in ("range", "xrange"):
-        raise ValueError(name)
-    items = range(*(ast.literal_eval(argument) for argument in given))
-    if len(items) > MOST_ITEMS:
-        raise ValueError(name)
-    return list(items)
 
 
 def check(found: ContainerInfo) -> None:
@@ -170,28 +136,29 @@ def check(found: ContainerInfo) -> None:
         raise RefusedError(f"its initial state {found.initial!r} isn't there")
 
 
-def meanings(found: ContainerInfo) -> dict[str, Meaning]:
+def meanings(found: ContainerInfo, means_by_name: Meanings) -> dict[str, Meaning]:
     """Return outcome, as a task spells it -> what it means.
 
     Raises:
         RefusedError: one called as a meaning would mean the other.
     """
-    means = {task_name(o): meaning_of(o) for o in found.outcomes or ()}
+    means = {task_name(o): meaning for o, meaning in means_by_name.of(found.outcomes or ()).items()}
     if wrong := [o for o in ("success", "failure") if o in means and means[o] != o]:
         raise RefusedError(f"its outcome {wrong[0]!r} would have to mean the opposite")
     return means
 
 
-def labelled(found: ContainerInfo, default: str) -> tuple[dict[str, Meaning], dict[str, str]]:
+def labelled(found: ContainerInfo, default: str, means_by_name: Meanings) -> tuple[dict[str, Meaning], dict[str, str]]:
     """Return the outcomes that a parallel declares, and what each outcome is called: one `success`, one `failure`."""
-    meanings(found)
+    meanings(found, means_by_name)
     outcomes = list(dict.fromkeys((default, *(found.outcomes or ()))))
+    means = means_by_name.of(outcomes)
     labels: dict[str, str] = {o: o for o in outcomes if o in ("success", "failure")}
     for outcome in outcomes:
-        if outcome not in labels and meaning_of(outcome) not in labels.values():
-            labels[outcome] = meaning_of(outcome)
+        if outcome not in labels and means[outcome] not in labels.values():
+            labels[outcome] = means[outcome]
     own = {o: task_name(o) for o in outcomes if o not in labels}
-    return {name: meaning_of(o) for o, name in own.items()}, {**labels, **own}
+    return {name: means[o] for o, name in own.items()}, {**labels, **own}
 
 
 def source_of(found: ContainerInfo) -> dict[str, object]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,15 +10,14 @@ from grip_bt.base.errors import DocumentError
 from grip_bt.formats.imported import write_generated
 from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
+from grip_bt.nodes.smach_source import read_source
 from grip_bt.task import Task, dumps
 
-from .leaves import MARK, Leaves
-from .reader.found import ContainerInfo, Span
-from .reader.interpreter import Interpreter
-from .reader.names import Project
+from .found import ContainerInfo
+from .leaves import MARK, Leaves, Meanings
+from .preview import preview
+from .recorded import Given, Recorder, recorded_containers
 from .to_task import TaskMaker
-
-_AT_RUN_TIME = "known only at run time"
 
 
 @dataclass
@@ -31,6 +29,7 @@ class ImportedFile:
         tasks: name -> task, one for each outermost container that was imported.
         converted: whether the file was Python 2.
         error: why it couldn't be read at all.
+        needed: function or class -> parameters that nobody has given.
     """
 
     file: Path
@@ -39,6 +38,7 @@ class ImportedFile:
     leaves: Leaves | None = None
     converted: bool = False
     error: str = ""
+    needed: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def verdicts(self) -> dict[str, int]:
         """Return how many containers were imported how well."""
@@ -49,74 +49,57 @@ class ImportedFile:
 def import_file(
     file: Path,
     root: Path | None = None,
-    run: Callable[[list[ContainerInfo], Path, Path], list[ContainerInfo]] | None = None,
+    recorder: Recorder | None = None,
+    given: Given | None = None,
+    success: tuple[str, ...] = (),
 ) -> ImportedFile:
     """Read a legacy file.
 
     Args:
         file: the file.
-        root: the folder in which the modules that it imports are looked for; its own by default.
-        run: runs it, and adds to the containers that were read what it saw; without it nothing is run.
+        root: the workspace, in which the modules that it imports are looked for; found around the file by default.
+        recorder: runs the construction of its machines, for files that are trusted; without it nothing is run, and what
+            the text shows is a preview.
+        given: class or function -> parameter -> value, for what has no default; `""` for all.
+        success: outcomes that mean success, whatever they are called.
     """
-    file, folder = file.resolve(), (root or file.parent).resolve()
-    project, result = Project(folder), ImportedFile(file)
+    file, result = file.resolve(), ImportedFile(file.resolve())
     try:
-        source = project.source(file)
+        source = read_source(file)
     except DocumentError as error:
         result.error = str(error)
         return result
     result.converted = source.converted
-    if run is None and not any(isinstance(node, (ast.Import, ast.ImportFrom)) for node in ast.walk(source.tree)):
-        return result  # nothing in it can be smach's
-    reader = Interpreter(project)
-    reader.main_file(file)
-    found = _distinct(reader.containers, file)
-    if run is not None:
-        if not found and "smach" not in source.text:
-            return result  # nothing to see, so nothing is run
-        found = run(found, file, folder)
-    return _make_tasks(result, found)
+    if "smach" not in source.text:
+        return result  # nothing to see, so nothing is run
+    if recorder is None:
+        found = preview(file)
+    else:
+        found = recorded_containers(file, recorder.record(file, root and root.resolve(), given), given or {})
+    return make_tasks(result, found, Meanings(success))
 
 
-def _make_tasks(result: ImportedFile, found: list[ContainerInfo]) -> ImportedFile:
+def make_tasks(result: ImportedFile, found: list[ContainerInfo], meanings: Meanings) -> ImportedFile:
     """Make a task of each outermost container."""
-    result.leaves = Leaves(result.file)
-    result.containers = found
+    result.leaves, result.containers = Leaves(result.file, meanings), found
     for container in found:
-        if container.parent is None:
-            executed = container.attributes.get("<executed>")
-            if isinstance(executed, Span):
-                text = "importing the module runs the machine: put that under `if __name__ == '__main__'`"
-                container.problem("partial", text, executed)
+        if container.parent is None and container.way is not None and container.way.missing:
+            result.needed[container.way.builder] = container.way.missing
+        if container.parent is None and (container.way is not None or container.added):
             name = _name(container, result)
             before = dict(result.leaves.specs)
             task = TaskMaker(container, name, result.leaves).make()
             if task is None:
                 result.leaves.specs = before
-            else:
-                result.tasks[name] = task
+                continue
+            result.tasks[name] = task
     return result
 
 
-def _distinct(containers: list[ContainerInfo], file: Path) -> list[ContainerInfo]:
-    """Return the containers of a file, one for each place and each machine that holds it."""
-    mine = [c for c in containers if c.outermost.span.file == file]
-    seen: dict[tuple[int, int, int | None], ContainerInfo] = {}
-    for container in mine:
-        key = (container.span.line, container.span.column, id(container.parent) if container.parent else None)
-        seen.setdefault(key, container)
-    # What a class or function makes again for nobody is no second machine.
-    nested = {(c.span.line, c.span.column) for c in seen.values() if c.parent is not None}
-    kept = [c for c in seen.values() if c.parent is not None or (c.span.line, c.span.column) not in nested]
-    return sorted(kept, key=lambda c: (c.span.line, c.span.column))
-
-
 def _name(container: ContainerInfo, result: ImportedFile) -> str:
-    entry = container.entry
-    wanted = entry.attr if isinstance(entry, ast.Attribute) else ""
-    if not wanted:
-        wanted = container.cls if container.cls != container.kind else result.file.stem
-    return free(task_name(wanted), result.tasks)
+    builder = container.way.builder.rpartition(".")[2] if container.way is not None else ""
+    own = container.cls if container.cls != container.kind else result.file.stem
+    return free(task_name(own if builder in ("", "main", "__main__") else builder), result.tasks)
 
 
 def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path) -> list[Path]:
@@ -138,54 +121,28 @@ def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path)
     return write_generated(texts, "smach")
 
 
-def advice(
-    imported: ImportedFile, executed: bool, given: Mapping[str, Mapping[str, object]] | None = None
-) -> list[str]:
-    """Return what to do, in lines; none where everything is exact. `given`: the arguments that it was run with."""
-    open_ = [c for c in imported.containers if c.verdict != "exact"]
-    unknown = [c for c in open_ if any(_AT_RUN_TIME in issue.message for issue in c.issues)]
+def advice(files: list[ImportedFile], executed: bool) -> list[str]:
+    """Return what to do, each thing once, in lines; none where everything is exact."""
     lines = []
-    if unknown and not executed:
+    every = [c for each in files for c in each.containers]
+    if not executed and any(c.verdict != "exact" for c in every):
         lines.append(
-            "some values are known only at run time; if you trust the file, import it again with --execute,"
-            " which runs it"
+            "what was read is a preview of the text; if you trust the code, import again with --execute, which runs the"
+            " construction of the machines, and none of them"
         )
-    needs = _arguments(imported, unknown, given or {})
-    for name, parameters in needs.items():
-        said = ", ".join(f"{parameter}: ..." for parameter in parameters)
-        how = "" if executed else "--execute and "
-        lines.append(f"what {name} is given: {how}--arguments FILE.yaml with `{name}: {{{said}}}`")
-    if executed and any(c.verdict == "failed" for c in unknown) and not needs:
+    names: dict[str, list[str]] = {}
+    for each in files:
+        for builder, parameters in each.needed.items():
+            for parameter in parameters:
+                names.setdefault(parameter, []).append(builder)
+    if executed and names:
+        said = ", ".join(f"{name}: ..." for name in names)
+        users = sum(map(len, names.values()))
+        what = f"{users} builders need" if users > 1 else f"{next(iter(names.values()))[0]} needs"
+        lines.append(f"{what} arguments: --arguments FILE.yaml with `{{{said}}}`, or in leaves.py what makes them")
+    if executed and any(c.verdict == "failed" for c in every):
         lines.append(
-            "what it takes from its surroundings: write a function without arguments that builds the machine, and use"
+            "what couldn't be built: write a function without arguments that builds the machine, and use"
             " grip_bt.from_machine(build(), source=build)"
         )
     return lines
-
-
-def _arguments(
-    imported: ImportedFile, unknown: list[ContainerInfo], given: Mapping[str, Mapping[str, object]]
-) -> dict[str, list[str]]:
-    """Return class or function around a container -> parameters that have no default and weren't given."""
-    tree = Project(imported.file.parent).source(imported.file).tree
-    found: dict[str, list[str]] = {}
-    for container in unknown:
-        for node in tree.body:
-            inside = node.lineno <= container.span.line <= (node.end_lineno or node.lineno)
-            own = isinstance(node, ast.ClassDef) and node.name == container.cls
-            if isinstance(node, ast.ClassDef | ast.FunctionDef) and (own or inside):
-                missing = [p for p in _required(node) if p not in given.get(node.name, {})]
-                if missing:
-                    found[node.name] = missing
-    return found
-
-
-def _required(node: ast.ClassDef | ast.FunctionDef) -> list[str]:
-    if isinstance(node, ast.ClassDef):
-        made = next((n for n in node.body if isinstance(n, ast.FunctionDef) and n.name == "__init__"), None)
-        return _required(made)[1:] if made is not None else []
-    arguments = node.args.posonlyargs + node.args.args
-    required = arguments[: len(arguments) - len(node.args.defaults)]
-    return [a.arg for a in required] + [
-        a.arg for a, default in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True) if default is None
-    ]

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 import keyword
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,8 +16,10 @@ from grip_bt.task import FrozenDict, Meaning
 from grip_bt.task.catalog import Manifest
 from grip_bt.task.catalog.manifest import InputPort, OutputPort, Parameter
 
-from .reader.found import ContainerInfo, StateInfo
-from .reader.names import MODULE
+from .found import ContainerInfo, StateInfo, Way
+
+MODULE = "legacy"
+"""How generated code calls the file that it comes from."""
 
 _SUCCESS = frozenset(
     (
@@ -28,9 +29,35 @@ _SUCCESS = frozenset(
 )
 
 
-def meaning_of(label: str) -> Meaning:
-    """Return what an outcome of this name means."""
-    return "success" if label.strip().lower() in _SUCCESS else "failure"
+_FAILURE = re.compile(
+    r"abort|cancel|error|exit|fail|false|invalid|lost|miss|never|no$|no_|none|not|over|preempt|quit|reject|stop|time|un|wrong"
+)
+
+
+class Meanings:
+    """What outcomes mean, by their names.
+
+    Of outcomes of which none is called after success, the first that isn't called after failure is it (`outcome4`).
+
+    Args:
+        success: those that mean success, whatever they are called.
+    """
+
+    def __init__(self, success: Iterable[str] = ()):
+        self.success = frozenset(success)
+
+    def of(self, outcomes: Iterable[str]) -> dict[str, Meaning]:
+        """Return outcome -> what it means among these."""
+        labels = list(outcomes)
+        good = {o for o in labels if o in self.success} or {o for o in labels if o.strip().lower() in _SUCCESS}
+        good = good or set([o for o in labels if not _FAILURE.search(o.strip().lower())][:1])
+        return {o: "success" if o in good else "failure" for o in labels}
+
+    def guessed(self, outcomes: Iterable[str]) -> str:
+        """Return the outcome that was taken for success, though nothing says so; empty where there is none."""
+        means = self.of(outcomes)
+        good = [o for o, meaning in means.items() if meaning == "success"]
+        return "" if not good or good[0] in self.success or good[0].strip().lower() in _SUCCESS else good[0]
 
 
 MARK = generated_by("smach")
@@ -43,26 +70,24 @@ First = Mapping[str, tuple[str, str]]
 class LeafSpec:
     """One kind of leaf; `cls` is its class in `leaves.py`, empty for one of GRIP's own.
 
-    `source` is what its `make` returns; empty with `why` where a person has to say. `first`: input -> its variable, and
+    `source` is what its `make` returns. `first`: input -> its variable, and
     the source of its value while that is unwritten.
     """
 
     manifest: Manifest
     cls: str
     source: str = ""
-    why: str = ""
     first: First = field(default_factory=dict)
-    where: str = ""
 
 
 class Leaves:
     """The leaves of one legacy file."""
 
-    def __init__(self, file: Path):
-        self.file = file
+    def __init__(self, file: Path, meanings: Meanings | None = None):
+        self.file, self.meanings = file, meanings or Meanings()
         self.stem = task_name(file.stem).replace("-", "_").replace(" ", "_").strip("_").lower() or "legacy"
         self.specs: dict[object, LeafSpec] = {}
-        self.modules: dict[Path, str] = {file: MODULE}
+        self.ways: dict[Way, str] = {}
 
     def add(
         self, found: StateInfo, label: str, outcomes: list[str], keys: tuple[list[str], list[str]], first: First
@@ -76,7 +101,7 @@ class Leaves:
         """
         source = self.source(found)
         inputs, outputs = (tuple(dict.fromkeys(k)) for k in keys)
-        key = (source or id(found), tuple(outcomes), inputs, outputs, tuple(sorted(first.items())))
+        key = (source, tuple(outcomes), inputs, outputs, tuple(sorted(first.items())))
         if key not in self.specs:
             cls = self._free(_class_name(label) if found.cls in ("", found.kind) else found.cls)
             every = tuple(task_name(o) for o in outcomes)
@@ -87,9 +112,9 @@ class Leaves:
                 parameters=FrozenDict({"unwritten": Parameter(type="list[str]", default=[])}),
                 inputs=FrozenDict({k: InputPort(type="Any", required=False) for k in inputs}),
                 outputs=FrozenDict({k: OutputPort(type="Any", on=every) for k in outputs}),
-                outcomes=FrozenDict({label: meaning_of(label) for label in every}),
+                outcomes=FrozenDict(dict(zip(every, self.meanings.of(outcomes).values(), strict=True))),
             )
-            self.specs[key] = LeafSpec(manifest, cls, source, found.why, first, str(found.span))
+            self.specs[key] = LeafSpec(manifest, cls, source, first)
         return self.specs[key]
 
     def next_item(self) -> LeafSpec:
@@ -148,41 +173,31 @@ class Leaves:
 
     def _free(self, name: str) -> str:
         name = f"State{name}" if name.startswith(MODULE) else name
-        return free(name, {*(spec.cls for spec in self.specs.values()), NEXT_ITEM, "Path", "SmachLeaf", "load_legacy"})
+        return free(
+            name,
+            {*(spec.cls for spec in self.specs.values()), NEXT_ITEM, "Path", "SmachLeaf", "load_legacy", "built_in"},
+        )
 
     def source(self, found: StateInfo) -> str:
-        """Return the source that gives a legacy object; empty where nothing does."""
-        filled = isinstance(found, ContainerInfo) and found.cls == found.kind  # its children are added later
-        if found.expression is not None and not filled:
-            return self.unparsed(found.expression, found.file or found.span.file)
-        return self.live(found)
-
-    def live(self, found: StateInfo) -> str:
-        """Return the source that takes an object from the container that the legacy module builds."""
+        """Return the source that takes an object from the machine that its file builds; empty where nothing does."""
         labels: list[str] = []
-        inner: object = found
-        outer = found.parent
-        while outer is not None:
-            labels.append(next((name for name, added in outer.added.items() if added.state is inner), ""))
-            inner, outer = outer, outer.parent
-        if not isinstance(inner, ContainerInfo) or inner.entry is None or "" in labels:
+        inner: StateInfo = found
+        while inner.parent is not None:
+            labels.append(next((name for name, added in inner.parent.added.items() if added.state is inner), ""))
+            inner = inner.parent
+        if not isinstance(inner, ContainerInfo) or inner.way is None or "" in labels:
             return ""
-        entry = self.unparsed(inner.entry, inner.entry_file or inner.span.file)
-        given = "".join(f", {name}={value!r}" for name, value in inner.entry_arguments.items())
-        start = f"self.built({entry}{given})" if inner.entry_is_call else entry
-        return start + "".join(f"[{label!r}]" for label in reversed(labels))
+        return self._machine(inner.way) + "".join(f"[{label!r}]" for label in reversed(labels))
 
-    def unparsed(self, expression: ast.expr, file: Path) -> str:
-        """Return an expression as text, with the module of `file` under its name in `leaves.py`."""
-        name = self.modules.setdefault(file, f"{MODULE}_{len(self.modules) + 1}")
-        text = ast.unparse(expression)
-        if name == MODULE:
-            return text
-        tree = ast.parse(text, mode="eval")
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Name) and node.id == MODULE:
-                node.id = name
-        return ast.unparse(tree)
+    def _machine(self, way: Way) -> str:
+        """Return the source of a machine: built by what has a name, or by a function of ours that is added."""
+        if not way.called and way.returned:
+            return f"{MODULE}.{way.builder}"
+        if way.returned and not way.missing and "." not in way.builder and way.builder != "__main__":
+            return (
+                f"self.built({MODULE}.{way.builder}{''.join(f', {name}={value!r}' for name, value in way.arguments)})"
+            )
+        return f"self.built({self.ways.setdefault(way, f'machine_{len(self.ways) + 1}')})"
 
     def texts(self, folder: Path) -> dict[str, str]:
         """Return the files of the folder that holds these leaves."""
@@ -196,14 +211,22 @@ class Leaves:
             "",
             "from pathlib import Path",
             "",
-            "from grip_bt.nodes.smach_leaf import SmachLeaf",
+            *(["from grip_bt.nodes.smach_construction import built_in, run_as_main"] if self.ways else []),
+            "from grip_bt.nodes.smach_leaf import SmachLeaf, argument"
+            if self.ways
+            else "from grip_bt.nodes.smach_leaf import SmachLeaf",
             "from grip_bt.nodes.smach_source import load_legacy",
             "",
             "HERE = Path(__file__).resolve().parent",
         ]
-        for file, name in self.modules.items():
-            relative = os.path.relpath(file.resolve(), folder.resolve())
-            lines.append(f"{name} = load_legacy(HERE / {Path(relative).as_posix()!r})")
+        path = Path(os.path.relpath(self.file.resolve(), folder.resolve())).as_posix()
+        if any(
+            spec.source.partition("(")[2].startswith(MODULE) or spec.source.startswith(MODULE)
+            for spec in self.specs.values()
+        ) or any(way.builder != "__main__" for way in self.ways):
+            lines.append(f"{MODULE} = load_legacy(HERE / {path!r})")
+        for way, name in self.ways.items():
+            lines += ["", "", f"def {name}():", f"    return {_built(way, folder)}"]
         firsts = {f"first_{v}": text for spec in self.specs.values() for v, text in spec.first.values()}
         for name, text in firsts.items():
             lines += ["", "", f"def {name}(self):", f"    return {text}"]
@@ -224,10 +247,21 @@ def _class(spec: LeafSpec) -> list[str]:
     if spec.first:
         pairs = ", ".join(f"{key!r}: first_{variable}" for key, (variable, _) in spec.first.items())
         lines += [f"    first = {{{pairs}}}", ""]
-    lines.append("    def make(self):")
-    if spec.source:
-        return [*lines, f"        return {spec.source}"]
-    return [*lines, f"        raise NotImplementedError({f'{spec.where}: {spec.why}; return the state here'!r})"]
+    return [*lines, "    def make(self):", f"        return {spec.source}"]
+
+
+def _built(way: Way, folder: Path) -> str:
+    """Return the source that builds a machine again, as it was when it was recorded."""
+    names = [f"{name}={value!r}" for name, value in way.arguments] + [
+        f"{name}=argument({name!r})" for name in way.missing
+    ]
+    given, (cls, _, method) = f"({', '.join(names)})", way.builder.partition(".")
+    called = f"{MODULE}.{way.builder}{given}" if not method else f"{MODULE}.{cls}().{method}{given}"
+    if way.returned:
+        return called
+    path = Path(os.path.relpath(way.file.resolve(), folder.resolve())).as_posix()
+    code = f"run_as_main(HERE / {path!r})" if way.builder == "__main__" else f"lambda: {called}"
+    return f"built_in(HERE / {path!r}, {way.line}, {code}{f', {way.number}' if way.number else ''})"
 
 
 def _doc(found: StateInfo) -> str:

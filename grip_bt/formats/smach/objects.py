@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -20,13 +19,10 @@ from grip_bt.compilers.to_machine import CompiledMachine
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.formats.pytrees.classes import from_document
 from grip_bt.formats.pytrees.tree import Reader
-from grip_bt.formats.smach.importer import ImportedFile, write_import
-from grip_bt.formats.smach.leaves import Leaves
-from grip_bt.formats.smach.placeholders import Finder
-from grip_bt.formats.smach.reader.found import ContainerInfo, StateInfo
-from grip_bt.formats.smach.reader.names import MODULE
-from grip_bt.formats.smach.recorded import RecordingMerge
-from grip_bt.formats.smach.recorder import Record, Recording
+from grip_bt.formats.smach.facts import facts_of, found_from
+from grip_bt.formats.smach.found import ContainerInfo, StateInfo, Way
+from grip_bt.formats.smach.importer import ImportedFile, make_tasks, write_import
+from grip_bt.formats.smach.leaves import Leaves, Meanings
 from grip_bt.formats.smach.to_task import TaskMaker
 from grip_bt.nodes.smach_leaf import SmachLeaf, task_name
 from grip_bt.smach_compat import Container
@@ -192,7 +188,6 @@ def from_machine(
     name = task_name(name or (source.__name__ if source is not None else "machine"))
     leaves = _ObjectLeaves(Path(f"{name}.py"))
     found = _read(machine, leaves.file)
-    found.entry = ast.Name(MODULE, ast.Load())  # its userdata can be had
     leaves.objects = dict(_pairs(found, machine))
     task = _ObjectTaskMaker(found, name, leaves).make()
     if task is None:
@@ -205,18 +200,12 @@ def from_machine(
 
 def _read(machine: Container, file: Path) -> ContainerInfo:
     """Return what a machine is made of."""
-    facts = Recording(file, Finder(), {}).containers(list(_containers(machine)))
-    for said in facts:
-        if not said.consistent:
-            raise GripError(f"the machine is inconsistent: {said.reason}")
-    return RecordingMerge([], Record(containers=facts), file)._container(0, None)
-
-
-def _containers(container: Container) -> Iterator[Container]:
-    yield container
-    for child in container.get_children().values():
-        if isinstance(child, Container):
-            yield from _containers(child)
+    found = found_from(facts_of(machine), file)
+    assert isinstance(found, ContainerInfo), "a machine is one"
+    for each in found.within():
+        if each.verdict == "failed":
+            raise GripError(f"the machine is inconsistent: {each.issues[-1].message}")
+    return found
 
 
 def _pairs(found: ContainerInfo, live: Any) -> Iterator[tuple[StateInfo, Any]]:
@@ -245,13 +234,10 @@ def _importable(machine: Container, name: str, source: Callable[[], object]) -> 
         )
     result = ImportedFile(Path(file).resolve())
     found = _read(machine, result.file)
-    found.entry = ast.Attribute(ast.Name(MODULE, ast.Load()), source.__name__, ast.Load())
-    found.entry_is_call, found.entry_file = True, result.file
-    result.leaves = Leaves(result.file)
-    task = TaskMaker(found, name, result.leaves).make()
-    result.containers = [found]
-    if task is not None:
-        result.tasks[name] = task
+    found.way = Way(source.__name__, result.file, 1, returned=True)
+    make_tasks(result, found.within(), Meanings())
+    for task in list(result.tasks.values()):
+        result.tasks = {name: task.model_copy(update={"name": name})}
     return result
 
 
@@ -295,11 +281,9 @@ class _ObjectTaskMaker(TaskMaker):
     may_be_one_leaf = False
 
     def _first(self, variable: str) -> str:
-        expression, where = self.variables.first[variable]
-        assert isinstance(where, ContainerInfo), "nothing but userdata of containers is known"
-        assert isinstance(expression, ast.Constant), "a key of it"
+        key, where = self.variables.first[variable]
         text = f"first_{variable}"
-        self.leaves.firsts[text] = (self.leaves.objects[where], str(expression.value))
+        self.leaves.firsts[text] = (self.leaves.objects[where], key)
         return text
 
 

@@ -1,164 +1,198 @@
-"""What the recording process has seen, merged with what was read: structure from the run, source from the text."""
+"""What the recording processes have seen of files, as containers: exact where nothing hangs on chance."""
 
 from __future__ import annotations
 
-import ast
-import json
-from collections.abc import Mapping
+import os
+import re
+import subprocess
+import sys
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from grip_bt.formats.child_process import TIMEOUT, last_json
+from grip_bt.base.interpreter import python_command
 
-from .importer import ImportedFile, import_file
-from .reader.found import Child, ContainerInfo, Span, StateInfo, Unresolved
-from .recorder import Record, RecordedChild, RecordedContainer, RecordedState, RecordedValue
+from .facts import StateFacts, found_from
+from .found import ContainerInfo, Span, Way
+from .preview import Place, places_of
+from .record import Built, Job, Record, Run, Told
 
 Given = Mapping[str, Mapping[str, Any]]
-"""Class or function -> parameter -> value."""
+"""Class or function, or empty for all -> parameter -> value."""
+_MOST_REASONS = 4
 
 
-def record(file: Path, root: Path, given: Given, timeout: float = TIMEOUT) -> Record:
-    """Run a module in a process of its own and return what it built; what it had built in time, at least."""
-    paths = [file.parent, root, root / "src", *sorted(root.glob("*/src"))]
-    answer = last_json(f"{__package__}.recorder", [str(file), json.dumps(given)], paths, timeout)
-    return Record.model_validate({**(answer.data or {}), "words": answer.stderr})
+class Recorder:
+    """Two recording processes, whose hashes differ; `with Recorder() as recorder` ends them."""
+
+    def __enter__(self) -> Recorder:
+        self._processes = [self._start(seed) for seed in ("1", "2")]
+        return self
+
+    def __exit__(self, *given: object) -> None:
+        for process in self._processes:
+            process.stdin.close()  # type: ignore[union-attr]
+            process.wait()
+            process.stdout.close()  # type: ignore[union-attr]
+
+    @staticmethod
+    def _start(seed: str) -> subprocess.Popen[str]:
+        path = os.pathsep.join(filter(None, sys.path))
+        environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": seed}
+        command = python_command("-m", f"{__package__}.recording")
+        pipe = subprocess.PIPE
+        return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
+
+    def record(self, file: Path, root: Path | None = None, given: Given | None = None) -> tuple[Record, Record]:
+        """Run the construction of a file's machines, and return what both processes saw. Its code runs."""
+        plain = {name: dict(arguments) for name, arguments in (given or {}).items()}
+        job = Job(file=str(file), root=None if root is None else str(root), given=plain).model_dump_json()
+        for process in self._processes:
+            assert process.stdin is not None, "it is a pipe"
+            process.stdin.write(job + "\n")
+            process.stdin.flush()
+        first, second = (self._answer(process) for process in self._processes)
+        return first, second
+
+    @staticmethod
+    def _answer(process: subprocess.Popen[str]) -> Record:
+        assert process.stdout is not None, "it is a pipe"
+        line = process.stdout.readline()
+        return Record.model_validate_json(line) if line else Record(error="the recording process ended")
 
 
-def import_with_execution(file: Path, root: Path | None = None, given: Given | None = None) -> ImportedFile:
-    """Read a legacy file, run it in a process of its own with a recording smach, and merge what both say.
+def recorded_containers(file: Path, records: tuple[Record, Record], given: Given) -> list[ContainerInfo]:
+    """Return all containers of a file: those that were built, and those of the text that nothing has built."""
+    first, second = (_by_key(record) for record in records)
+    chosen = {key: min(builders.values(), key=_rank) for key, builders in first.items()}
+    found, shapes = [], set[str]()
+    for key, seen in sorted(chosen.items(), key=lambda item: _rank(item[1])):
+        again = next((b[seen[0][0].builder] for k, b in second.items() if k == key and seen[0][0].builder in b), None)
+        state = seen[0][1].state
+        shape = _shape(state) + ("" if state.cls != state.kind else key.rpartition("#")[0])
+        if shape not in shapes:  # what is built again, in a loop or of a class, is no second machine
+            shapes.add(shape)
+            found.append(_container(file, seen, again, records[0], given))
+    inner = {(c.span.file, c.span.line, c.cls) for each in found for c in each.within()[1:]}
+    classes = {cls for _, _, cls in inner}
+    kept = [
+        c
+        for c in found
+        if (c.span.file, c.span.line, c.cls) not in inner and not (c.cls != c.kind and c.cls in classes)
+    ]
+    every = [c for each in kept for c in each.within()]
+    return sorted([*every, *_not_built(file, every, records[0])], key=lambda c: c.span.line)
 
-    A container that was read exactly stays as it was read. One that wasn't takes its structure from the run; where
-    packages had placeholders it stays `partial`, since another run may build another machine.
 
-    Args:
-        file: the file. Its code is run: only for files that are trusted.
-        root: the folder in which the modules that it imports are looked for; its own by default.
-        given: class or function -> parameter -> value, for what has no default.
-    """
-
-    def run(found: list[ContainerInfo], file: Path, folder: Path) -> list[ContainerInfo]:
-        return RecordingMerge(found, record(file, folder, given or {}), file, given).merged()
-
-    return import_file(file, root, run)
+Seen = list[tuple[Run, Built]]
 
 
-class RecordingMerge:
-    """Containers that were read, and containers that were recorded."""
+def _by_key(record: Record) -> dict[str, dict[str, Seen]]:
+    found: dict[str, dict[str, Seen]] = defaultdict(lambda: defaultdict(list))
+    for run in record.runs:
+        for machine in run.machines:
+            found[machine.key][run.builder].append((run, machine))
+    return found
 
-    def __init__(self, read: list[ContainerInfo], run: Record, file: Path, given: Given | None = None):
-        self.read, self.run, self.file, self.given = read, run, file, given or {}
-        self.made: dict[int, ContainerInfo] = {}
 
-    def merged(self) -> list[ContainerInfo]:
-        """Return the containers of the file."""
-        inner = {child.state.container for each in self.run.containers for child in each.children}
-        result, used = [], set()
-        for number, facts in enumerate(self.run.containers):
-            if number in inner or not facts.consistent or not facts.children:
-                continue
-            counterpart = self._counterpart(facts)
-            if (counterpart is None and facts.file != str(self.file) and facts.file) or id(counterpart) in used:
-                continue
-            used.add(id(counterpart) if counterpart is not None else number)
-            verdicts = set() if counterpart is None else {c.verdict for c in _all(counterpart)}
-            # the run knows more where what was read failed, or where nothing of the run was a placeholder
-            more = "failed" in verdicts or ("partial" in verdicts and not self.run.placeholders)
-            if counterpart is None or more:
-                result.append((self._container(number, counterpart), counterpart))
-            else:
-                self._compare(facts, counterpart)
-        gone = {id(each) for _, counterpart in result if counterpart is not None for each in _all(counterpart)}
-        kept = [c for c in self.read if id(c) not in gone]
-        return sorted([*kept, *(c for new, _ in result for c in _all(new))], key=lambda c: c.span.line)
+def _rank(seen: Seen) -> tuple[Any, ...]:
+    run, machine = seen[0]
+    open_ = _variants(seen) > 1 or any(r.told or r.unfinished for r, _ in seen)
+    return open_, len(run.missing), not (machine.returned or machine.variable), run.builder == "__main__", run.builder
 
-    def _counterpart(self, facts: RecordedState) -> ContainerInfo | None:
-        """Return the container that was read where this one was made."""
-        for each in self.read:
-            here = str(each.span.file) == facts.file and each.span.line <= facts.line <= each.span.end_line
-            if each.cls == facts.cls and each.kind == facts.kind and (here or each.cls != each.kind):
-                return each
-        return None
 
-    def _compare(self, facts: RecordedContainer, counterpart: ContainerInfo) -> None:
-        """Say where the run has built other states than the text seemed to, unless a placeholder may be why."""
-        built, read = [child.label for child in facts.children], list(counterpart.added)
-        if built != read and not self.run.placeholders:
-            text = f"the run adds the states {built}, the text seems to add {read}"
-            counterpart.problem("partial", text)
-        if counterpart.verdict == "partial" and self.run.placeholders:
-            names = ", ".join(self.run.placeholders)
-            counterpart.problem(
-                "partial",
-                f"not installed and replaced by placeholders: {names}; what was read from the source is kept",
+def _shape(state: StateFacts) -> str:
+    """Return what a machine is, wherever it is made."""
+    return re.sub(r'"file":"[^"]*"|"line":\d+', "", state.model_dump_json())
+
+
+def _variants(seen: Seen) -> int:
+    return len({_shape(machine.state) for _, machine in seen})
+
+
+def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given: Given) -> ContainerInfo:
+    run, machine = seen[0]
+    made = found_from(machine.state, file)
+    assert isinstance(made, ContainerInfo), "a machine is one"
+    arguments = {**given.get("", {}), **given.get(run.builder, {})} if machine.returned else {}
+    builder = machine.variable if machine.variable and run.builder == "import" else run.builder
+    made.way = Way(
+        "__main__" if builder == "import" else builder,
+        file,
+        machine.state.line,
+        tuple(arguments.items()),
+        tuple(run.missing),
+        machine.returned or builder == machine.variable,
+        builder != machine.variable,
+        machine.number,
+    )
+    for text, place in _doubts(seen, again, record):
+        made.problem("partial", text, place)
+    if run.missing:
+        names = ", ".join(f"`{name}`" for name in run.missing)
+        made.problem("note", f"{run.builder} needs {names} to run")
+    if record.read:
+        made.problem("note", f"as {', '.join(record.read[:5])} says; import it again when that changes")
+    return made
+
+
+def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[str, Span | None]]:
+    told = {(t.what, t.file, t.line): t for run, _ in seen for t in run.told}
+    for number, each in enumerate(told.values()):
+        if number == _MOST_REASONS:
+            yield f"and {len(told) - number} more like these", None
+            break
+        if each.value is not None:
+            yield (
+                f"goes by `{each.what}`, taken as {each.value}: with another value it may be another machine",
+                _span(each),
             )
-
-    def _container(self, number: int, counterpart: ContainerInfo | None) -> ContainerInfo:
-        facts = self.run.containers[number]
-        line = facts.line or 1
-        span = counterpart.span if counterpart is not None else Span(self.file, line, 1, line)
-        made = ContainerInfo(facts.kind, facts.cls, span)
-        self.made[number] = made
-        made.outcomes, made.input_keys = facts.outcomes, facts.input_keys
-        made.output_keys, made.initial = facts.output_keys, facts.initial
-        made.settings = _settings(facts)
-        made.userdata = _values(facts.userdata)
-        if counterpart is not None:
-            made.expression, made.file, made.why = counterpart.expression, counterpart.file, counterpart.why
-            made.entry, made.entry_is_call = counterpart.entry, counterpart.entry_is_call
-            made.entry_file = counterpart.entry_file
-        if made.entry is None and facts.entry and "." not in facts.entry:
-            made.entry = ast.Attribute(ast.Name("legacy", ast.Load()), facts.entry, ast.Load())
-            made.entry_is_call, made.entry_file = True, self.file
-            made.entry_arguments = dict(self.given.get(facts.entry, {}))
-        if self.run.placeholders:
-            names = ", ".join(sorted(self.run.placeholders))
-            made.problem(
-                "partial", f"as one run built it, with placeholders for {names}; compare the states with the source"
-            )
-        for child in facts.children:
-            added = made.added[child.label] = self._added(made, child, counterpart)
-            added.constants = _values(child.constants)
-        return made
-
-    def _added(self, outer: ContainerInfo, child: RecordedChild, counterpart: ContainerInfo | None) -> Child:
-        label, facts = child.label, child.state
-        read = counterpart.added.get(label) if counterpart is not None else None
-        if facts.container is not None and facts.container not in self.made:
-            inner = read.state if read is not None and isinstance(read.state, ContainerInfo) else None
-            state: StateInfo = self._container(facts.container, inner or self._counterpart(facts))
         else:
-            state = self._state(facts, outer, read.state if read is not None else None)
-        state.parent = outer
-        span = read.span if read is not None else state.span
-        return Child(label, state, child.transitions, child.remapping, span)
-
-    def _state(self, facts: RecordedState, outer: ContainerInfo, read: StateInfo | None) -> StateInfo:
-        line = facts.line or outer.span.line
-        span = read.span if read is not None else Span(outer.span.file, line, 1, line)
-        made = StateInfo(facts.kind, facts.cls, span)
-        made.outcomes = facts.outcomes
-        made.input_keys, made.output_keys = facts.input_keys, facts.output_keys
-        made.why = f"how {facts.cls} is made is known only at run time"
-        if read is not None:
-            made.expression, made.file, made.why = read.expression, read.file, read.why
-        if not facts.kind:
-            made.problem("partial", f"the class {facts.cls} isn't here: its outcomes are taken from its transitions")
-        return made
+            yield f"goes by `{each.what}`, known only in a run", _span(each)
+    if _variants(seen) > 1:
+        asked = {(t.what, t.file, t.line): t for run, _ in seen for t in run.asked}
+        for each in list(asked.values())[:_MOST_REASONS]:
+            yield (
+                f"is another machine by the answer to `{each.what}`, known only in a run; shown as for one of them",
+                _span(each),
+            )
+    elif any(run.unfinished for run, _ in seen) or any(r.unfinished for r in record.runs if r.builder == "import"):
+        yield "asks more than was tried of what is known only in a run", None
+    if again is None or {_shape(m.state) for _, m in again} != {_shape(m.state) for _, m in seen}:
+        if not told:
+            yield "was another machine when it was built again: something in it goes by chance", None
 
 
-def _values(facts: Mapping[str, RecordedValue]) -> dict[str, Any]:
-    return {key: value.plain() for key, value in facts.items()}
+def _span(told: Told) -> Span | None:
+    return Span(Path(told.file), told.line) if told.file else None
 
 
-def _settings(facts: RecordedContainer) -> dict[str, Any]:
-    settings: dict[str, Any] = dict(facts.settings)
-    for name in ("outcome_cb", "child_termination_cb"):
-        if name in settings:
-            settings[name] = Unresolved(name) if settings[name] else None
-    return settings if facts.items is None else {**settings, "it": facts.items.plain()}
+def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterator[ContainerInfo]:
+    """Yield what the text makes and no run has built, with why."""
+    for place in places_of(file):
+        lines = range(place.line, place.end_line + 1)
+        here = (c for c in found if c.span.file == file and c.span.line in lines)
+        if any(c.cls == place.cls for c in found) if place.cls else any(here):
+            continue
+        made = ContainerInfo(place.kind, place.cls or place.kind, Span(file, place.line))
+        made.problem("failed", _why(place, record))
+        yield made
 
 
-def _all(container: ContainerInfo) -> list[ContainerInfo]:
-    inner = [added.state for added in container.added.values() if isinstance(added.state, ContainerInfo)]
-    return [container, *(each for one in inner for each in _all(one))]
+def _why(place: Place, record: Record) -> str:
+    if record.error:
+        return f"wasn't built: {record.error}"
+    imported = next((r for r in record.runs if r.builder == "import"), None)
+    if imported is not None and imported.error:
+        return f"wasn't built, since importing the file raises {imported.error}"
+    errors = [
+        (r.builder, r.error) for r in record.runs if r.error and r.builder.split(".")[0] in (place.around, place.cls)
+    ]
+    if errors:
+        return f"wasn't built: {errors[0][0]} raises {errors[0][1]}"
+    if not place.around and not place.cls:
+        errors = [(r.builder, r.error) for r in record.runs if r.error and r.builder == "__main__"]
+        if errors:
+            return f"wasn't built: the program raises {errors[0][1]}"
+    return "wasn't built by anything that was called"

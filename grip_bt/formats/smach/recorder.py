@@ -1,260 +1,360 @@
-"""The recording process: imports a legacy module, lets it build its machines, executes none, and says what they are.
+"""The recording process: runs the construction of legacy machines, executes none, and tells what was built.
 
-Run as `python -m grip_bt.formats.smach.recorder FILE [ARGUMENTS]`; each line of its stdout is what is known so far.
-It isn't a sandbox: the module's own code runs. Writing files, starting programs and the network are refused, so that a
-module that does more than build machines fails here instead of doing it.
+`python -m grip_bt.formats.smach.recording` reads jobs from stdin, one on a line, and answers each with a line. A file is
+imported in a child of this process, and each of its builders is called in a child of that one, so that nothing that one
+does reaches another. What a builder asks of stand-ins is answered in every way, one after the other.
+
+The code runs, so that it has to be trusted. Writing files, starting programs and the network are refused, and time and
+memory are limited: a module that does more than build machines fails instead of doing it.
 """
 
 from __future__ import annotations
 
+import ast
 import inspect
-import io
-import json
-import math
 import os
+import resource
+import select
+import signal
 import sys
-import threading
 import time
-from collections.abc import Callable, Sequence
+import unittest
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache, partial
 from pathlib import Path
-from types import CodeType, FrameType
+from types import CodeType, ModuleType
 from typing import Any
 
-from pydantic import BaseModel, JsonValue
+from pydantic import BaseModel
 
 from grip_bt import smach_compat
-from grip_bt.nodes.smach_source import load_legacy, read_source
+from grip_bt.nodes import stand_ins
+from grip_bt.nodes.smach_construction import CONTAINERS, CaughtError, Construction
+from grip_bt.nodes.smach_source import LegacyFinder, Workspace, module_name, read_source, workspace_of
+from grip_bt.nodes.stand_ins import StandIn, StandInFinder, name_of, stand_in, stands_in
 
-from .placeholders import Finder, Placeholder
-from .reader.found import Unresolved
+from . import tracked_code
+from .facts import facts_of, unwrapped
+from .record import Built, Job, Record, Run, Told
+from .surroundings import guard, ros_stand_ins, surround
 
-_CONTAINERS = (smach_compat.StateMachine, smach_compat.Sequence, smach_compat.Concurrence, smach_compat.Iterator)
-_BUILDERS = {cls.__name__ for cls in _CONTAINERS}
-_REFUSED = (
-    *("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.remove", "os.rename", "os.rmdir"),
-    *("os.mkdir", "os.truncate", "os.chmod", "os.link", "os.symlink", "shutil.", "socket.connect", "socket.bind"),
-    *("socket.sendto", "os.kill"),
-)
-_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
-_OURS = str(Path(smach_compat.__file__).parent)
+MOST_ANSWERS, MOST_IMPORTS = 48, 6
+"""In how many ways the questions of a builder, and those of an import, are answered."""
+MOST_QUESTIONS = 400
+PATIENCE, BUILDER_PATIENCE = 30.0, 6.0
+"""How long [s] a file, and a builder, may take."""
+_MEMORY = 4 << 30
+_ROS = ("rospy", "rclpy", "roslib", "actionlib", "smach_ros", "tf", "tf2_ros", "launch", "launch_ros")
+_INTERFACES = ("_msgs", "_srvs", "_interfaces")
+_BUILDERS = {cls.__name__ for cls in CONTAINERS}
+_OURS = (os.path.dirname(__file__), os.path.dirname(stand_ins.__file__))
 
 
-class Recording:
-    """Everything that was built: states and containers, held so that identities stay.
+class TooManyError(BaseException):
+    """The code asks without end."""
 
-    By identity: the place of the code that made it, whether it takes the place of a placeholder, and the class or
-    function of the module that gives it when called without placeholders.
-    """
 
-    def __init__(self, file: Path, finder: Finder, given: dict[str, dict[str, object]]):
-        self.file, self.finder, self.given = file, finder, given
-        self.objects: list[object] = []
-        self.places: dict[int, tuple[str, int]] = {}
-        self.stands: set[int] = set()
-        self.entries: dict[int, str] = {}
+class Asking(stand_ins.Judge):
+    """Answers as it is told to, then as is wanted, and keeps what was asked."""
 
-    def begin(self) -> None:
-        """Have every object noted, and nothing executed."""
-        made = smach_compat.State.__init__
+    def __init__(self, answers: list[bool]):
+        self.given, self.answers = answers, list[bool]()
+        self.asked: list[Told] = []
+        self.told: dict[str, Told] = {}
+        self.over = False
 
-        def noting(state: Any, *arguments: Any, **named: Any) -> None:
-            self.objects.append(state)
-            self.places[id(state)] = _place(sys._getframe(1), state)
-            made(state, *arguments, **named)
+    def decide(self, what: str, wanted: bool) -> bool:
+        """Answer as was told to, or as is wanted."""
+        if self.over:
+            return wanted
+        if len(self.answers) >= MOST_QUESTIONS:
+            self.over = True
+            raise TooManyError
+        answer = self.given[len(self.answers)] if len(self.answers) < len(self.given) else wanted
+        self.answers.append(answer)
+        self.asked.append(_told(what))
+        return answer
 
-        smach_compat.State.__init__ = noting  # type: ignore[method-assign,assignment]
-        for cls in _CONTAINERS:
-            cls.execute = _not_executed  # type: ignore[method-assign]
-            if "add" in vars(cls):
-                setattr(cls, "add", staticmethod(self._adding(vars(cls)["add"].__func__)))  # noqa: B010 - no one class has it
+    def note(self, what: str, value: object = stand_ins.UNKNOWN) -> None:
+        """Keep it."""
+        if not self.over:
+            told = _told(what, None if value is stand_ins.UNKNOWN else repr(value)[:60])
+            self.told[told.model_dump_json()] = told
+            if len(self.told) > MOST_QUESTIONS:
+                self.over = True
+                raise TooManyError
 
-    def _adding(self, add: Callable[..., object]) -> Callable[..., Any]:
-        def adding(label: str, state: Any, *arguments: Any, **named: Any) -> Any:
-            if isinstance(state, Placeholder):  # nothing is known of it: it ends as its transitions say
-                transitions = named.get("transitions", arguments[0] if arguments else None) or {}
-                kind, state = type(state).__name__, smach_compat.State(list(transitions))
-                state.stands_for = kind
-                self.stands.add(id(state))
-            return add(label, state, *arguments, **named)
 
-        return adding
+def _told(what: str, value: str | None = None) -> Told:
+    frame = tracked_code.caller()
+    place = {} if frame is None else {"line": frame.f_lineno, "file": frame.f_code.co_filename}
+    return Told(what=what, value=value, **place)
 
-    def tell(self) -> None:
-        """Write what is known on one line."""
-        containers = [o for o in self.objects if isinstance(o, _CONTAINERS)]
-        record = Record(containers=self.containers(containers), placeholders=self.finder.packages)
-        sys.__stdout__.write(record.model_dump_json() + "\n")  # type: ignore[union-attr]
-        sys.__stdout__.flush()  # type: ignore[union-attr]
 
-    def containers(self, containers: Sequence[smach_compat.Container]) -> list[RecordedContainer]:
-        """Return what these containers are."""
-        numbers = {id(container): number for number, container in enumerate(containers)}
-        return [self._container(container, numbers) for container in containers]
+class Recording(Construction):
+    """A construction in which labels, outcomes and states may be stand-ins."""
 
-    def _container(self, found: Any, numbers: dict[int, int]) -> RecordedContainer:
-        try:
-            found.check_consistency()
-            consistent, reason = True, ""
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with it
-            consistent, reason = False, str(error)
-        transitions = getattr(found, "_transitions", {})
-        remappings = getattr(found, "_remappings", {})
-        constants = getattr(found, "_constants", {})
-        children = [
-            RecordedChild(
-                label=str(label),
-                state=RecordedState(**self._state(state, numbers)),
-                transitions={str(k): None if v is None else str(v) for k, v in transitions.get(label, {}).items()},
-                remapping={str(k): str(v) for k, v in dict(remappings.get(label) or {}).items()},
-                constants={str(k): _literal(v) for k, v in constants.get(label, {}).items()},
+    holds_threads = True
+
+    def __init__(self, judge: Asking):
+        super().__init__(_OURS)
+        self.judge = judge
+
+    def __enter__(self) -> Recording:
+        begun = smach_compat.State.__init__
+
+        def plain(state: Any, *arguments: Any, **named: Any) -> None:
+            begun(state, *self._plain(arguments), **self._plain(named))
+
+        self.replace(smach_compat.State, "__init__", plain)
+        super().__enter__()
+        return self
+
+    def _plain(self, value: Any) -> Any:
+        return unwrapped(value, self.judge.note)
+
+    def given(self, label: Any, state: Any, *rest: Any, **named: Any) -> tuple[Any, ...]:
+        """Return what is added without stand-ins."""
+        rest, named = tuple(self._plain(rest)), self._plain(named)
+        if isinstance(state, StandIn):  # nothing is known of it: it ends as its transitions say
+            outcomes = named.get("transitions", rest[0] if rest else None) or {}
+            kind, state = name_of(state), smach_compat.State(list(outcomes))
+            state.stands_for = kind.rstrip("()").split(".")[-1] or kind
+        return self._plain(label), state, rest, named
+
+    def machines(self, file: str, result: Any, names: Mapping[str, Any]) -> Iterator[Built]:
+        """Yield the outermost machines that were made in a file, or whose class is there."""
+        containers = [m for m in self.made if isinstance(m, CONTAINERS)]
+        inside = {id(child) for c in containers for child in c.get_children().values()}
+        counted: dict[tuple[str, int], int] = {}
+        variables = {id(value): name for name, value in names.items() if isinstance(value, CONTAINERS)}
+        for container in containers:
+            place = self.places[id(container)]
+            number = counted[place] = counted.get(place, -1) + 1
+            mine = place[0] == file or inspect.getmodule(type(container)) is sys.modules.get(names.get("__name__", ""))
+            if id(container) in inside or not mine:
+                continue
+            yield Built(
+                key=f"{place[0]}:{place[1]}#{number}",
+                number=number,
+                state=facts_of(container, self),
+                returned=container is result,
+                variable=variables.get(id(container), ""),
             )
-            for label, state in found.get_children().items()
-        ]
-        return RecordedContainer(
-            **self._state(found, numbers),
-            consistent=consistent,
-            reason=reason,
-            children=children,
-            initial=getattr(found, "_initial_state_label", None),
-            userdata={k: _literal(v) for k, v in found.userdata._data.items()},
-            settings=_settings(found),
-            items=_literal(found._items) if isinstance(found, smach_compat.Iterator) else None,
-            entry=self.entries.get(id(found)),
+
+
+# --- processes -------------------------------------------------------------------------------------------------------
+
+
+def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: float) -> str:
+    """Return, as JSON, what is told by a child of this process; `otherwise` says what a failure is."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(reader)
+        os.setpgid(0, 0)
+        try:
+            text = work().model_dump_json(exclude_defaults=True)
+        except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
+            text = otherwise(f"{type(error).__name__}: {error}").model_dump_json()
+        with os.fdopen(writer, "wb") as pipe:
+            pipe.write(text.encode(errors="replace"))
+        os._exit(0)
+    os.close(writer)
+    parts, end = [], time.monotonic() + patience
+    while select.select([reader], [], [], max(0.0, end - time.monotonic()))[0]:
+        part = os.read(reader, 1 << 20)
+        if not part:
+            break
+        parts.append(part)
+    else:
+        os.kill(child, signal.SIGKILL)
+        parts = [otherwise(f"it was stopped after {patience:g} s").model_dump_json().encode()]
+    os.close(reader)
+    os.waitpid(child, 0)
+    return b"".join(parts).decode() or otherwise("its process ended").model_dump_json()
+
+
+def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
+    """Return the runs with all ways of answering what is asked."""
+    todo, runs, end = [list[bool]()], list[Run](), time.monotonic() + PATIENCE / 3
+    while todo:
+        if len(runs) >= most or time.monotonic() > end:
+            runs[0].unfinished = True
+            break
+        given = todo.pop()
+        run = first(given)
+        runs.append(run)
+        if run.stopped:
+            break
+        todo += [[*run.answers[:n], not run.answers[n]] for n in range(len(given), len(run.answers))]
+    return runs
+
+
+# --- a file ----------------------------------------------------------------------------------------------------------
+
+
+_compiled: dict[Path, None] = {}
+
+
+def _code(file: Path) -> CodeType:
+    _compiled[file] = None
+    return _code_of(file, file.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=4000)
+def _code_of(file: Path, changed: int) -> CodeType:
+    return compile(tracked_code.tracked(read_source(file).tree), str(file), "exec")
+
+
+class FileRecorder:
+    """Records one file, in the process that imports it."""
+
+    def __init__(self, job: Job, answers: list[bool]):
+        self.file, self.given, self.answers = Path(job.file), job.given, answers
+        self.workspace: Workspace = workspace_of(self.file, Path(job.root) if job.root else None)
+        self.finder = StandInFinder()
+        self.record, self.read = Record(), set[str]()
+
+    def recorded(self) -> Record:
+        """Import the file, and call its builders."""
+        self._prepare()
+        name = module_name(self.file)
+        asking = Asking(self.answers)
+        run, recording, module = self._run("import", asking, lambda: self._import(name))
+        run.machines = list(recording.machines(str(self.file), None, vars(module) if module else {}))
+        self.record.runs.append(run)
+        if module is not None:
+            for builder, call in (("__main__", self._main), *self._builders(module)):
+                self.record.runs += answered(partial(self._built, builder, call), MOST_ANSWERS)
+        self.record.compiled = list(_compiled)
+        self.record.packages, self.record.read = self.finder.packages, sorted(self.read)
+        return self.record
+
+    def _prepare(self) -> None:
+        for limit, most in ((resource.RLIMIT_AS, _MEMORY), (resource.RLIMIT_CORE, 0)):
+            resource.setrlimit(limit, (most, most))
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, 1)
+        os.dup2(null, 2)
+        quiet = lambda text: None  # noqa: E731
+        smach_compat.install(ros=False)  # states of smach_ros have stand-ins: recording never talks to ROS
+        smach_compat.set_loggers(quiet, quiet, quiet, quiet)
+        ros_stand_ins(self.finder, self.workspace)
+        sys.path[:] = [p for p in sys.path if p and not Path(p).is_relative_to(self.workspace.root)]
+        sys.meta_path.insert(2, _TrackedFinder(self.workspace, self.finder))
+        sys.meta_path.append(_Missing(self.finder))
+        tracked_code.install()
+        tracked_code.legacy_modules.add(module_name(self.file))
+        surround(self.file, self.workspace)
+        guard(self.workspace, self.read)
+
+    def _import(self, name: str) -> ModuleType:
+        if "." in name:
+            __import__(name)
+            return sys.modules[name]
+        module = ModuleType(name)
+        module.__file__ = str(self.file)
+        sys.modules[name] = module
+        try:
+            exec(_code(self.file), module.__dict__)
+        except CaughtError:
+            pass
+        return module
+
+    def _main(self) -> Any:
+        exec(_code(self.file), {"__name__": "__main__", "__file__": str(self.file)})
+
+    def _run(self, builder: str, asking: Asking, work: Callable[[], Any]) -> tuple[Run, Recording, Any]:
+        stand_ins.judged_by(asking)
+        recording, run, result = Recording(asking), Run(builder=builder), None
+        try:
+            result = recording.run(work)
+        except TooManyError:
+            run.unfinished = True
+        except BaseException as error:  # noqa: BLE001 - see in_child
+            run.error = f"{type(error).__name__}: {error}"[:300] + _where(error)
+        run.caught = recording.caught is not None
+        asking.over = True
+        run.answers, run.asked, run.told = asking.answers, asking.asked, list(asking.told.values())
+        return run, recording, result
+
+    def _built(self, builder: str, call: Callable[[], Any], given: list[bool]) -> Run:
+        def work() -> Run:
+            missing = list[str]()
+            asking = Asking(given)
+            self._missing = missing
+            run, recording, result = self._run(builder, asking, call)
+            run.missing = missing
+            names = vars(sys.modules[module_name(self.file)])
+            run.machines = list(
+                recording.machines(str(self.file), None if recording.caught is not None else result, names)
+            )
+            if run.error:  # what it would have added isn't known
+                run.machines = []
+            return run
+
+        return Run.model_validate_json(
+            in_child(work, lambda words: Run(builder=builder, error=words), BUILDER_PATIENCE)
         )
 
-    def _state(self, state: Any, numbers: dict[int, int]) -> dict[str, Any]:
-        file, line = self.places.get(id(state), ("", 0))
-        kinds = [c.__name__ for c in type(state).__mro__ if c.__module__.startswith(("grip_bt.smach", "smach"))]
-        return {
-            "cls": getattr(state, "stands_for", type(state).__name__),
-            "kind": "" if id(state) in self.stands else next(iter(kinds), ""),
-            "file": file,
-            "line": line,
-            "outcomes": [str(o) for o in state.get_registered_outcomes()],
-            "input_keys": [str(k) for k in state.get_registered_input_keys()],
-            "output_keys": [str(k) for k in state.get_registered_output_keys()],
-            "container": numbers.get(id(state)),
-        }
+    def _builders(self, module: ModuleType) -> Iterator[tuple[str, Callable[[], Any]]]:
+        mine = {n: v for n, v in vars(module).items() if getattr(v, "__module__", "") == module.__name__}
+        builders = _BUILDERS | {n for n, v in mine.items() if isinstance(v, type) and issubclass(v, CONTAINERS)}
+        functions = {n: v for n, v in mine.items() if inspect.isfunction(v)}
+        while more := {n for n, f in functions.items() if n not in builders and _builds(f.__code__, builders)}:
+            builders |= more
+        for name, value in mine.items():
+            if isinstance(value, type) and issubclass(value, CONTAINERS):
+                yield name, partial(self._call, value, name)
+            elif name in functions and name in builders:
+                yield name, partial(self._call, value, name)
+            elif isinstance(value, type) and not issubclass(value, (smach_compat.State, StandIn, BaseException)):
+                methods = {
+                    n: m for n, m in vars(value).items() if inspect.isfunction(m) and _builds(m.__code__, builders)
+                }
+                if "__init__" in methods:
+                    yield name, partial(self._call, value, name)
+                for method in methods.keys() - {"__init__"}:
+                    yield f"{name}.{method}", partial(self._method, value, name, method)
+
+    def _method(self, cls: type, name: str, method: str) -> Any:
+        if issubclass(cls, unittest.TestCase):
+            made = cls(method)
+            made.setUp()
+        else:
+            made = self._call(cls, name)
+        return self._call(getattr(made, method), f"{name}.{method}")
+
+    def _call(self, function: Callable[..., object], name: str) -> Any:
+        """Call with what was given, defaults, and stand-ins."""
+        given = {**self.given.get("", {}), **self.given.get(name, {})}
+        arguments: dict[str, object] = {}
+        for parameter in inspect.signature(function).parameters.values():
+            if parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):
+                continue
+            if parameter.name in given:
+                arguments[parameter.name] = given[parameter.name]
+            elif parameter.default is parameter.empty:
+                arguments[parameter.name] = _argument(parameter)
+                if parameter.name not in self._missing:
+                    self._missing.append(parameter.name)
+        positional = [n for n, p in inspect.signature(function).parameters.items() if p.kind is p.POSITIONAL_ONLY]
+        first = [arguments.pop(n) for n in positional if n in arguments]
+        return function(*first, **arguments)
 
 
-class RecordedValue(BaseModel):
-    """What JSON holds, or the class of what it doesn't: objects of subclasses, too."""
-
-    value: JsonValue = None
-    opaque: str | None = None
-
-    def plain(self) -> object:
-        """Return the value, or what stands for one that is known only at run time."""
-        return self.value if self.opaque is None else Unresolved(self.opaque)
-
-
-class RecordedState(BaseModel):
-    """A state as it was made; `container` is its number among the containers."""
-
-    cls: str
-    kind: str
-    file: str
-    line: int
-    outcomes: list[str]
-    input_keys: list[str]
-    output_keys: list[str]
-    container: int | None = None
-
-
-class RecordedChild(BaseModel):
-    """A state as it was added to a container."""
-
-    label: str
-    state: RecordedState
-    transitions: dict[str, str | None]
-    remapping: dict[str, str]
-    constants: dict[str, RecordedValue]
-
-
-class RecordedContainer(RecordedState):
-    """A container as it was built; `items` are an Iterator's."""
-
-    consistent: bool
-    reason: str
-    children: list[RecordedChild]
-    initial: str | None
-    userdata: dict[str, RecordedValue]
-    settings: dict[str, object]
-    items: RecordedValue | None = None
-    entry: str | None
-
-
-class Record(BaseModel):
-    """What the recording process told; `words` went to stderr: exceptions of the module's code among it."""
-
-    containers: list[RecordedContainer] = []
-    placeholders: list[str] = []
-    words: str = ""
-
-
-def _settings(found: object) -> dict[str, object]:
-    if isinstance(found, smach_compat.Concurrence):
-        return {
-            "default_outcome": found._default_outcome,
-            "outcome_map": {k: dict(v) for k, v in found._outcome_map.items()},
-            "outcome_cb": found._outcome_cb is not None,
-            "child_termination_cb": found._child_termination_cb is not None,
-        }
-    if isinstance(found, smach_compat.Iterator):
-        return {
-            "it_label": found._items_label,
-            "exhausted_outcome": found._exhausted_outcome,
-            "loop_outcomes": list(found._loop_outcomes),
-            "break_outcomes": list(found._break_outcomes),
-            "final_outcome_map": dict(found._final_outcome_map),
-        }
-    return {}
-
-
-def _literal(value: object) -> RecordedValue:
-    plain = list(value) if isinstance(value, range) else value
-    return RecordedValue(value=plain) if _is_plain(plain) else RecordedValue(opaque=type(value).__name__)
-
-
-def _is_plain(value: object) -> bool:
-    if type(value) is list:
-        return all(map(_is_plain, value))
-    if type(value) is dict:
-        return all(type(key) is str and _is_plain(item) for key, item in value.items())
-    return value is None or type(value) in (bool, int, str) or (type(value) is float and math.isfinite(value))
-
-
-def _place(frame: FrameType | None, state: object) -> tuple[str, int]:
-    """Return where the code makes the object: outside smach and outside the constructors of its own class."""
-    while frame is not None:
-        own = frame.f_locals.get("self") is state
-        if not own and not frame.f_code.co_filename.startswith((_OURS, os.path.dirname(__file__))):
-            return frame.f_code.co_filename, frame.f_lineno
-        frame = frame.f_back
-    return "", 0
-
-
-def _not_executed(self: Any, parent_ud: Any = None) -> Any:
-    return next(iter(self.get_registered_outcomes()), None)
-
-
-# --- running the module's code ---------------------------------------------------------------------------------------
-
-
-def _guard() -> None:
-    """Refuse what building a machine doesn't need."""
-    sys.dont_write_bytecode = True
-
-    def hook(event: str, arguments: tuple[Any, ...]) -> None:
-        mode, flags = arguments[1:3] if event == "open" else (None, 0)
-        writes = any(c in mode for c in "wax+") if isinstance(mode, str) else bool(flags and int(flags) & _WRITING)
-        if writes or event.startswith(_REFUSED):
-            raise PermissionError(f"{event} isn't allowed while machines are recorded")
-
-    threading.Thread.start = lambda self: None  # type: ignore[method-assign]
-    time.sleep = lambda seconds: None
-    sys.stdin = io.StringIO()
-    sys.addaudithook(hook)
+def _argument(parameter: inspect.Parameter) -> Any:
+    """Return what stands for an argument: of the class that its annotation names."""
+    annotation = parameter.annotation
+    if stands_in(annotation) and isinstance(annotation, type):
+        made = annotation()
+        vars(made)["_stand_in_name"] = parameter.name
+        return made
+    made = stand_in(parameter.name)
+    declared = annotation if isinstance(annotation, str) else getattr(annotation, "__name__", "")
+    vars(made)["_stand_in_declared"] = declared.split("[")[0]
+    return made
 
 
 def _builds(code: CodeType, builders: set[str]) -> bool:
@@ -264,83 +364,97 @@ def _builds(code: CodeType, builders: set[str]) -> bool:
     return any(isinstance(c, CodeType) and _builds(c, builders) for c in code.co_consts)
 
 
-def _attempted(name: str, work: Callable[[], Any]) -> Any:
-    """Return what is made; what is raised is told and forgotten."""
-    try:
-        return work()
-    except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
-        sys.stderr.write(f"{name}: {type(error).__name__}: {error}\n")
-        return None
+def _where(error: BaseException) -> str:
+    trace, place = error.__traceback__, ""
+    while trace is not None:
+        if tracked_code.is_tracked(trace.tb_frame):
+            place = f" ({os.path.basename(trace.tb_frame.f_code.co_filename)}:{trace.tb_lineno})"
+        trace = trace.tb_next
+    return place
 
 
-def _call(function: Callable[..., object], name: str, recording: Recording, *first: object) -> object:
-    """Call with what was given, defaults, and placeholders."""
-    given = recording.given.get(name, {})
-    arguments: dict[str, object] = {}
+class _TrackedFinder(LegacyFinder):
+    """Finds what is in the workspace, wherever the path leads there, and compiles it so that it is seen."""
 
-    def call() -> object:
-        for parameter in list(inspect.signature(function).parameters.values())[len(first) :]:
-            if parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):
-                continue
-            if parameter.name in given:
-                arguments[parameter.name] = given[parameter.name]
-            elif parameter.default is parameter.empty:
-                arguments[parameter.name] = Placeholder()
-        result = function(*first, **arguments)
-        if isinstance(result, _CONTAINERS) and not any(isinstance(a, Placeholder) for a in arguments.values()):
-            recording.entries[id(result)] = name
-        return result
+    def __init__(self, workspace: Workspace, finder: StandInFinder):
+        super().__init__(workspace.folders, _code)
+        self.workspace, self.finder = workspace, finder
 
-    return _attempted(name, call)
-
-
-def _explore(module: Any, recording: Recording) -> None:
-    """Call what builds machines and hasn't been called."""
-    mine = {n: v for n, v in vars(module).items() if getattr(v, "__module__", "") == module.__name__}
-    builders = _BUILDERS | {n for n, v in mine.items() if isinstance(v, type) and issubclass(v, _CONTAINERS)}
-    functions = {n: v for n, v in mine.items() if inspect.isfunction(v)}
-    while more := {n for n, f in functions.items() if n not in builders and _builds(f.__code__, builders)}:
-        builders |= more
-    for name, value in mine.items():
-        if isinstance(value, type) and issubclass(value, _CONTAINERS):
-            if not any(type(o) is value for o in recording.objects) or name in recording.given:
-                _call(value, name, recording)
-        elif name in functions and name in builders:
-            _call(value, name, recording)
-        elif isinstance(value, type) and not issubclass(value, smach_compat.State):
-            methods = {n: m for n, m in vars(value).items() if inspect.isfunction(m) and _builds(m.__code__, builders)}
-            made = _call(value, name, recording) if methods else None
-            for method in () if made is None else methods:
-                if method != "__init__":
-                    _call(getattr(made, method), f"{name}.{method}", recording)
-        recording.tell()
+    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
+        top = fullname.partition(".")[0]
+        if top in sys.stdlib_module_names or top in sys.modules and path is None:
+            return None
+        if top in _ROS or top.endswith(_INTERFACES):  # never the real ones, nor a copy of smach_ros: they want a robot
+            return self.finder.find_spec(fullname)
+        found = super().find_spec(fullname, path, target)
+        if found is None and path is None:
+            paths = [Path(p) for p in sys.path if isinstance(p, str) and p]
+            self.folders += [p for p in paths if p.is_relative_to(self.workspace.root) and p not in self.folders]
+            found = super().find_spec(fullname, path, target)
+        if found is not None:
+            tracked_code.legacy_modules.add(fullname)
+        return found
 
 
-def main(arguments: list[str]) -> None:
-    """Record one file."""
-    file = Path(arguments[0]).resolve()
-    given = json.loads(arguments[1]) if len(arguments) > 1 else {}
-    sys.stdout = sys.stderr  # what the module prints isn't ours
-    smach_compat.install(ros=False)  # states of smach_ros have placeholders: recording never talks to ROS
-    quiet = lambda text: None  # noqa: E731
-    smach_compat.set_loggers(quiet, quiet, quiet, quiet)
-    finder = Finder()
-    sys.meta_path.append(finder)
-    recording = Recording(file, finder, given)
-    recording.begin()
-    read_source(file)  # loads the converter, where it is needed, before the guard
-    _guard()
-    module = _attempted("import", lambda: load_legacy(file, ros=False))
-    recording.tell()
-    if module is not None:
-        names = {"__name__": "__main__", "__file__": str(file)}
-        _attempted("__main__", lambda: exec(compile(read_source(file).tree, str(file), "exec"), names))
-        recording.tell()
-        _explore(module, recording)
-    recording.tell()
-    sys.stderr.flush()
-    os._exit(0)  # what the module left running doesn't keep us
+class _Missing(StandInFinder):
+    """Asks whether a package is there where code is prepared for its absence."""
+
+    def __init__(self, finder: StandInFinder):
+        self.packages, self.made = finder.packages, finder.made
+
+    def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> Any:
+        spec = super().find_spec(fullname, path, target)
+        frame = tracked_code.caller()
+        if (
+            spec is not None
+            and frame is not None
+            and fullname != "rospy"
+            and _prepared(Path(frame.f_code.co_filename), frame.f_lineno)
+        ):
+            if not stand_ins.judge.decide(f"import {fullname}", True):
+                raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
+        return spec
+
+
+def _prepared(file: Path, line: int) -> bool:
+    """Whether a line is in a `try` that takes a failing import."""
+    for node in ast.walk(read_source(file).tree) if file.is_file() else ():
+        if isinstance(node, ast.Try) and node.body[0].lineno <= line <= (node.body[-1].end_lineno or 0):
+            caught = [ast.unparse(h.type) if h.type is not None else "" for h in node.handlers]
+            if any(
+                c in ("", "Exception", "BaseException") or "ImportError" in c or "ModuleNotFound" in c for c in caught
+            ):
+                return True
+    return False
+
+
+def record(job: Job) -> Record:
+    """Record a file, with all ways in which what its import asks can be answered."""
+    whole = Record()
+
+    def once(given: list[bool]) -> Run:
+        text = in_child(lambda: FileRecorder(job, given).recorded(), lambda words: Record(error=words), PATIENCE)
+        told = Record.model_validate_json(text)
+        whole.error = whole.error or told.error
+        whole.packages, whole.read = told.packages or whole.packages, told.read or whole.read
+        first = next(iter(told.runs), Run(builder="import", stopped=True))
+        for run in told.runs[1:]:  # what the import went by, each machine goes by too
+            run.told = first.told + run.told
+        for file in told.compiled:  # here, once for all that come
+            _code(file)
+        whole.runs += told.runs
+        return first
+
+    answered(once, MOST_IMPORTS)
+    return whole
+
+
+def main() -> None:
+    """Answer jobs until stdin ends."""
+    for line in sys.stdin:
+        sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")
+        sys.stdout.flush()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Mapping
 from typing import Any
 
@@ -26,8 +25,8 @@ from .containers import (
     source_of,
     steps_before,
 )
-from .leaves import Leaves, meaning_of
-from .reader.found import Child, ContainerInfo
+from .found import Child, ContainerInfo
+from .leaves import Leaves
 from .userdata import (
     Keys,
     Variables,
@@ -73,7 +72,12 @@ class TaskMaker:
             whole = Child(self.name, self.root, {}, {}, self.root.span)
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
         self.sharing.check(self._initial())
-        outcomes = {task_name(o): meaning_of(o) for o in self.root.outcomes or ()}
+        outcomes = meanings(self.root, self.leaves.meanings)
+        if guessed := self.leaves.meanings.guessed(self.root.outcomes or ()):
+            self.root.problem(
+                "note",
+                f"`{guessed}` is taken for success, as no outcome is called so; --success NAME says otherwise",
+            )
         on = {here: task_name(there) for here, there in ends.items() if here != task_name(there)}
         node = node.model_copy(update={"on": FrozenDict(on)})
         return self._checked(node, outcomes)
@@ -101,7 +105,7 @@ class TaskMaker:
             return self._parallel(found, keys, *parallel_rules(found))
         ends = {task_name(o): o for o in found.outcomes or ()}
         if found.kind == "Iterator":
-            return self._iterator(found, keys, meanings(found)), ends
+            return self._iterator(found, keys, meanings(found, self.leaves.meanings)), ends
         declare(found, keys, self.variables)
         names: dict[str, str] = {}
         for label in found.added:  # one that is also an outcome gets another name, since SMACH prefers the state
@@ -116,7 +120,7 @@ class TaskMaker:
         machine = StateMachine(
             kind="state_machine",
             initial=entries[found.initial or ""],
-            outcomes=meanings(found),
+            outcomes=meanings(found, self.leaves.meanings),
             children={**steps, **children},
             x=source_of(found),
         )
@@ -161,7 +165,7 @@ class TaskMaker:
         ends_of: dict[str, Ends] = {}
         for label, added in found.added.items():
             children[task_name(label)], ends_of[label] = self.child(found, added, keys)
-        own, labels = labelled(found, default)
+        own, labels = labelled(found, default, self.leaves.meanings)
         ends = {"success": default, "failure": default} | {label: o for o, label in labels.items()}
         asked = free("asked", children)
         allowed = "preempted" in labels
@@ -200,7 +204,11 @@ class TaskMaker:
             node, ends = self.container(state, inner)
             self.sharing.shared.append((state, shared))
             if (copied or out) and not isinstance(node, StateMachine):
-                node = as_machine(node, {here: task_name(there) for here, there in ends.items()}, meanings(state))
+                node = as_machine(
+                    node,
+                    {here: task_name(there) for here, there in ends.items()},
+                    meanings(state, self.leaves.meanings),
+                )
                 ends = {task_name(o): o for o in state.outcomes or ()}
             if out:
                 self.sharing.wrote_outside(set(out.values()))
@@ -226,9 +234,6 @@ class TaskMaker:
         first = {k: (v, text) for k in inputs if (v := bound[k]) in self.variables.first and (text := self._first(v))}
         self.sharing.wrote({bound[key] for key in outputs})
         spec = self.leaves.add(state, added.label, outcomes, (inputs, outputs), first)
-        if not spec.source:
-            why = state.why or f"`{state.cls}` can't be made outside of what builds it"
-            found.problem("partial", f"{why}; say in leaves.py how {spec.cls} is made", added.span)
         ends = {task_name(o): o for o in outcomes}
         renamed = {here: there for here, there in ends.items() if here != there}
         leaf = Leaf(
@@ -240,12 +245,9 @@ class TaskMaker:
         return leaf, ends
 
     def _first(self, variable: str) -> str:
-        expression, where = self.variables.first[variable]
-        if isinstance(where, ContainerInfo):
-            assert isinstance(expression, ast.Constant), "a key of that container"
-            live = self.leaves.live(where)
-            return f"{live}.userdata[{expression.value!r}]" if live else ""
-        return self.leaves.unparsed(expression, where)
+        key, where = self.variables.first[variable]
+        live = self.leaves.source(where)
+        return f"{live}.userdata[{key!r}]" if live else ""
 
     # --- edges ---
 
@@ -285,7 +287,7 @@ class TaskMaker:
 
 def _outcomes(added: Child) -> list[str]:
     """Return a state's outcomes; where nothing is known of them, those that lead somewhere."""
-    state, known = added.state, list(dict.fromkeys((*added.transitions, *added.connectors)))
+    state, known = added.state, list(added.transitions)
     if state.outcomes:
         return state.outcomes
     if not known:

@@ -6,18 +6,16 @@ never cleared, so the variables belong to the task and not to the containers.
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from grip_bt.formats.names import free
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
 
+from .found import ContainerInfo, Unresolved
 from .leaves import Leaves
-from .reader.found import ContainerInfo, Unresolved
 
 _LARGEST = 2**63
 
@@ -26,13 +24,13 @@ _LARGEST = 2**63
 class Variables:
     """The variables of a task.
 
-    Their values at first, and `first` for those that a task can't hold: source and file, or key and the container that
-    has it in its userdata at run time.
+    Their values at first, and `first` for those that a task can't hold: the key, and the container that has it in its
+    userdata at run time.
     """
 
     names: dict[str, None] = field(default_factory=dict)
     values: dict[str, object] = field(default_factory=dict)
-    first: dict[str, tuple[ast.expr, Any]] = field(default_factory=dict)
+    first: dict[str, tuple[str, ContainerInfo]] = field(default_factory=dict)
 
     def new(self, key: str, prefix: str) -> str:
         """Return a new variable for a key of a container."""
@@ -74,21 +72,8 @@ class Keys:
                 continue  # the parent's value comes in
             try:
                 self._variables.values[name] = plain_literal(value)
-            except ValueError as error:
-                self._first(found, key, name, value, str(error))
-
-    def _first(self, found: ContainerInfo, key: str, name: str, value: object, shown: str) -> None:
-        expression = getattr(value, "expression", None)
-        if expression is not None:
-            self._variables.first[name] = (expression, found.span.file)
-        elif found.outermost.entry is None:
-            found.problem(
-                "partial",
-                f"userdata `{key}` begins as `{shown}`, known only at run time: give the variable `{name}` a value,"
-                " or have a state write it",
-            )
-        else:
-            self._variables.first[name] = (ast.Constant(key), found)
+            except ValueError:
+                self._variables.first[name] = (key, found)
 
 
 def plain_literal(value: object) -> object:

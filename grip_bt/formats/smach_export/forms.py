@@ -157,7 +157,9 @@ def _classes(file: Path) -> dict[str, tuple[ast.expr, dict[str, Path]]]:
                 source = _made(body)
                 if source is not None:
                     found[name] = source
-    return {name: (source, modules) for name, source in found.items()}
+    own = {s.name for s in tree.body if isinstance(s, ast.FunctionDef)}  # only leaves.py has them
+    plain = {n: s for n, s in found.items() if not own & {x.id for x in ast.walk(s) if isinstance(x, ast.Name)}}
+    return {name: (source, modules) for name, source in plain.items()}
 
 
 def _made(body: list[ast.stmt]) -> ast.expr | None:

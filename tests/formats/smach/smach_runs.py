@@ -1,10 +1,14 @@
 """Runs a legacy machine on smach_compat and as an imported task, and notes what happens."""
 
+import atexit
+
 from grip_bt import smach_compat
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.formats.smach import import_file, write_import
+from grip_bt.formats.smach import Recorder, import_file, write_import
+from grip_bt.formats.smach.objects import _importable
 from grip_bt.nodes.node import Observer
+from grip_bt.nodes.smach_construction import built_in, run_as_main
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.nodes.smach_source import load_legacy
 from grip_bt.runtime import RunContext, Runner
@@ -22,9 +26,29 @@ class Trace(Observer):
             self.ends.append((path, outcome))
 
 
-def write(file, folder):
+_recorders = []
+
+
+def record(file, root=None, given=None, **more):
+    """Import a file in a recording process, which all tests share."""
+    if not _recorders:
+        _recorders.append(Recorder().__enter__())
+        atexit.register(_recorders[0].__exit__)
+    return import_file(file, root, _recorders[0], given, **more)
+
+
+def write_recorded(file, folder, **more):
     """Import a file and return the path of each task."""
-    imported = import_file(file)
+    return _written(record(file, **more), folder)
+
+
+def write(file, folder):
+    """Import what `build` of a file builds, in this process, and return the path of its task."""
+    build = load_legacy(file, ros=False).build
+    return _written(_importable(build(), "build", build), folder)
+
+
+def _written(imported, folder):
     paths = {name: folder / f"{name}.yaml" for name in imported.tasks}
     write_import(imported, paths, folder / "nodes")
     return imported, paths
@@ -45,9 +69,15 @@ def run_task(path, target="bt", data=None):
 
 def build_legacy(imported, name):
     """Build the legacy machine of an imported task from where the file gives it."""
-    container = next(c for c in imported.containers if getattr(c.entry, "attr", "") == name)
-    made = getattr(load_legacy(imported.file), name)
-    return made() if container.entry_is_call else made
+    task, legacy = imported.tasks[name], load_legacy(imported.file)
+    outermost = [c for c in imported.containers if c.parent is None]
+    way = outermost[list(imported.tasks).index(name)].way
+    assert task.name == name
+    if way.returned:
+        made = getattr(legacy, way.builder)
+        return made(**dict(way.arguments)) if way.called else made
+    code = run_as_main(way.file) if way.builder == "__main__" else getattr(legacy, way.builder)
+    return built_in(way.file, way.line, code, way.number)
 
 
 def run_legacy(machine, embedded=()):

@@ -14,7 +14,7 @@ def test_the_example_of_the_guide_is_imported_as_it_says_and_runs(tmp_path):
     legacy, task = tmp_path / "legacy_fill.py", tmp_path / "tasks" / "fill.yaml"
     legacy.write_text(block("legacy_fill.py"))
     command = [sys.executable, "-m", "grip_bt.cli.__main__"]
-    words = [*command, "import", str(legacy), "--from", "smach", "-o", str(task)]
+    words = [*command, "import", str(legacy), "--from", "smach", "--execute", "-o", str(task)]
     done = subprocess.run(words, capture_output=True, text=True, timeout=600)
     assert (done.returncode, done.stdout) == (0, block("report"))
     assert task.read_text() == block("fill.yaml")

@@ -1,10 +1,10 @@
 from pathlib import Path
 
 import pytest
-from smach_runs import build_legacy, run_legacy, run_task, write
+from smach_runs import build_legacy, record, run_legacy, run_task
+from smach_runs import write_recorded as write
 
 from grip_bt.app.project.catalogue import project_catalog
-from grip_bt.formats.smach import import_file
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import read
 from grip_bt.task.validation import validate
@@ -25,7 +25,7 @@ EMBEDDED = {"concurrence_first": {"WATCH"}}
 
 
 def test_95_percent_of_the_containers_are_imported_and_the_rest_says_why():
-    containers = [c for path in FILES for c in import_file(path).containers]
+    containers = [c for path in FILES for c in record(path).containers]
     failed = [c for c in containers if c.verdict == "failed"]
     assert (len(FILES), len(containers)) == (40, 52)
     assert len(failed) <= 0.05 * len(containers)

@@ -1,14 +1,37 @@
+"""What a recording process sees of the construction of machines, and what it refuses."""
+
+import sys
+from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
 
 import pytest
-from smach_runs import build_legacy, run_legacy, run_task
+from smach_runs import build_legacy, record, run_legacy, run_task, write_recorded
 
-from grip_bt.formats.smach import import_file, import_with_execution, write_import
-from grip_bt.formats.smach.recorded import record
+from grip_bt.cli.__main__ import main
+from grip_bt.formats.smach import import_file
+from grip_bt.nodes.smach_source import load_legacy
 
 DATA = Path(__file__).parent / "data"
 EXECUTED = DATA / "executed"
 ROOMS = {"CleanAll": {"rooms": ["bath", "attic"]}}
+HEAD = """import smach
+
+class Go(smach.State):
+    def __init__(self, name='', outcomes=('there', 'lost')):
+        smach.State.__init__(self, outcomes=list(outcomes), input_keys=['k'], output_keys=['k'])
+        self.name = name
+    def execute(self, userdata):
+        return 'there'
+
+"""
+BUILD = """
+def build():
+    sm = smach.StateMachine([OUTCOMES])
+    with sm:
+        smach.StateMachine.add('A', Go(), {EDGES})
+    return sm
+"""
 
 
 def verdicts(imported):
@@ -19,31 +42,26 @@ def texts(imported):
     return "\n".join(str(p) for c in imported.containers for p in c.issues)
 
 
-@pytest.mark.parametrize(("name", "given"), [("computed_steps", {}), ("given_rooms", ROOMS)])
-def test_what_only_a_run_knows_is_exact_when_it_is_run_and_does_the_same(name, given, tmp_path):
-    file = tmp_path / f"{name}.py"
-    file.write_text((EXECUTED / f"{name}.py").read_text().replace("json.loads(", "json.JSONDecoder().decode("))
-    assert verdicts(import_file(file)) == ["failed"]
-    imported = import_with_execution(file, given=given)
-    assert verdicts(imported) == ["exact"]
-    ((task, path),) = {n: tmp_path / f"{n}.yaml" for n in imported.tasks}.items()
-    write_import(imported, {task: path}, tmp_path / "nodes")
-    outcome, ends, _ = run_task(path)
-    container = imported.containers[0]
-    if given:
-        from grip_bt.nodes.smach_source import load_legacy
+def recorded(folder, text, name="legacy.py", **more):
+    file = folder / name
+    file.write_text(HEAD + text)
+    return record(file, **more)
 
-        machine = load_legacy(file).CleanAll(**ROOMS["CleanAll"])
-    else:
-        machine = build_legacy(imported, task)
+
+@pytest.mark.parametrize(("name", "given"), [("computed_steps", {}), ("given_rooms", ROOMS)])
+def test_what_only_a_run_knows_is_exact_and_does_the_same(name, given, tmp_path):
+    file = tmp_path / f"{name}.py"
+    file.write_text((EXECUTED / f"{name}.py").read_text())
+    imported, paths = write_recorded(file, tmp_path, given=given)
+    assert verdicts(imported) == ["exact"]
+    ((task, path),) = paths.items()
+    outcome, ends, _ = run_task(path)
+    machine = load_legacy(file).CleanAll(**ROOMS["CleanAll"]) if given else build_legacy(imported, task)
     assert (outcome, ends) == run_legacy(machine)
-    assert len(ends) == len(container.added) >= 2
+    assert len(ends) == len(imported.containers[0].added) >= 2
 
 
 CONSTANTS = """
-import json
-import smach
-
 class Speed(float):
     pass
 
@@ -57,22 +75,19 @@ class Set(smach.State):
 def build():
     sm = smach.StateMachine(outcomes=['done'])
     with sm:
-        for name, speed, after in json.JSONDecoder().decode('[["A", 1.5, "B"], ["B", 4, "done"]]'):
+        for name, speed, after in [["A", 1.5, "B"], ["B", 4, "done"]]:
             smach.StateMachine.add(name, Set(), {'ok': after}, constants={'speed': VALUE})
     return sm
 """
 
 
 @pytest.mark.parametrize("target", ["bt", "sm"])
-def test_constants_that_only_a_run_knows_are_set_before_each_state(tmp_path, target):
+def test_constants_are_set_before_each_state(tmp_path, target):
     file = tmp_path / "legacy_constants.py"
-    file.write_text(CONSTANTS.replace("VALUE", "speed"))
-    imported = import_with_execution(file)
+    file.write_text(HEAD + CONSTANTS.replace("VALUE", "speed"))
+    imported, paths = write_recorded(file, tmp_path)
     assert verdicts(imported) == ["exact"]
-    assert [added.constants for added in imported.containers[0].added.values()] == [{"speed": 1.5}, {"speed": 4}]
-    path = tmp_path / "build.yaml"
-    write_import(imported, {"build": path}, tmp_path / "nodes")
-    outcome, ends, data = run_task(path, target)
+    outcome, ends, data = run_task(paths["build"], target)
     machine = build_legacy(imported, "build")
     assert [path for path, _ in ends[0::2]] == ["set speed of A", "set speed of B"]
     assert (outcome, ends[1::2]) == run_legacy(machine)
@@ -80,101 +95,165 @@ def test_constants_that_only_a_run_knows_are_set_before_each_state(tmp_path, tar
 
 
 def test_a_constant_that_a_task_cannot_hold_is_told_and_not_flattened(tmp_path):
-    file = tmp_path / "legacy_constants.py"
-    file.write_text(CONSTANTS.replace("VALUE", "Speed(speed)"))
-    imported = import_with_execution(file)
+    imported = recorded(tmp_path, CONSTANTS.replace("VALUE", "Speed(speed)"))
     assert verdicts(imported) == ["partial"]
-    assert "the constant `speed` of 'A' is `Speed`, known only at run time: give its variable a value" in texts(
-        imported
-    )
+    assert "the constant `speed` of 'A' is `Speed`, known only at run time" in texts(imported)
 
 
-def test_without_arguments_that_it_needs_a_machine_stays_failed_with_its_reason():
-    imported = import_with_execution(EXECUTED / "given_rooms.py")
-    assert verdicts(imported) == ["failed"]
-    assert "room.upper()" in texts(imported)
+def test_what_hangs_on_an_argument_says_so_and_what_is_given_is_exact(tmp_path, capsys):
+    imported = record(EXECUTED / "given_rooms.py")
+    assert "failed" in verdicts(imported)
+    assert "goes by `rooms`, known only in a run" in texts(imported)
+    command = ["import", str(EXECUTED / "given_rooms.py"), "--from", "smach", "--execute"]
+    for text in ("CleanAll: {rooms: [bath, attic]}\n", "rooms: [bath, attic]\n", '{"rooms": ["bath", "attic"]}'):
+        (tmp_path / "args.yaml").write_text(text)
+        assert main([*command, "--arguments", str(tmp_path / "args.yaml")]) == 0
+        assert "given_rooms.py: 1 exact" in capsys.readouterr().out
 
 
-def test_a_default_that_was_assumed_stays_where_the_run_had_no_parameters_either():
-    imported = import_with_execution(EXECUTED / "vendor_base.py")
-    assert "placeholders: rospy, tf2_ros, vendor_robot; what was read from the source is kept" in texts(imported)
-    assert "assumes `'FIND_' + frame.upper()` = 'FIND_BASE_LINK'" in texts(imported)
+MAIN = """
+import rospy
+import smach_ros
+
+def main():
+    rospy.init_node('x')
+    sm = smach.StateMachine(outcomes=['outcome4'])
+    with sm:
+        smach.StateMachine.add('GO', Go(rospy.get_param('~name')), {'there': 'outcome4', 'lost': 'GO'})
+    viewer = smach_ros.IntrospectionServer('x', sm, '/x')
+    if rospy.get_param('~viewer', False):
+        viewer.start()
+    EXECUTE
+    rospy.spin()
+
+if __name__ == '__main__':
+    main()
+"""
 
 
-def test_missing_packages_get_placeholders_and_the_machine_says_so(tmp_path):
-    file = tmp_path / "vendor_base.py"
+@pytest.mark.parametrize(
+    "execute",
+    ["sm.execute()", "import threading; threading.Thread(target=sm.execute).start()", "pass", "exit(sm.execute())"],
+)
+def test_a_main_that_builds_and_executes_is_exact_and_its_states_are_had_again(tmp_path, monkeypatch, execute):
+    file = tmp_path / "legacy_main.py"
+    file.write_text(HEAD + MAIN.replace("EXECUTE", execute))
+    imported, paths = write_recorded(file, tmp_path)
+    assert (verdicts(imported), list(paths)) == (["exact"], ["legacy_main"])
+    assert "`outcome4` is taken for success" in texts(imported)
+    rospy = ModuleType("rospy")
+    rospy.__spec__ = ModuleSpec("rospy", None)
+    rospy.init_node = rospy.spin = lambda *given: None
+    rospy.get_param = lambda name, default=None: default
+    monkeypatch.setitem(sys.modules, "rospy", rospy)
+    outcome, ends, _ = run_task(paths["legacy_main"])
+    assert (outcome, ends) == ("outcome4", [("GO", "there")])
+
+
+def test_an_outcome_that_means_success_can_be_said(tmp_path):
+    text = BUILD.replace("OUTCOMES", "'a', 'b'").replace("EDGES", "'there': 'a', 'lost': 'b'")
+    imported = recorded(tmp_path, text)
+    assert dict(imported.tasks["build"].outcomes) == {"a": "success", "b": "failure"}
+    assert dict(recorded(tmp_path, text, success=("b",)).tasks["build"].outcomes) == {"a": "failure", "b": "success"}
+
+
+def test_a_parameter_that_changes_the_machine_is_told_and_one_that_does_not_is_none(tmp_path):
+    text = """
+import rospy
+def build():
+    sm = smach.StateMachine(['done', 'lost'])
+    with sm:
+        if rospy.get_param('~PARAMETER', True) and FIRST:
+            smach.StateMachine.add('A', Go(), {'there': 'done'})
+        else:
+            smach.StateMachine.add(LABEL, Go(), {'there': 'done'})
+    return sm
+"""
+    differs = recorded(tmp_path, text.replace("LABEL", "'B'").replace("FIRST", "True"))
+    assert verdicts(differs) == ["partial"]
+    assert "is another machine by the answer to `ROS parameter ~PARAMETER`" in texts(differs)
+    alike = recorded(tmp_path, text.replace("LABEL", "'A'").replace("FIRST", "rospy.foo() > 3"))
+    assert verdicts(alike) == ["exact"]
+
+
+def test_packages_are_found_by_their_package_files(tmp_path):
+    for package, folder in (("app", "app/scripts"), ("lib", "lib/src/lib")):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / package / "package.xml").write_text(f"<package><name>{package}</name></package>")
+    (tmp_path / "lib" / "setup.py").write_text("d = dict(packages=['lib'], package_dir={'': 'src'})\n")
+    (tmp_path / "lib/src/lib/__init__.py").write_text("from .states import Go\n")
+    (tmp_path / "lib/src/lib/states.py").write_text(HEAD)
+    file = tmp_path / "app/scripts/app.py"
     file.write_text(
-        (EXECUTED / "vendor_base.py")
-        .read_text()
-        .replace("'~frame', 'base_link'", "'~frame', 'base_link' if rospy else ''")
+        "import smach\nfrom lib import Go\ndef build():\n    sm = smach.StateMachine(['there', 'lost'])\n    with sm:\n"
+        "        smach.StateMachine.add('GO', Go('x'))\n    return sm\n"
     )
-    imported = import_with_execution(file)
+    imported, paths = write_recorded(file, tmp_path / "out")
+    assert verdicts(imported) == ["exact"]
+    outcome, ends, _ = run_task(paths["build"])
+    assert (outcome, ends) == ("there", [("GO", "there")])
+
+
+def test_missing_classes_are_told_and_the_rest_is_recorded():
+    imported = record(EXECUTED / "vendor_base.py")
     assert verdicts(imported) == ["partial"]
-    assert "with placeholders for rospy, tf2_ros, vendor_robot" in texts(imported)
+    assert "goes by `ROS parameter ~frame`, taken as 'FIND_BASE_LINK'" in texts(imported)
+    assert "the class Take isn't here" in texts(imported)
     (container,) = imported.containers
     assert list(container.added) == ["FIND_BASE_LINK", "TAKE"]
-    assert container.added["TAKE"].state.outcomes == ["taken", "failed"]
-    assert list(imported.tasks) == ["vendor_base"]
 
 
 def test_recording_executes_no_machine_and_refuses_files_and_programs(tmp_path, monkeypatch):
     forbidden = tmp_path / "forbidden"
-    monkeypatch.setenv("GRIP_TEST_FILE", str(forbidden))
-    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=600)
+    file = tmp_path / "harmful.py"
+    file.write_text(
+        (EXECUTED / "harmful.py").read_text().replace("GRIP_TEST_FILE", "PATH").replace("PATH", str(forbidden))
+    )
+    assert verdicts(record(file)) == ["exact"]
     assert not forbidden.exists()
-    assert [c.children[0].label for c in run.containers][:1] == ["STOP"]
-    assert "a recorded machine is not executed" not in run.words
 
 
-@pytest.mark.slow
-def test_what_was_built_before_the_time_was_over_is_kept(tmp_path):
-    file = tmp_path / "endless.py"
-    file.write_text(
-        "import smach\n"
-        "def build():\n"
-        "    sm = smach.StateMachine(['end'])\n"
-        "    with sm:\n"
-        "        smach.StateMachine.add('A', smach.State(['end']))\n"
-        "    return sm\n"
-        "def zz_hangs():\n"
-        "    build()\n"
-        "    while True: pass\n"
+def test_what_was_built_before_the_time_was_over_is_kept(tmp_path, monkeypatch):
+    text = BUILD.replace("OUTCOMES", "'end'").replace("EDGES", "'there': 'end', 'lost': 'end'")
+    imported = recorded(
+        tmp_path,
+        text + "def zz_hangs(robot):\n    build()\n    while not robot.done():\n        pass\n    while robot: pass\n",
     )
-    run = record(file, tmp_path, {}, timeout=12)
-    assert "stopped after 12 s" in run.words
-    assert run.containers[0].children[0].label == "A"
+    assert verdicts(imported) == ["exact"]
 
 
-def test_a_run_that_builds_other_states_than_the_text_is_noted(tmp_path):
-    file = tmp_path / "sly.py"
-    file.write_text(
-        "import smach\n"
-        "def build():\n"
-        "    sm = smach.StateMachine(['end'])\n"
-        "    with sm:\n"
-        "        smach.StateMachine.add('A', smach.State(['end']))\n"
-        "        exec(\"smach.StateMachine.add('B', smach.State(['end']))\")\n"
-        "    return sm\n"
-    )
-    assert verdicts(import_file(file)) == ["exact"]
-    imported = import_with_execution(file)
-    assert "the run adds the states ['A', 'B'], the text seems to add ['A']" in texts(imported)
-
-
-def test_nothing_runs_unless_it_is_asked_for(tmp_path):
+def test_nothing_runs_unless_it_is_asked_for_and_a_preview_says_what_it_is(tmp_path):
     file = tmp_path / "loud.py"
-    file.write_text(f"import smach\nopen({str(tmp_path / 'ran')!r}, 'w')\nsm = smach.StateMachine(['a'])\n")
-    import_file(file)
+    file.write_text(HEAD + f"open({str(tmp_path / 'ran')!r}, 'w')\n" + MAIN.replace("EXECUTE", "sm.execute()"))
+    imported = import_file(file)
     assert not (tmp_path / "ran").exists()
+    assert verdicts(imported) == ["partial"]
+    assert "a preview of the text" in texts(imported)
+    assert list(imported.containers[0].added) == ["GO"]
+
+
+def test_a_preview_of_literals_throughout_is_exact_and_runs(tmp_path):
+    file = DATA / "pick_mug.py"
+    imported = import_file(file)
+    machines = [c for each in DATA.glob("*.py") for c in import_file(each).containers if c.verdict == "exact"]
+    recorded_too = {str(c.span) for c in record(file).containers}
+    assert {str(c.span) for c in imported.containers} == recorded_too
+    for each in machines:
+        (same,) = [c for c in record(each.span.file).containers if c.span.line == each.span.line]
+        ends = lambda c: [(k, {o: v.transitions.get(o) for o in v.state.outcomes}) for k, v in c.added.items()]  # noqa: E731
+        assert ends(same) == ends(each)
 
 
 def test_a_file_without_smach_is_not_run(tmp_path):
     file = tmp_path / "other.py"
     file.write_text("raise SystemExit\n")
-    assert import_with_execution(file).containers == []
+    assert record(file).containers == []
 
 
-def test_the_record_is_json_on_stdout_whatever_the_module_prints():
-    run = record(EXECUTED / "harmful.py", EXECUTED, {}, timeout=600)
-    assert run.containers
-    assert "nonsense" in run.words
+def test_a_report_on_many_files_begins_with_totals_and_says_each_thing_once(capsys):
+    main(["import", str(DATA), "--from", "smach", "--report"])
+    out = capsys.readouterr().out
+    assert " machines in " in out.splitlines()[0]
+    assert out.count("preview of the text: whether") == 1
+    assert out.count("to do:") == 1
+    assert "ast." not in out

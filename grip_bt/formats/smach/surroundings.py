@@ -1,0 +1,293 @@
+"""What legacy code takes from around it while it is recorded: as it is here, and known to be no more than that.
+
+Environment, command line, time, chance, host and ROS parameters give stand-ins that hold what they are here (of a
+parameter, the default), so that nothing hangs on them unseen. Files of the workspace are part of the program.
+"""
+
+from __future__ import annotations
+
+import argparse
+import builtins
+import datetime
+import getpass
+import inspect
+import math
+import os
+import platform
+import random
+import socket
+import sys
+import time
+import uuid
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from grip_bt.nodes import stand_ins
+from grip_bt.nodes.smach_source import Workspace
+from grip_bt.nodes.stand_ins import StandIn, StandInFinder, lifted, name_of, stand_in, stands_in
+from grip_bt.smach_compat import State
+from grip_bt.smach_compat import smach_ros as real
+
+from .found import FIXED_OUTCOMES
+from .tracked_code import caller, is_tracked
+
+_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
+_REFUSED = (
+    *("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.remove", "os.rename", "os.rmdir"),
+    *("os.mkdir", "os.truncate", "os.chmod", "os.link", "os.symlink", "shutil.", "socket.connect", "socket.bind"),
+    *("socket.sendto", "os.kill"),
+)
+
+
+def guard(workspace: Workspace, read: set[str]) -> None:
+    """Refuse what building a machine doesn't need, for good; what is read of the workspace is added to `read`."""
+    sys.dont_write_bytecode = True
+    own, python = str(workspace.root) + os.sep, (sys.prefix, sys.base_prefix, "/proc/", "/dev/", "/usr/lib", "/etc/ssl")
+
+    def hook(event: str, arguments: tuple[Any, ...]) -> None:
+        if event.startswith(_REFUSED) and caller() is not None:
+            raise PermissionError(f"{event} isn't allowed while machines are recorded")
+        if event not in ("open", "os.listdir", "os.scandir") or caller() is None:
+            return
+        mode, flags = arguments[1:3] if event == "open" else (None, 0)
+        writes = any(c in mode for c in "wax+") if isinstance(mode, str) else bool(flags and int(flags) & _WRITING)
+        if writes:
+            raise PermissionError(f"writing {arguments[0]} isn't allowed while machines are recorded")
+        path = os.path.abspath(arguments[0]) if isinstance(arguments[0], str) else ""
+        if not path or path.endswith((".py", ".pyc", ".so")) or _importing():
+            return
+        if (path + os.sep).startswith(own):
+            read.add(os.path.relpath(path, own))
+        elif not path.startswith(python):
+            stand_ins.judge.note(f"the file {path}")
+
+    sys.addaudithook(hook)
+
+
+def _importing() -> bool:
+    frame = sys._getframe(2)
+    while frame is not None and not is_tracked(frame):
+        if "importlib" in frame.f_code.co_filename:
+            return True
+        frame = frame.f_back  # type: ignore[assignment]
+    return False
+
+
+def surround(file: Path, workspace: Workspace) -> None:
+    """Put what stands for the surroundings in their place, for good."""
+    for module, names in _SEEN.items():
+        for name in names:
+            there = getattr(module, name, None)
+            if there is not None:
+                setattr(module, name, _as_seen(there, f"{module.__name__}.{name}()"))
+    for name in ("shuffle", "choice", "sample", "choices"):
+        setattr(random, name, _by_chance(getattr(random, name), f"random.{name}()"))
+    for name, function in vars(math).items():
+        if callable(function):
+            setattr(math, name, _lifting(function))
+    for name in ("exists", "isfile", "isdir"):
+        setattr(os.path, name, _outside(getattr(os.path, name), name, workspace.root))
+    setattr(os, "environ", _Environment(os.environ))  # noqa: B010 - the process is ours
+    setattr(os, "getenv", lambda key, default=None: os.environ.get(key, default))  # noqa: B010
+    sys.argv = stand_in("sys.argv", [str(file)])  # type: ignore[assignment]
+    sys.stdin = stand_in("sys.stdin")
+    builtins.input = lambda *given: stand_in("input()")  # type: ignore[assignment]
+    argparse.ArgumentParser.parse_args = _parsed  # type: ignore[method-assign,assignment]
+    argparse.ArgumentParser.parse_known_args = lambda *given: (_parsed(*given), [])  # type: ignore[method-assign,assignment]
+    time.sleep = lambda seconds: None
+    _datetime()
+
+
+_SEEN: dict[ModuleType, tuple[str, ...]] = {
+    random: ("random", "randint", "uniform", "gauss", "randrange", "getrandbits", "normalvariate"),
+    time: ("time", "monotonic", "perf_counter", "localtime", "gmtime", "strftime", "ctime", "time_ns"),
+    uuid: ("uuid1", "uuid4"),
+    socket: ("gethostname", "getfqdn"),
+    platform: ("node", "system", "machine", "platform"),
+    getpass: ("getuser",),
+    os: ("getpid", "getcwd", "getlogin", "cpu_count"),
+}
+
+
+def _as_seen(function: Callable[..., Any], name: str) -> Callable[..., Any]:
+    def seen(*arguments: Any, **named: Any) -> Any:
+        if not is_tracked(_legacy_caller()):
+            return function(*arguments, **named)
+        return lifted(function, name, *arguments, **named) if arguments or named else stand_in(name, function())
+
+    return seen
+
+
+def _legacy_caller() -> Any:
+    """Return the frame that calls one of these functions: legacy code, or the call that was compiled into it."""
+    frame = sys._getframe(2)
+    return frame.f_back if frame.f_code.co_name == "_call" else frame
+
+
+def _by_chance(function: Callable[..., Any], name: str) -> Callable[..., Any]:
+    def noted(*arguments: Any, **named: Any) -> Any:
+        if is_tracked(_legacy_caller()):
+            stand_ins.judge.note(name)
+        return function(*arguments, **named)
+
+    return noted
+
+
+def _lifting(function: Callable[..., Any]) -> Callable[..., Any]:
+    def lifting(*arguments: Any) -> Any:
+        about = next((a for a in arguments if stands_in(a)), None)
+        return function(*arguments) if about is None else lifted(function, name_of(about), *arguments)
+
+    return lifting
+
+
+def _outside(function: Callable[..., bool], name: str, root: Path) -> Callable[..., Any]:
+    def looked(path: Any) -> Any:
+        if stands_in(path):
+            return lifted(looked, name_of(path), path)
+        there = function(path)
+        if not is_tracked(_legacy_caller()) or os.path.abspath(path).startswith(str(root)):
+            return there
+        return stand_in(f"os.path.{name}({str(path)!r})", there)
+
+    return looked
+
+
+class _Environment(dict[str, str]):
+    """The environment; legacy code gets it as stand-ins."""
+
+    def __getitem__(self, key: str) -> Any:
+        value = super().__getitem__(key)
+        return stand_in(f"${key}", value) if is_tracked(_legacy_caller()) else value
+
+    def get(self, key: str, default: Any = None) -> Any:
+        tracked = is_tracked(_legacy_caller()) or caller() is not None
+        return stand_in(f"${key}", super().get(key, default)) if tracked else super().get(key, default)
+
+    def __contains__(self, key: object) -> bool:
+        if is_tracked(_legacy_caller()):
+            return stand_ins.judge.decide(f"${key}", super().__contains__(key))
+        return super().__contains__(key)
+
+    def __iter__(self) -> Any:
+        if is_tracked(_legacy_caller()):
+            stand_ins.judge.note("the environment")
+        return super().__iter__()
+
+
+def _parsed(parser: argparse.ArgumentParser, *given: Any) -> argparse.Namespace:
+    """Return the arguments of a command line without any: defaults, and what nobody knows."""
+    found = argparse.Namespace(**parser._defaults)
+    for action in parser._actions:
+        if action.dest != "help":
+            name = f"the argument {action.dest}"
+            needed = action.required or not action.option_strings
+            setattr(found, action.dest, stand_in(name) if needed else stand_in(name, action.default))
+    return found
+
+
+def _datetime() -> None:
+    real = datetime.datetime
+
+    class Moments(type):
+        def __instancecheck__(cls, instance: object) -> bool:
+            return isinstance(instance, real)
+
+    def now(name: str) -> Any:
+        return staticmethod(lambda *zone: stand_in(f"datetime.{name}()", getattr(real, name)(*zone)))
+
+    names = {name: now(name) for name in ("now", "utcnow", "today")}
+    datetime.datetime = Moments("datetime", (real,), names)  # type: ignore[misc,assignment]
+
+
+# --- packages of ROS -------------------------------------------------------------------------------------------------
+
+
+def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
+    """Give packages of ROS that aren't here what construction needs of them."""
+
+    def rospy(module: ModuleType) -> None:
+        def parameter(name: Any, default: Any = stand_ins.UNKNOWN) -> StandIn:
+            return stand_in(f"ROS parameter {name}", default)
+
+        given: dict[str, Any] = {
+            "get_param": parameter,
+            "has_param": lambda name: stand_in(f"ROS parameter {name}", wanted=False),
+            "is_shutdown": lambda: stand_in("rospy.is_shutdown()"),
+            "myargv": lambda *given, **named: sys.argv,
+        }
+        for name, function in given.items():
+            function._stand_in_free = True
+            setattr(module, name, function)
+
+    def folder(name: Any, *rest: Any) -> Any:
+        found = None if stands_in(name) else workspace.packages.get(name)
+        return stand_in(f"the folder of {name}") if found is None else str(found)
+
+    def smach_ros(module: ModuleType) -> None:
+        for name in FIXED_OUTCOMES:
+            setattr(module, name, _ros_state(name))
+        module.RosState = _RosState  # type: ignore[attr-defined]
+
+    def rospkg(module: ModuleType) -> None:
+        module.RosPack = type("RosPack", (), {"get_path": lambda self, name: folder(name)})  # type: ignore[attr-defined]
+
+    finder.made |= {"rospy": rospy, "smach_ros": smach_ros, "rospkg": rospkg}
+    for name, function in (
+        ("roslib.packages", "get_pkg_dir"),
+        ("ament_index_python.packages", "get_package_share_directory"),
+        ("ament_index_python", "get_package_share_directory"),
+    ):
+        finder.made[name] = partial(_give, function, folder)
+
+
+class _RosState(State):
+    """ROS 2's: a state with a node."""
+
+    def __init__(self, node: Any, *arguments: Any, **named: Any):
+        State.__init__(self, *arguments, **named)
+        self.node = node
+
+
+def _give(name: str, value: object, module: ModuleType) -> None:
+    setattr(module, name, value)
+
+
+def _ros_state(kind: str) -> type:
+    """Return a state with the outcomes and keys of one of smach_ros, that never runs."""
+    parameters = list(inspect.signature(getattr(real, kind).__init__).parameters)[1:]
+
+    def __init__(self: State, *arguments: Any, **named: Any) -> None:
+        if (
+            arguments
+            and not isinstance(arguments[0], str)
+            and kind in ("SimpleActionState", "ServiceState", "MonitorState")
+        ):
+            arguments = arguments[1:]  # ROS 2's node
+        given = dict(zip(parameters, arguments, strict=False)) | named
+        keys = {k: list(given.get(k) or []) for k in ("input_keys", "output_keys", "io_keys")}
+        State.__init__(self, [*FIXED_OUTCOMES[kind], *(given.get("outcomes") or [])], **keys)
+        for side, register in (
+            (("goal", "request"), self.register_input_keys),
+            (("result", "response"), self.register_output_keys),
+        ):
+            for word in side:
+                register([k for k in (given.get(f"{word}_key"),) if isinstance(k, str)])
+                register([k for k in given.get(f"{word}_slots") or [] if isinstance(k, str)])
+        for name in ("goal_cb", "result_cb", "request_cb", "response_cb", "cond_cb"):
+            _interface(self, name, given.get(name))
+
+    return type(kind, (State,), {"__init__": __init__, "__module__": "smach_ros"})
+
+
+def _interface(state: State, name: str, callback: Any) -> None:
+    """Add what `cb_interface` declares on a callback."""
+    if callback is None or stands_in(callback) or not hasattr(callback, "get_registered_outcomes"):
+        return
+    if name in ("result_cb", "response_cb"):
+        state.register_outcomes(callback.get_registered_outcomes())
+    state.register_input_keys(callback.get_registered_input_keys())
+    state.register_output_keys(callback.get_registered_output_keys())

@@ -1,0 +1,298 @@
+"""Legacy code, compiled so that what it does with stand-ins stays known, and what goes by hashes.
+
+Python asks no object about `x is None`, and turns a stand-in into text or a number where a function of its library
+wants one; `for x in {…}` goes by hashes. Such places call the functions below, which see what they are given.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import sys
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from types import FrameType
+from typing import Any
+
+from grip_bt.nodes import stand_ins
+from grip_bt.nodes.stand_ins import StandIn, held_by, lifted, name_of, stand_in, stands_in, value_of
+
+IS, CALL, STAR, SET, MOD, TEXT = (f"__grip_{name}__" for name in ("is", "call", "star", "set", "mod", "text"))
+_DIRECT = ("super", "locals", "globals", "vars", "dir", "eval", "exec")
+
+
+class _Tracking(ast.NodeTransformer):
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        """Have a call seen; those that look at their own frame stay as they are."""
+        self.generic_visit(node)
+        if isinstance(node.func, ast.Name) and node.func.id in _DIRECT:
+            return node
+        for each in node.args:
+            if isinstance(each, ast.Starred):
+                each.value = _calling(STAR, each.value, each.value)
+        return _calling(CALL, node, node.func, *node.args, keywords=node.keywords)
+
+    def visit_Compare(self, node: ast.Compare) -> ast.expr:
+        """Have `is` seen."""
+        self.generic_visit(node)
+        if len(node.ops) != 1 or not isinstance(node.ops[0], (ast.Is, ast.IsNot)):
+            return node
+        made = _calling(IS, node, node.left, node.comparators[0])
+        return made if isinstance(node.ops[0], ast.Is) else ast.copy_location(ast.UnaryOp(ast.Not(), made), node)
+
+    def _set(self, node: Any) -> ast.expr:
+        self.generic_visit(node)
+        return _calling(SET, node, node)
+
+    visit_Set = visit_SetComp = _set
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        """Have `"..." % x` seen."""
+        self.generic_visit(node)
+        return _calling(MOD, node, node.left, node.right) if isinstance(node.op, ast.Mod) else node
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.expr:
+        """Have the values of a text seen."""
+        self.generic_visit(node)
+        parts: list[ast.expr] = []
+        for part in node.values:
+            if isinstance(part, ast.FormattedValue):
+                spec = part.format_spec or ast.Constant("")
+                parts.append(ast.Tuple([part.value, ast.Constant(part.conversion), spec], ast.Load()))
+            else:
+                parts.append(part)
+        return _calling(TEXT, node, *parts)
+
+
+def _calling(name: str, node: ast.expr, *arguments: ast.expr, keywords: Iterable[ast.keyword] = ()) -> ast.Call:
+    function = ast.copy_location(ast.Name(name, ast.Load()), node)
+    made = ast.Call(function, list(arguments), list(keywords))
+    return ast.copy_location(made, node)
+
+
+def tracked(tree: ast.Module) -> ast.Module:
+    """Return the code so that stand-ins are seen; lines stay."""
+    made = _Tracking().visit(tree)
+    return ast.fix_missing_locations(made)  # type: ignore[no-any-return]
+
+
+def install() -> None:
+    """Give compiled code its functions."""
+    for name, function in ((IS, _is), (CALL, _call), (STAR, _star), (SET, TrackedSet), (MOD, _mod), (TEXT, _text)):
+        setattr(builtins, name, function)
+
+
+def is_tracked(frame: FrameType | None) -> bool:
+    """Tell whether a frame is one of legacy code."""
+    return frame is not None and CALL in frame.f_code.co_names
+
+
+def caller() -> FrameType | None:
+    """Return the innermost frame of legacy code."""
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None and not is_tracked(frame):
+        frame = frame.f_back
+    return frame
+
+
+# --- what compiled code calls ----------------------------------------------------------------------------------------
+
+
+def _is(left: object, right: object) -> bool:
+    for one, other in ((left, right), (right, left)):
+        if stands_in(one) and not isinstance(one, type):
+            held = value_of(one)
+            if held is not stand_ins.UNKNOWN:
+                return stand_ins.judge.decide(name_of(one), held is value_of(other))
+            if other is None or isinstance(other, bool):
+                return stand_ins.judge.decide(f"{name_of(one)} is {other!r}", False)
+    return left is right
+
+
+def _mod(left: Any, right: Any) -> Any:
+    if isinstance(left, (str, bytes)) and _inside(right):
+        return lifted(lambda a, b: a % b, f"text with {_first_name(right)}", left, right)
+    return left % right
+
+
+def _text(*parts: Any) -> Any:
+    def joined(*values: Any) -> str:
+        shown: dict[int, Callable[[Any], Any]] = {-1: lambda v: v, ord("r"): repr, ord("s"): str, ord("a"): ascii}
+        return "".join(p if isinstance(p, str) else format(shown[p[1]](p[0]), p[2]) for p in values)
+
+    name = f"text with {_first_name(parts)}" if _inside(parts) else ""
+    return lifted(joined, name, *parts) if name else joined(*parts)
+
+
+def _inside(value: Any) -> bool:
+    if isinstance(value, (tuple, list)):
+        return any(map(_inside, value))
+    if type(value) is dict:
+        return any(map(_inside, value.values()))
+    return stands_in(value) and not isinstance(value, type)
+
+
+def _first_name(value: Any) -> str:
+    if isinstance(value, (tuple, list, dict)):
+        items = value.values() if isinstance(value, dict) else value
+        return next((_first_name(each) for each in items if _inside(each)), "")
+    return name_of(value)
+
+
+class _SetKind(type):
+    def __instancecheck__(cls, instance: object) -> bool:
+        return isinstance(instance, set)
+
+
+class TrackedSet(set[Any], metaclass=_SetKind):
+    """A set whose order, which goes by hashes, is noted where something goes by it."""
+
+    def __iter__(self) -> Iterator[Any]:
+        if len(self) > 1 and not all(isinstance(item, int) for item in set.__iter__(self)):
+            stand_ins.judge.note("the order of a set")
+        return set.__iter__(self)
+
+    def pop(self) -> Any:
+        """Remove and return one, by its hash."""
+        iter(self)
+        return super().pop()
+
+
+def _kept(name: str) -> Callable[..., Any]:
+    plain = getattr(set, name)
+    return lambda self, *others: TrackedSet(plain(self, *map(_untracked, others)))
+
+
+for _name in ("union", "intersection", "difference", "symmetric_difference", "copy"):
+    setattr(TrackedSet, _name, _kept(_name))
+for _name in ("__or__", "__and__", "__sub__", "__xor__"):
+    setattr(TrackedSet, _name, _kept(_name))
+
+
+def _untracked(value: Any) -> Any:
+    return set(set.__iter__(value)) if type(value) is TrackedSet else value
+
+
+def _hasattr(value: Any, name: str) -> bool:
+    if stands_in(value) and not isinstance(value, type) and name not in vars(value):
+        return stand_ins.judge.decide(f"hasattr({name_of(value)}, {name!r})", True)
+    return hasattr(value, name)
+
+
+def _getattr(value: Any, name: Any, *default: Any) -> Any:
+    name = _plain_text(name)
+    if default and stands_in(value) and not _hasattr(value, name):
+        return default[0]
+    return getattr(value, name, *default)
+
+
+def _setattr(value: Any, name: Any, new: Any) -> None:
+    setattr(value, _plain_text(name), new)
+
+
+def _plain_text(name: Any) -> Any:
+    return str(name) if stands_in(name) else name
+
+
+def _isinstance(value: Any, kinds: Any) -> bool:
+    if stands_in(value) and not isinstance(value, type):
+        held = value_of(value)
+        if held is not stand_ins.UNKNOWN:
+            return stand_ins.judge.decide(f"the class of {name_of(value)}", isinstance(held, kinds))
+        names = [getattr(k, "__name__", str(k)) for k in (kinds if isinstance(kinds, tuple) else (kinds,))]
+        declared = getattr(value, "_stand_in_declared", None)
+        if isinstance(value, kinds) if type(value) is not StandIn else declared in names:
+            return True
+        return stand_ins.judge.decide(f"isinstance({name_of(value)}, {' or '.join(names)})", True)
+    return isinstance(value, kinds)
+
+
+def _issubclass(value: Any, kinds: Any) -> bool:
+    if isinstance(value, type) and not (stands_in(kinds) and not isinstance(kinds, type)):
+        return issubclass(value, kinds)
+    return stand_ins.judge.decide(f"issubclass({name_of(value)}, {name_of(kinds)})", True)
+
+
+def _callable(value: Any) -> bool:
+    if stands_in(value) and not isinstance(value, type):
+        return stand_ins.judge.decide(f"callable({name_of(value)})", True)
+    return callable(value)
+
+
+def _without_order(function: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda *arguments, **named: function(*map(_untracked, arguments), **named)
+
+
+SPECIAL: dict[Any, Callable[..., Any]] = {
+    hasattr: _hasattr,
+    getattr: _getattr,
+    setattr: _setattr,
+    isinstance: _isinstance,
+    issubclass: _issubclass,
+    callable: _callable,
+    set: lambda *given: stand_in(name_of(given[0])) if given and stands_in(given[0]) else TrackedSet(*given),
+    print: lambda *arguments, **named: None,
+    type: type,
+    repr: repr,
+}
+_ORDERLESS: tuple[Any, ...] = (sorted, min, max, any, all, sum, len)
+SPECIAL.update({function: _without_order(function) for function in _ORDERLESS})
+_CONTAINERS = (list, dict, set, deque, tuple)
+_KEEPING = ("grip_bt.", "smach", "functools", "threading", "collections", "enum", "abc", "typing", "contextlib")
+
+
+class _Spread:
+    """Arguments of which nobody knows how many they are."""
+
+    def __init__(self, value: StandIn):
+        self.value = value
+
+
+def _star(value: Any) -> Any:
+    return [_Spread(value)] if stands_in(value) and held_by(value) is stand_ins.UNKNOWN else value
+
+
+def _call(function: Any, *arguments: Any, **named: Any) -> Any:
+    if any(type(a) is _Spread for a in arguments):
+        kept = stands_in(function)
+        each = [([a.value] if kept else list(a.value)) if type(a) is _Spread else [a] for a in arguments]
+        arguments = tuple(value for values in each for value in values)
+    try:
+        special = SPECIAL.get(function) if not stands_in(function) else None
+    except TypeError:  # unhashable
+        special = None
+    given = (*arguments, *named.values())
+    about = next((a for a in given if stands_in(a) and not isinstance(a, type)), None)
+    if special is not None and (about is None or special not in _LIFTED):
+        return special(*arguments, **named)
+    owner = getattr(function, "__self__", None)
+    if type(owner) is str and function.__name__ == "join" and arguments and about is None:
+        about = next((a for a in arguments if isinstance(a, (list, tuple)) and _inside(a)), None)
+        name = _first_name(about) if about is not None else ""
+    else:
+        name = name_of(about)
+    if about is None or _takes_stand_ins(function, owner):
+        return function(*arguments, **named)
+    return lifted(function, name, *arguments, **named)
+
+
+_LIFTED = {SPECIAL[each] for each in _ORDERLESS}
+
+
+def _takes_stand_ins(function: Any, owner: object) -> bool:
+    """Whether a function is legacy code, smach's, or one that only keeps what it is given."""
+    if stands_in(function) or isinstance(owner, _CONTAINERS) or hasattr(function, "_stand_in_free"):
+        return True
+    plain = getattr(function, "__func__", function)
+    code = getattr(plain, "__code__", None)
+    if code is not None:
+        module = str(getattr(plain, "__module__", ""))
+        return CALL in code.co_names or module.startswith(_KEEPING) or module in legacy_modules
+    if isinstance(function, type):
+        module = function.__module__
+        return issubclass(function, BaseException) or module.startswith(_KEEPING) or module in legacy_modules
+    return callable(function) and type(function).__module__ in legacy_modules
+
+
+legacy_modules: set[str] = {"__main__"}
+"""Names of modules of the workspace."""

@@ -1,0 +1,334 @@
+"""Stand-ins for what isn't here: packages that aren't installed, arguments that nobody has given.
+
+They accept every call, attribute and operation, and do nothing. What the code then asks of them (`if`, `==`, `for`) is
+answered by a `Judge`, which can note it, or answer contrarily. A stand-in may hold a value, such as the default of a
+parameter: then it answers as the value would, and the judge is told that the answer hangs on it.
+"""
+
+from __future__ import annotations
+
+import builtins
+import dis
+import operator
+import sys
+from collections.abc import Callable, Iterator
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import CodeType, FrameType, FunctionType, ModuleType
+from typing import Any
+
+UNKNOWN: Any = object()
+"""What a stand-in holds that holds no value."""
+
+_LONGEST = 60
+_STORING = frozenset(
+    ("BUILD_MAP", "BUILD_CONST_KEY_MAP", "BUILD_SET", "STORE_SUBSCR", "MAP_ADD", "SET_ADD", "DELETE_SUBSCR")
+)
+
+
+class Judge:
+    """Answers what code asks of stand-ins: this one obligingly, and keeps nothing."""
+
+    def decide(self, what: str, wanted: bool) -> bool:
+        """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
+        return wanted
+
+    def note(self, what: str, value: object = UNKNOWN) -> None:
+        """Take note that code goes by what stands in: by a value that it holds, or by one that nobody knows."""
+
+
+judge = Judge()
+
+
+def judged_by(new: Judge) -> None:
+    """Have another judge, in the whole process."""
+    global judge
+    judge = new
+
+
+def _is_class(name: str) -> bool:
+    return name[:1].isupper() and not name.isupper()
+
+
+class _Kind(type):
+    """Makes every attribute of a stand-in class a stand-in too."""
+
+    def __getattr__(cls, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        made = stand_in_class(name) if _is_class(name) else stand_in(f"{cls.__name__}.{name}")
+        setattr(cls, name, made)
+        return made
+
+    def __instancecheck__(cls, instance: object) -> bool:
+        if type.__instancecheck__(cls, instance) or cls is StandIn or not type.__instancecheck__(StandIn, instance):
+            return type.__instancecheck__(cls, instance)
+        return judge.decide(f"isinstance({name_of(instance)}, {cls.__name__})", True)
+
+    def __iter__(cls) -> Iterator[Any]:
+        judge.note(cls.__name__)
+        return iter(())
+
+    def __getitem__(cls, key: object) -> Any:
+        return cls
+
+
+class StandIn(metaclass=_Kind):
+    """Accepts every call, attribute and operation."""
+
+    _stand_in_name = ""
+    _stand_in_held: Any = UNKNOWN
+    _stand_in_wanted = True
+    _stand_in_answer: bool | None = None
+
+    def __init__(self, *arguments: object, **named: object):
+        """Take anything."""
+
+    def __call__(self, *arguments: object, **named: object) -> Any:
+        """Return a stand-in; as a decorator, what is decorated."""
+        if held_by(self) is not UNKNOWN:
+            return lifted(held_by(self), name_of(self), *arguments, **named)
+        if len(arguments) == 1 and not named and isinstance(arguments[0], (FunctionType, type)):
+            return arguments[0]
+        return stand_in(f"{name_of(self)}()")
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        held = held_by(self)
+        if held is not UNKNOWN:
+            return stand_in(name_of(self), getattr(held, name))
+        made = stand_in(f"{name_of(self)}.{name}")
+        vars(self)[name] = made
+        return made
+
+    def __mro_entries__(self, bases: tuple[Any, ...]) -> tuple[type, ...]:
+        return (stand_in_class(name_of(self).split(".")[-1]),)
+
+    def __getitem__(self, key: object) -> Any:
+        held = held_by(self)
+        return self._made(operator.getitem, key) if held is not UNKNOWN else stand_in(f"{name_of(self)}[{key!r}]")
+
+    def __setitem__(self, key: object, value: object) -> None:
+        if held_by(self) is not UNKNOWN:
+            held_by(self)[key] = value
+
+    def __iter__(self) -> Iterator[Any]:
+        frame, held, name = sys._getframe(1), held_by(self), name_of(self)
+        code = frame.f_code.co_code
+        if dis.opname[code[frame.f_lasti]] == "UNPACK_SEQUENCE" and held is UNKNOWN:
+            return iter([self[number] for number in range(code[frame.f_lasti + 1])])
+        judge.note(name, held)
+        return iter(()) if held is UNKNOWN else iter([stand_in(name, item) for item in held])
+
+    def __bool__(self) -> bool:
+        held = held_by(self)
+        if self._stand_in_answer is None:
+            wanted = self._stand_in_wanted if held is UNKNOWN else bool(held)
+            vars(self)["_stand_in_answer"] = judge.decide(name_of(self), wanted)
+        return bool(self._stand_in_answer)
+
+    def _forced(self, kind: Callable[[Any], Any], otherwise: Any) -> Any:
+        held = held_by(self)
+        judge.note(name_of(self), held)
+        return otherwise if held is UNKNOWN else kind(held)
+
+    def __float__(self) -> float:
+        return float(self._forced(float, 0.0))
+
+    def __int__(self) -> int:
+        return int(self._forced(int, 0))
+
+    def __index__(self) -> int:
+        return int(self._forced(operator.index, 0))
+
+    def __len__(self) -> int:
+        return int(self._forced(len, 0))
+
+    def __str__(self) -> str:
+        return str(self._forced(str, f"<{name_of(self)}>"))
+
+    def __fspath__(self) -> str:
+        return str(self._forced(str, f"<{name_of(self)}>"))
+
+    def __format__(self, spec: str) -> str:
+        return str(self._forced(lambda held: format(held, spec), f"<{name_of(self)}>"))
+
+    def __repr__(self) -> str:
+        return f"<{name_of(self)}>"
+
+    def __hash__(self) -> int:
+        frame = sys._getframe(1)
+        if dis.opname[frame.f_code.co_code[frame.f_lasti]] not in _STORING:
+            judge.note(name_of(self), held_by(self))
+        return 0 if held_by(self) is UNKNOWN else hash(held_by(self))
+
+    def __contains__(self, item: object) -> bool:
+        held = held_by(self)
+        wanted = held is not UNKNOWN and value_of(item) in held
+        return judge.decide(f"{item!r} in {name_of(self)}", wanted)
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *given: object) -> None:
+        pass
+
+    def _made(self, work: Callable[..., Any], *others: object) -> Any:
+        return lifted(work, name_of(self), self, *others)
+
+    def _asked(self, work: Callable[..., Any], sign: str, other: object) -> Any:
+        name = f"{name_of(self)} {sign} {other!r}"
+        if held_by(self) is not UNKNOWN and value_of(other) is not UNKNOWN:
+            return stand_in(name_of(self), work(held_by(self), value_of(other)))
+        return stand_in(name, wanted=sign == "!=")
+
+
+def _operation(work: Callable[..., Any], turned: bool) -> Callable[..., Any]:
+    if turned:
+        return lambda self, other: lifted(work, name_of(self), other, self)
+    return lambda self, *others: lifted(work, name_of(self), self, *others)
+
+
+def _comparison(work: Callable[..., Any], sign: str) -> Callable[..., Any]:
+    return lambda self, other: self._asked(work, sign, other)
+
+
+for _name in (
+    "add",
+    "sub",
+    "mul",
+    "truediv",
+    "floordiv",
+    "mod",
+    "pow",
+    "or",
+    "and",
+    "xor",
+    "lshift",
+    "rshift",
+    "matmul",
+):
+    _work = getattr(operator, f"__{_name}__")
+    setattr(StandIn, f"__{_name}__", _operation(_work, False))
+    setattr(StandIn, f"__r{_name}__", _operation(_work, True))
+for _name in ("neg", "pos", "abs", "invert"):
+    setattr(StandIn, f"__{_name}__", _operation(getattr(operator, f"__{_name}__"), False))
+StandIn.__round__ = _operation(round, False)  # type: ignore[attr-defined]
+for _name, _sign in (("eq", "=="), ("ne", "!="), ("lt", "<"), ("le", "<="), ("gt", ">"), ("ge", ">=")):
+    setattr(StandIn, f"__{_name}__", _comparison(getattr(operator, _name), _sign))
+
+
+def stand_in(name: str, held: Any = UNKNOWN, wanted: bool = True) -> StandIn:
+    """Return a stand-in that people know by this name; `wanted`: what `if` is told."""
+    made = StandIn()
+    vars(made).update(_stand_in_name=name[:_LONGEST], _stand_in_held=held, _stand_in_wanted=wanted)
+    return made
+
+
+def stands_in(value: object) -> bool:
+    """Tell whether a value is a stand-in, or of a class that derives from one."""
+    return issubclass(type(value), StandIn)
+
+
+def name_of(value: object) -> str:
+    """Return what people know a stand-in by."""
+    return getattr(value, "_stand_in_name", "") or type(value).__name__
+
+
+def held_by(value: object) -> Any:
+    """Return the value that a stand-in holds, or UNKNOWN."""
+    return value._stand_in_held if isinstance(value, StandIn) else value
+
+
+def value_of(value: object) -> Any:
+    """Return a value, or that of a stand-in; lists and dictionaries with what is in them, UNKNOWN where one is."""
+    if stands_in(value):
+        return held_by(value)
+    if type(value) in (list, tuple):
+        items = [value_of(item) for item in value]  # type: ignore[attr-defined]
+        return UNKNOWN if any(item is UNKNOWN for item in items) else type(value)(items)  # type: ignore[call-arg]
+    if type(value) is dict:
+        keys = {value_of(key): value_of(item) for key, item in value.items()}
+        return UNKNOWN if any(each is UNKNOWN for pair in keys.items() for each in pair) else keys
+    return value
+
+
+def lifted(work: Callable[..., Any], name: str, *arguments: object, **named: object) -> Any:
+    """Return what a function makes of stand-ins: one that holds the result, or one that nobody knows."""
+    given = [value_of(each) for each in arguments]
+    by_name = {key: value_of(each) for key, each in named.items()}
+    if any(each is UNKNOWN for each in (*given, *by_name.values())):
+        return stand_in(name)
+    return stand_in(name, work(*given, **by_name))
+
+
+def stand_in_class(name: str) -> type:
+    """Return a new class of stand-ins; it may be called, derived from, and raised where it is called an error."""
+    raised = name.endswith(("Error", "Exception", "Interrupt"))
+    return _Kind(name, (StandIn, Exception) if raised else (StandIn,), {"__module__": "stand_in"})
+
+
+class StandInModule(ModuleType):
+    """A module of which every name is a stand-in."""
+
+    __path__: list[str] = []
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "__all__":
+            return sorted(_unknown_names(sys._getframe(1)))
+        if name.startswith("__"):
+            raise AttributeError(name)
+        made = stand_in_class(name) if _is_class(name) else stand_in(f"{self.__name__}.{name}")
+        setattr(self, name, made)
+        return made
+
+
+def _unknown_names(frame: FrameType | None) -> set[str]:
+    """Return the names that the importing module uses and nobody gives: what a star import has to."""
+    while frame is not None and frame.f_code.co_name != "<module>":
+        frame = frame.f_back
+    if frame is None:
+        return set()
+    names: set[str] = set()
+    stored: set[str] = set()
+    todo: list[CodeType] = [frame.f_code]
+    while todo:
+        code = todo.pop()
+        names.update(code.co_names)
+        stored.update(code.co_varnames)
+        todo.extend(c for c in code.co_consts if isinstance(c, CodeType))
+    return {n for n in names - stored if n not in frame.f_globals and not hasattr(builtins, n) and n[0] != "_"}
+
+
+class StandInFinder(MetaPathFinder, Loader):
+    """Comes last: what no other finder has is a stand-in; knows the packages that it stood in for.
+
+    Attributes:
+        packages: their names, in the order of their imports.
+        made: module -> what gives it names of its own.
+    """
+
+    def __init__(self) -> None:
+        self.packages: list[str] = []
+        self.made: dict[str, Callable[[ModuleType], None]] = {}
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
+        """Find every module that isn't part of Python or of an installed package."""
+        package = fullname.split(".")[0]
+        there = sys.modules.get(package)
+        if package in sys.stdlib_module_names or (there is not None and not isinstance(there, StandInModule)):
+            return None
+        if package not in self.packages:
+            self.packages.append(package)
+        return ModuleSpec(fullname, self, is_package=True)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        """Make the stand-in."""
+        module = StandInModule(spec.name)
+        if spec.name in self.made:
+            self.made[spec.name](module)
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Do nothing: names are made when somebody asks for them."""
