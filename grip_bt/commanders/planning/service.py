@@ -9,6 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.failures import CanceledError, PlannerLostError
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.base.operation import Operation
@@ -31,7 +32,7 @@ class _Job:
     sent_again: bool = False
 
 
-class PlanningProcess:
+class PlanningProcess(Closing):
     """Sends requests to a child process, one after the other.
 
     The child is started at once and replaced when it dies; the request that it died over is sent once more. It ends
@@ -96,12 +97,6 @@ class PlanningProcess:
             self._reader.join()
         for job in jobs:
             job.operation.fail(CanceledError("the planning process was closed"))
-
-    def __enter__(self) -> PlanningProcess:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _spawn(self) -> None:
         """Start a child. The lock is held, or nobody else knows this object yet."""

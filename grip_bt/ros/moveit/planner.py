@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import (
     BadReplyError,
@@ -51,7 +52,7 @@ CLEARING = 3.0
 """How long closing waits for move_group to take our objects out of its scene [s]."""
 
 
-class MoveGroupPlanner:
+class MoveGroupPlanner(Closing):
     """Implements `planning.service.PlanningService`.
 
     Requests are answered one after the other, because move_group has one scene. An arm's `kinematics` and `margin`
@@ -88,12 +89,6 @@ class MoveGroupPlanner:
     def close(self) -> None:
         """Take our objects out of move_group's scene."""
         self._requests.submit(lambda: run_steps(self._scene.clear())).wait(CLEARING)
-
-    def __enter__(self) -> MoveGroupPlanner:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # --- what requests are answered with ---
 
