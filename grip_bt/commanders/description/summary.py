@@ -75,9 +75,9 @@ def _package(package: MoveItPackage) -> dict[str, object]:
     }
 
 
-def told(known: dict[str, Any]) -> str:
+def told(known: Mapping[str, object]) -> str:
     """Return facts as text for people."""
-    return "\n".join(_lines(known))
+    return "\n".join(_lines(dict(known)))
 
 
 def _lines(known: dict[str, Any]) -> Iterator[str]:

@@ -52,7 +52,7 @@ class UnsafeExpressionError(Exception):
     """An expression of a file that wants more than values."""
 
 
-def guard(xacro: Any) -> None:
+def _guard(xacro: Any) -> None:
     """Have the `xacro` package refuse expressions that do something; for good, in this process.
 
     Args:
@@ -125,7 +125,7 @@ def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) ->
     import xacro
     from xacro import substitution_args
 
-    guard(xacro)
+    _guard(xacro)
     known = Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),))
     substitution_args._eval_find = lambda name: str(known.find(name))
     sys.setrecursionlimit(DEEPEST)

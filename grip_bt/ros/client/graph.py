@@ -73,13 +73,12 @@ def served_names(node: Node) -> tuple[set[str], set[str]]:
     return served, {name for name, _ in node.get_topic_names_and_types() if node.count_publishers(name)}
 
 
-def find_served(name: str, within: float = 5.0, domain_id: int | None = None) -> Served:
+def find_served(name: str, within: float = 5.0) -> Served:
     """Return what is served under a name; actions come before services, services before topics.
 
     Args:
         name: such as `/plan_grasp`; a missing first slash is added.
         within: how long to look [s].
-        domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
 
     Raises:
         UnknownNameError: nothing of that name is there; it lists what is.
@@ -87,7 +86,7 @@ def find_served(name: str, within: float = 5.0, domain_id: int | None = None) ->
     """
     wanted = name if name.startswith("/") else f"/{name}"
     deadline = time.monotonic() + within
-    with Connection("grip_look", domain_id) as bus:
+    with Connection("grip_look") as bus:
         seen, since = bus.ask(lambda: everything(bus.node), LOOKING), time.monotonic()
         while True:
             found = [s for s in seen if s.name == wanted]

@@ -134,9 +134,7 @@ class MoveGroupPlanner(Closing):
         found = answer.trajectory if self._by_service else answer.planned_trajectory
         return self._trajectory(found, mount)
 
-    def straight(
-        self, situation: Situation, start: JointState, poses: tuple[Pose, ...], whole: bool = True
-    ) -> Steps[Trajectory]:
+    def straight(self, situation: Situation, start: JointState, poses: tuple[Pose, ...]) -> Steps[Trajectory]:
         """Plan straight lines of the grasp frame through poses in world, in the scene that was shown.
 
         Raises:
