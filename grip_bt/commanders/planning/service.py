@@ -16,7 +16,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import Plan
 
 from ..description.robot import RobotDescription
-from .process import Message, read_frame, write_frame
+from .process import Message, read_message, write_message
 from .requests import ChosenGrasp, Request
 
 PROGRAM = "grip_bt.commanders.planning.process"
@@ -117,13 +117,13 @@ class PlanningProcess(Closing):
         """Send to the present child; when it is dead, its reader finds out and sends again."""
         assert self._child.stdin is not None
         try:
-            write_frame(self._child.stdin, message)
+            write_message(self._child.stdin, message)
         except (BrokenPipeError, ValueError):
             return
 
     def _read(self, child: subprocess.Popen[bytes]) -> None:
         assert child.stdout is not None
-        while (message := read_frame(child.stdout)) is not None:
+        while (message := read_message(child.stdout)) is not None:
             match message:
                 case ("ready",):
                     self._ready.set()
