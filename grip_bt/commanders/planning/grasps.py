@@ -77,12 +77,14 @@ def choose_grasp(
                 names = trial.chain.joints
                 return ChosenGrasp(grasp, JointState(names, pre), JointState(names, q), dict(reasons))
         reasons[trial.reason] += 1
+    raise none_feasible(reasons, len(grasps))
+
+
+def none_feasible(reasons: Counter[str], candidates: int) -> NoGraspError:
+    """Return the error that none of so many grasps can be taken; `reasons` counts why."""
     counts = ", ".join(f"{count} {reason}" for reason, count in reasons.most_common())
-    raise NoGraspError(
-        f"none of {len(grasps)} grasps is feasible" + (f": {counts}" if counts else ""),
-        reasons=dict(reasons),
-        candidates=len(grasps),
-    )
+    said = f"none of {candidates} grasps is feasible" + (f": {counts}" if counts else "")
+    return NoGraspError(said, reasons=dict(reasons), candidates=candidates)
 
 
 class GraspSearch:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,6 @@ from grip_bt.base.failures import (
     BadReplyError,
     ExpectedError,
     GoalInCollisionError,
-    NoGraspError,
     NoIkError,
     NoPlanError,
     PathInvalidError,
@@ -28,7 +28,7 @@ from grip_bt.base.values import Grasp, JointState, Plan, Pose, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
 from grip_bt.base.values.pose import check_frame
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.planning.grasps import target_of
+from grip_bt.commanders.planning.grasps import none_feasible, target_of
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -279,12 +279,7 @@ def choose(planner: MoveGroupPlanner, request: ChooseGrasp) -> Steps[ChosenGrasp
             reasons[trial.stage] += 1
         else:
             return ChosenGrasp(grasp, pre, at, dict(reasons))
-    counts = ", ".join(f"{count} {reason}" for reason, count in reasons.most_common())
-    raise NoGraspError(
-        f"none of {len(request.grasps)} grasps is feasible" + (f": {counts}" if counts else ""),
-        reasons=dict(reasons),
-        candidates=len(request.grasps),
-    )
+    raise none_feasible(reasons, len(request.grasps))
 
 
 class _Trial:
@@ -306,18 +301,15 @@ class _Trial:
         self.stage = "approach_blocked"
         away = yield from planner.straight(free, _with(whole.start, at), (grasp.pre_grasp,))
         pre = away.end()
+        self.stage = "lift_blocked"
         if self._target is not None:
-            self.stage = "lift_blocked"
             held = replace(whole, scene=whole.scene.attaching(self._target, whole.hand, grasp.pose))
             yield from planner.show(held)
-        self.stage = "lift_blocked"
         yield from planner.straight(whole, _with(whole.start, at), (grasp.post_grasp,))
         self.stage = "no_plan"
         yield from planner.show(whole)
-        try:
+        with suppress(StartInCollisionError):  # the plan itself will tell so
             yield from planner.free(PlanTo(whole, pre))
-        except StartInCollisionError:
-            pass  # the plan itself will tell that the start is in collision
         return pre, at
 
     def _at_grasp(self, free: Situation) -> Steps[JointState]:
