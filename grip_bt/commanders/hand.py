@@ -88,8 +88,6 @@ class HandCommander:
         name: the hand's name in the project.
         port: moves the fingers.
         postures: name -> joint positions; `open` and `closed` exist.
-        opening_time: duration of opening [s].
-        closing_time: duration of closing without a contact [s].
         fingers: finger -> its joints; without it, they can't be moved one by one.
         limits: joint -> smallest and largest position [rad], for synergies; without it, the postures' own range.
         taught: what was taught before; nothing when None.
@@ -102,8 +100,6 @@ class HandCommander:
         name: str,
         port: HandPort,
         postures: Mapping[str, JointState],
-        opening_time: float = OPENING_TIME,
-        closing_time: float = CLOSING_TIME,
         fingers: Mapping[str, Sequence[str]] | None = None,
         limits: Mapping[str, tuple[float, float]] | None = None,
         taught: TaughtStates | None = None,
@@ -111,7 +107,6 @@ class HandCommander:
     ):
         self._reach = reach
         self._name, self._port, self._postures = name, port, dict(postures)
-        self._opening_time, self._closing_time = opening_time, closing_time
         self._fingers = {finger: tuple(joints) for finger, joints in (fingers or {}).items()}
         self._limits = dict(limits or {})
         self._taught = taught if taught is not None else TaughtStates()
@@ -144,7 +139,7 @@ class HandCommander:
         Raises:
             UnknownNameError: there is no such posture or joint.
         """
-        return self.move(posture, seconds=self._opening_time)
+        return self.move(posture, seconds=OPENING_TIME)
 
     def close(
         self, posture: JointState | str = "closed", torque_limit: float | None = None, force: float | None = None
@@ -160,9 +155,7 @@ class HandCommander:
         if torque_limit is not None and force is not None:
             raise ValueError(f"hand {self._name!r}: closes with at most a torque, or to a force, not with both")
         goal = self._posture(posture)
-        return self._move(goal, torque_limit, self._closing_time, force).then(
-            lambda measured: self._held(goal, measured)
-        )
+        return self._move(goal, torque_limit, CLOSING_TIME, force).then(lambda measured: self._held(goal, measured))
 
     def closing(self) -> Closing | None:
         """Return what the hand did when it closed; see `ports.Hand`."""
@@ -183,7 +176,7 @@ class HandCommander:
                 raise ValueError(f"hand {self._name!r}: a {what} is a positive number, not {number}")
         goal = self._posture(posture)
         self._closing = None
-        return self._port.move(goal, seconds or self._opening_time, torque_limit, force)
+        return self._port.move(goal, seconds or OPENING_TIME, torque_limit, force)
 
     def finger_posture(self, closing: Mapping[str, float]) -> JointState:
         """Return the posture of some fingers; see `ports.Hand`."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.base.ports import Component
@@ -34,7 +35,7 @@ class _Running:
     process: Process | None
 
 
-class Components:
+class Components(Closing):
     """Components that answer.
 
     Attributes:
@@ -93,12 +94,6 @@ class Components:
         """End all calls and all processes that were started, together; then leave ROS."""
         self.bus.close()
         stop_all([r.process for r in self._running.values() if r.process is not None])
-
-    def __enter__(self) -> Components:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def find_components(folder: Path, wanted: Iterable[str]) -> dict[str, Path]:

@@ -35,11 +35,8 @@ from .client.types import (
 _CONVERSIONS: dict[tuple[type, str], tuple[Callable[[Any], Message], Callable[[Any], object] | None]] = {
     (Pose, "geometry_msgs/msg/Pose"): (geometry.pose_to_message, geometry.pose_from_message),
     (Pose, "geometry_msgs/msg/PoseStamped"): (geometry.pose_to_stamped, geometry.pose_from_stamped),
-    (Pose, "geometry_msgs/msg/Transform"): (geometry.pose_to_transform, geometry.pose_from_transform),
-    (Pose, "geometry_msgs/msg/TransformStamped"): (
-        geometry.pose_to_transform_stamped,
-        geometry.pose_from_transform_stamped,
-    ),
+    (Pose, "geometry_msgs/msg/Transform"): (geometry.pose_to_transform, geometry.pose_from_message),
+    (Pose, "geometry_msgs/msg/TransformStamped"): (geometry.pose_to_transform_stamped, geometry.pose_from_stamped),
     (JointState, "sensor_msgs/msg/JointState"): (geometry.joints_to_message, geometry.joints_from_message),
     (Trajectory, "trajectory_msgs/msg/JointTrajectory"): (
         geometry.trajectory_to_message,

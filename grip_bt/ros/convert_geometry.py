@@ -35,9 +35,12 @@ def pose_to_message(pose: Pose) -> PoseMessage:
     return PoseMessage(position=Point(x=x, y=y, z=z), orientation=_quaternion(pose))
 
 
-def pose_from_message(message: PoseMessage, frame: str = DEFAULT_FRAME) -> Pose:
-    """Convert a pose given in `frame`."""
-    p, q = message.position, message.orientation
+def pose_from_message(message: PoseMessage | Transform, frame: str = DEFAULT_FRAME) -> Pose:
+    """Convert a pose, or a transform that maps the posed body to `frame`."""
+    if isinstance(message, Transform):
+        p, q = message.translation, message.rotation
+    else:
+        p, q = message.position, message.orientation
     return Pose(np.array([p.x, p.y, p.z]), np.array([q.w, q.x, q.y, q.z]), frame or DEFAULT_FRAME)
 
 
@@ -46,9 +49,10 @@ def pose_to_stamped(pose: Pose) -> PoseStamped:
     return PoseStamped(header=header(pose.frame), pose=pose_to_message(pose))
 
 
-def pose_from_stamped(message: PoseStamped) -> Pose:
-    """Convert a pose with its frame."""
-    return pose_from_message(message.pose, message.header.frame_id)
+def pose_from_stamped(message: PoseStamped | TransformStamped) -> Pose:
+    """Convert a pose or a transform with its frame."""
+    inner = message.transform if isinstance(message, TransformStamped) else message.pose
+    return pose_from_message(inner, message.header.frame_id)
 
 
 def pose_to_transform(pose: Pose) -> Transform:
@@ -57,20 +61,9 @@ def pose_to_transform(pose: Pose) -> Transform:
     return Transform(translation=Vector3(x=x, y=y, z=z), rotation=_quaternion(pose))
 
 
-def pose_from_transform(message: Transform, frame: str = DEFAULT_FRAME) -> Pose:
-    """Convert a transform; the inverse of `pose_to_transform`."""
-    t, q = message.translation, message.rotation
-    return Pose(np.array([t.x, t.y, t.z]), np.array([q.w, q.x, q.y, q.z]), frame or DEFAULT_FRAME)
-
-
 def pose_to_transform_stamped(pose: Pose) -> TransformStamped:
     """Convert a pose with its frame; the child frame is left empty."""
     return TransformStamped(header=header(pose.frame), transform=pose_to_transform(pose))
-
-
-def pose_from_transform_stamped(message: TransformStamped) -> Pose:
-    """Convert a transform with its frame."""
-    return pose_from_transform(message.transform, message.header.frame_id)
 
 
 def joints_to_message(state: JointState) -> JointStateMessage:

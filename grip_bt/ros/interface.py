@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.failures import BadReplyError, ExpectedError, ServerTimeOutError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
@@ -134,7 +135,7 @@ def _parameter(value: Any) -> Message:
 TOPIC, MESSAGE = "/clock", "rosgraph_msgs/msg/Clock"
 
 
-class RosClock:
+class RosClock(Closing):
     """Implements `grip_bt.base.ports.Clock`: the simulator's time, 0 until it is first heard; never goes back.
 
     A simulator that starts again sends an earlier time: the clock then stands still until the simulator has caught up.
@@ -166,12 +167,6 @@ class RosClock:
     def close(self) -> None:
         """Listen no more."""
         self._reader.ignore(self._received)
-
-    def __enter__(self) -> RosClock:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _received(self, received: Received) -> None:
         time = seconds(received.message.clock)

@@ -31,6 +31,8 @@ from grip_bt.ros.interfaces.build import ensure_package
 from .client.types import Message, load_type
 
 TYPE = "sensor_msgs/msg/JointState"
+RATE = 50.0
+"""Messages of joint states a second."""
 
 
 class Published:
@@ -56,19 +58,11 @@ class JointStatePublisher(Published):
 
     Args:
         topic: such as `/joint_states`.
-        rate: messages a second.
         now: the time of its stamps [s].
     """
 
-    def __init__(
-        self,
-        bus: Bus,
-        topic: str,
-        executors: Sequence[Executor],
-        rate: float = 50.0,
-        now: Callable[[], float] = time.time,
-    ):
-        self._writer, self._executors, self._period, self._now = bus.writer(TYPE, topic), executors, 1 / rate, now
+    def __init__(self, bus: Bus, topic: str, executors: Sequence[Executor], now: Callable[[], float] = time.time):
+        self._writer, self._executors, self._period, self._now = bus.writer(TYPE, topic), executors, 1 / RATE, now
         super().__init__("grip_joint_states")
 
     def _publish(self) -> None:

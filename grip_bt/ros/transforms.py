@@ -20,7 +20,7 @@ from grip_bt.base.values import Pose
 from .client.bus import Bus
 from .client.topic import Received
 from .client.types import load_type
-from .convert_geometry import pose_from_transform_stamped, seconds
+from .convert_geometry import pose_from_stamped, seconds
 from .frames import FrameError, FrameHistory, FrameTree
 
 MESSAGE = "tf2_msgs/msg/TFMessage"
@@ -116,7 +116,7 @@ class Transforms:
     def _heard(self, fixed: bool, received: Received) -> None:
         with self._lock:
             for transform in received.message.transforms:
-                child, pose = transform.child_frame_id.lstrip("/"), pose_from_transform_stamped(transform)
+                child, pose = transform.child_frame_id.lstrip("/"), pose_from_stamped(transform)
                 if fixed:
                     self._static[child] = pose
                 else:

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import python_command
 
@@ -23,7 +24,7 @@ _MARK = "GRIP_RUN_MARK"
 """By this variable processes of a run are found and ended with it; the watchdog has to outlive them."""
 
 
-class Watchdog:
+class Watchdog(Closing):
     """The process of a watchdog; what is told to it is told before it is done. Nothing here blocks or raises.
 
     Args:
@@ -100,12 +101,6 @@ class Watchdog:
     def _tell(self, **line: object) -> None:
         with suppress(OSError, ValueError):  # it has ended, was closed, or is stuck: nothing is lost but it
             os.write(self._end, json.dumps(line).encode() + b"\n")
-
-    def __enter__(self) -> Watchdog:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 _shared: dict[int, tuple[Watchdog, int]] = {}

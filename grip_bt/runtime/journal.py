@@ -25,6 +25,8 @@ from typing import Any
 
 import numpy as np
 
+from grip_bt.base.closing import Closing
+
 from .journal_events import MOST, checksum, pack_numbers, pack_times
 from .journal_rows import JournalError, prepare_to_write, process_facts
 from .value_codec import encode, preview
@@ -239,7 +241,7 @@ class _RunWriter:
         return {"hash": digest, "size": len(content)}
 
 
-class Journal:
+class Journal(Closing):
     """Writes runs to a file; one process at a time writes a run, several may write the file.
 
     Attributes:
@@ -324,12 +326,6 @@ class Journal:
     def _complain(self) -> None:
         if self._error is not None:
             raise JournalError(f"{self.file}: couldn't be written: {self._error}") from self._error
-
-    def __enter__(self) -> Journal:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # --- the writer's thread ---
 

@@ -11,6 +11,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime.journal_events import expanded
 from grip_bt.runtime.journal_rows import is_there
@@ -57,7 +58,7 @@ class RunRecord:
     outcome: str | None
 
 
-class JournalReader:
+class JournalReader(Closing):
     """Reads a journal; may be used from several threads.
 
     What is damaged in it is left out: an event `damaged` stands in its place and says what that was, and so does
@@ -199,12 +200,6 @@ class JournalReader:
     def close(self) -> None:
         """Let go of the file."""
         self._rows.close()
-
-    def __enter__(self) -> JournalReader:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # --- runs ---
 

@@ -13,6 +13,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
+from grip_bt.base.closing import Closing
 from grip_bt.compilers import CompiledTree, Halted, Pacer, to_tree
 from grip_bt.compilers.behaviour_state import MachineRun, Refined, drive, label, labels
 from grip_bt.compilers.binding import LeafFactory, implementation_of
@@ -29,7 +30,7 @@ from .pacing import Pacing
 _OnPreempt = Literal["ask", "halt"]
 
 
-class TreeRun:
+class TreeRun(Closing):
     """What the tree states of one machine share: the robot and the clock, when to tick, and the first error.
 
     By default it has no robot, the built-in catalogue, and ticks on wakes or every 50 ms.
@@ -60,12 +61,6 @@ class TreeRun:
         """Shut the leaves down; nothing runs any more."""
         while self.trees:
             self.trees.pop().release()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
 
 class _Preempted(BaseException):

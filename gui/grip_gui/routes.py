@@ -17,19 +17,7 @@ from grip_gui.runs.run_control import RunControl
 from grip_gui.runs.stream import ClientConnection
 from grip_gui.view.documents import task_view, view_of_text
 from grip_gui.view.values import cloud_view
-from grip_gui.wire.runs import (
-    BreakpointsRequest,
-    CloudView,
-    Control,
-    ControlRequest,
-    PageId,
-    RunOptions,
-    RunView,
-    SessionView,
-    SharedState,
-    StartRun,
-    ValueView,
-)
+from grip_gui.wire import runs as wire
 from grip_gui.wire.task import ProjectView, TaskView
 
 _Number = Annotated[int, Path(ge=1, le=2**53)]
@@ -56,22 +44,22 @@ def make_router(
     api.get("/runs")(source.runs)
 
     @api.get("/runs/{run}")
-    def run(run: str) -> RunView:
+    def run(run: str) -> wire.RunView:
         record = source.run(run)
         if record is None:
             raise UnknownNameError("run", run, (r.id for r in source.runs()[:10]))
-        return RunView(run=record, task=view_of_text(folder, source.task_text(run), record.task_path))
+        return wire.RunView(run=record, task=view_of_text(folder, source.task_text(run), record.task_path))
 
     @api.get("/runs/{run}/values/{seq}")
-    def value(run: str, seq: _Number) -> ValueView:
+    def value(run: str, seq: _Number) -> wire.ValueView:
         return source.value(run, seq)
 
     @api.get("/runs/{run}/values/{seq}/cloud")
-    def cloud(run: str, seq: _Number) -> CloudView:
+    def cloud(run: str, seq: _Number) -> wire.CloudView:
         return cloud_view(source.raw(run, seq))
 
     @api.websocket("/socket")
-    async def socket(websocket: WebSocket, page: PageId = "") -> None:
+    async def socket(websocket: WebSocket, page: wire.PageId = "") -> None:
         await websocket.accept()
         await ClientConnection(websocket, desk, source, edits.revisions, page).serve()
 
@@ -83,11 +71,11 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
     """Add what starts and controls runs."""
 
     @api.get("/session")
-    async def session() -> SessionView | None:
+    async def session() -> wire.SessionView | None:
         return desk.view
 
     @api.post("/session", status_code=201)
-    async def start(request: StartRun) -> SessionView:
+    async def start(request: wire.StartRun) -> wire.SessionView:
         file = folder.task_file(request.task)
         try:
             return await desk.start(request.task, file, _options(folder, request), request.page, request.run_to)
@@ -95,15 +83,15 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
             raise GripError(f"the run's process can't be started: {error}") from error
 
     @api.post("/session/control")
-    async def control(request: Control) -> SessionView:
+    async def control(request: wire.Control) -> wire.SessionView:
         return await desk.command(request)
 
     @api.get("/desk")
-    async def shared() -> SharedState:
+    async def shared() -> wire.SharedState:
         return desk.shared_state
 
     @api.post("/breakpoints")
-    async def breakpoints(request: BreakpointsRequest) -> SharedState:
+    async def breakpoints(request: wire.BreakpointsRequest) -> wire.SharedState:
         folder.task_file(request.task)
         try:
             return await desk.set_breakpoints(request.task, request.breakpoints, request.page)
@@ -111,7 +99,7 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
             raise GripError(f"the breakpoints can't be kept: {error}") from error
 
     @api.post("/lease")
-    async def lease(request: ControlRequest) -> SharedState:
+    async def lease(request: wire.ControlRequest) -> wire.SharedState:
         if request.take:
             desk.presence.take(request.page, request.over)
         else:
@@ -119,6 +107,8 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
         return desk.shared_state
 
 
-def _options(folder: ProjectFolder, request: StartRun) -> RunOptions:
+def _options(folder: ProjectFolder, request: wire.StartRun) -> wire.RunOptions:
     passed = mocks_before(task_view(folder, request.task), request.begin_at) if request.begin_at else {}
-    return RunOptions(**{**request.model_dump(include=set(RunOptions.model_fields)), "mocks": passed | request.mocks})
+    return wire.RunOptions(
+        **{**request.model_dump(include=set(wire.RunOptions.model_fields)), "mocks": passed | request.mocks}
+    )

@@ -12,10 +12,11 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Self
+from typing import Any
 
 from numpy.typing import NDArray
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.errors import SimulatorLostError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import InTurnOf
@@ -112,7 +113,7 @@ SILENCE = 120.0
 """A simulator that owes an answer and says nothing for so long is lost [s]; while it moves it tells its time."""
 
 
-class SimClient:
+class SimClient(Closing):
     """Owns one simulator process.
 
     Attributes:
@@ -219,12 +220,6 @@ class SimClient:
                 thread.join(CLOSE_TIME)  # not for ever: a callback may wait for whoever closes
         self._connection.close()
         self._process.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # --- requests ---
 

@@ -37,6 +37,13 @@ def never() -> bool:
     return False
 
 
+def answered(model, request, clocks: Clocks):
+    """Return the answer that is found by the time of some clocks."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("grip_bt.commanders.planning.budget.REAL", clocks)
+        return answer(model, request, never)
+
+
 @pytest.fixture(scope="module")
 def table():
     model, rng = robot_model(), np.random.default_rng(3)
@@ -60,15 +67,15 @@ def limited(begin, seconds: float, **settings):
 def test_a_plan_is_found_by_a_thread_that_hardly_gets_to_work(table, chosen, planner):
     model, begin, _ = table
     request = PlanTo(limited(begin, 1000.0, planner=planner), chosen.at_pre_grasp)
-    plan = answer(model, request, never, starved(1000.0))
-    assert plan.trajectory == answer(model, request, never, Clocks(Ticking(), Ticking())).trajectory
+    plan = answered(model, request, starved(1000.0))
+    assert plan.trajectory == answered(model, request, Clocks(Ticking(), Ticking())).trajectory
 
 
 def test_so_are_motions_through_way_points_and_the_way_to_a_grasp(table, chosen):
     model, begin, grasps = table
     request = PlanThrough(limited(begin, 1000.0), (WayPoint(chosen.at_pre_grasp, straight=False),))
-    assert answer(model, request, never, starved(1000.0)).planner == "through"
-    assert answer(model, ChooseGrasp(begin, grasps), never, starved(1.0)).grasp == chosen.grasp
+    assert answered(model, request, starved(1000.0)).planner == "through"
+    assert answered(model, ChooseGrasp(begin, grasps), starved(1.0)).grasp == chosen.grasp
 
 
 @pytest.mark.parametrize("planner", ["RRTConnect", "BiTRRT", "KPIECE1", "PRM"])
@@ -77,7 +84,7 @@ def test_work_ends_a_search_though_no_wall_time_passed(planner):
     worked = Ticking(step=0.01)
     request = dataclasses.replace(request, situation=limited(request.situation, 1.0))
     with pytest.raises(TimeOutError, match=r"no path within [0-9.e-]+ s of CPU time") as caught:
-        answer(robot_model(), request, never, Clocks(worked, Ticking()))
+        answered(robot_model(), request, Clocks(worked, Ticking()))
     assert caught.value.data["planner"] == planner
     assert worked.looks >= 100
 
@@ -89,15 +96,16 @@ def test_wall_time_ends_it_in_the_end_though_no_work_was_done(planner):
     request = dataclasses.replace(request, situation=limited(request.situation, 1.0))
     said = r"in which it got only 0 of its [0-9.]+ s of CPU time: the machine is busy"
     with pytest.raises(TimeOutError, match=said):
-        answer(robot_model(), request, never, Clocks(Ticking(), passed))
+        answered(robot_model(), request, Clocks(Ticking(), passed))
     assert passed.looks >= BACKSTOP * 1.0 / 0.1
 
 
-def test_the_way_to_a_grasp_gets_so_much_work_whatever_time_that_takes(table, chosen):
+def test_the_way_to_a_grasp_gets_so_much_work_whatever_time_that_takes(table, chosen, monkeypatch):
     model, begin, _ = table
 
     def reached(worked: Ticking) -> list[bool]:
-        trial = GraspTrial(GraspSearch(model, begin, Clocks(worked, Ticking())), chosen.grasp)
+        monkeypatch.setattr("grip_bt.commanders.planning.budget.REAL", Clocks(worked, Ticking()))
+        trial = GraspTrial(GraspSearch(model, begin), chosen.grasp)
         ways = [pre for q in trial.configurations() if (pre := trial.pre_configuration(q)) is not None]
         return [trial.can_go_to(pre, never) for pre in ways]
 
@@ -138,7 +146,7 @@ def test_how_fast_the_machine_is_decides_whether_there_is_a_plan_and_not_which(t
     for tick in (1e-7, 1e-5, 1e-4, 1e-3, 1e-2):
         request = PlanTo(limited(begin, 2.0, planner=planner), chosen.grasp.pre_grasp)
         try:
-            found.append(answer(model, request, never, Clocks(Ticking(tick), Ticking())).trajectory)
+            found.append(answered(model, request, Clocks(Ticking(tick), Ticking())).trajectory)
         except TimeOutError:
             found.append(None)
     plans = [trajectory for trajectory in found if trajectory is not None]

@@ -28,6 +28,7 @@ from ros_rigs import (
 from simulated_rigs import (
     commanded_simulated_arm,
     commanded_simulated_hand,
+    panda_planner,
     simulated_executor,
     simulated_hand_port,
 )
@@ -94,7 +95,6 @@ def commanded_arm() -> Iterator[ArmRig]:
     """The real commander, planning in its process, on a fake executor."""
     from grip_bt.commanders.arm import ArmCommander, ArmSetup
     from grip_bt.commanders.kinematics.model import RobotModel
-    from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.commanders.scene import PlanningScene
 
     clock = ManualClock()
@@ -103,11 +103,10 @@ def commanded_arm() -> Iterator[ArmRig]:
     executor = FakeExecutor(home, OnClock(clock))
     scene = PlanningScene({"hand": lambda: model.grasp_pose(executor.state())})
     scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
-    with PlanningProcess(model.description) as planner:
-        setup = ArmSetup("right", hand="hand", settings=PATIENT)
-        arm = ArmCommander(setup, model, Patient(planner), executor, scene, lambda: [opened])
-        away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
-        yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]), exact=True)
+    setup = ArmSetup("right", hand="hand", settings=PATIENT)
+    arm = ArmCommander(setup, model, Patient(panda_planner()), executor, scene, lambda: [opened])
+    away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])
+    yield ArmRig(arm, clock.advance, away, np.array([0.0, 0.02, -0.1]), exact=True)
 
 
 @contextmanager
@@ -156,16 +155,16 @@ def joined_fake_executors() -> Iterator[ExecutorRig]:
     yield ExecutorRig(JoinedExecutor(*parts), clock.advance, JointState(("a", "b"), [0.6, 0.1]), exact=True)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def ros_robot() -> Iterator[Any]:
-    """Return a bus and the joint states of one robot for all tests of a module."""
+    """Return a bus and the joint states of one robot for all tests."""
     with controllers() as made:
         yield made
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def ros_move_group() -> Iterator[Any]:
-    """Return a bus and the joint states of one move_group for all tests of a module."""
+    """Return a bus and the joint states of one move_group for all tests."""
     with move_group() as made:
         yield made
 

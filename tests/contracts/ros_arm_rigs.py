@@ -13,6 +13,7 @@ from contract_rigs import PATIENT, ArmRig, ExecutorRig, Patient
 from patience import PATIENCE
 from ros_rigs import SERVERS, THEIRS, spoilt
 from server_process import serving
+from simulated_rigs import panda_planner
 
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.description.load import build_robot
@@ -55,7 +56,6 @@ def move_group_executor(ros_move_group: tuple[Any, Any]) -> Iterator[ExecutorRig
 
 @contextmanager
 def arm_of_controllers(ros_robot: tuple[Any, Any]) -> Iterator[ArmRig]:
-    from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.ros.controllers import TrajectoryExecutor
 
     bus, states = ros_robot
@@ -63,27 +63,22 @@ def arm_of_controllers(ros_robot: tuple[Any, Any]) -> Iterator[ArmRig]:
     executor = PausableExecutor(
         TrajectoryExecutor(bus, "/panda/follow_joint_trajectory", joints, states, wait=PATIENCE)
     )
-    with PlanningProcess(model().description) as planner:
-        yield _arm_rig(executor, lambda: planner)
+    yield _arm_rig(executor, panda_planner())
 
 
 @contextmanager
 def arm_of_move_group(ros_move_group: tuple[Any, Any]) -> Iterator[ArmRig]:
     """MoveIt plans and moves; our planner answers what is about given motions, as in a project."""
     from grip_bt.app.wiring.planners import PlannerByName
-    from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 
     bus, _ = ros_move_group
     description = model().description
     mount = ArmMapping.of(description, "arm", "hand")
     theirs = MoveGroupPlanner(MoveGroup(bus, wait=PATIENCE), description, {"arm": mount}, {"hand": mount})
-    with PlanningProcess(description) as own, theirs:
-        yield _arm_rig(
-            PausableExecutor(_by_move_group(ros_move_group)),
-            lambda: PlannerByName(own, {"move_group": theirs}),
-            "move_group",
-        )
+    with theirs:
+        planner = PlannerByName(panda_planner(), {"move_group": theirs})
+        yield _arm_rig(PausableExecutor(_by_move_group(ros_move_group)), planner, "move_group")
 
 
 def _by_move_group(ros_move_group: tuple[Any, Any]) -> Any:
@@ -101,7 +96,7 @@ def _arm_rig(executor: Any, planner: Any, name: str = "RRTConnect") -> ArmRig:
     home, opened = (model().description.named_state(*s) for s in (("arm", "home"), ("hand", "open")))
     scene = PlanningScene({"hand": lambda: model().grasp_pose(executor.state())})
     scene.set_box("table", (0.7, 1.2, 0.1), Pose([0.65, 0, -0.05]))
-    service = Patient(planner())
+    service = Patient(planner)
     setup = ArmSetup("right", hand="hand", settings=PATIENT.model_copy(update={"planner": name}))
     arm = ArmCommander(setup, model(), service, executor, scene, lambda: [opened])
     away = JointState(home.names, home.position + [0.5, 0, 0.3, 0, 0, 0.2, 0])

@@ -74,7 +74,8 @@ def _reach(simulation: Simulation) -> None:
 
 
 @cache
-def _planner() -> PlanningProcess:
+def panda_planner() -> PlanningProcess:
+    """Return the planner of all tests: it keeps nothing of what it is asked."""
     planner = PlanningProcess(build_robot("panda_allegro"))
     atexit.register(planner.close)
     return planner
@@ -136,7 +137,7 @@ def commanded_simulated_arm() -> Iterator[ArmRig]:
         arm = ArmCommander(
             ArmSetup("right", hand="hand", settings=PATIENT),
             model,
-            Patient(_planner()),
+            Patient(panda_planner()),
             executor,
             scene,
             lambda: [hand.state()],

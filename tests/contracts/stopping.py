@@ -120,7 +120,7 @@ def stopped(rig: Any, begin: Callable[[], Operation[Any]], moment: float, way: s
             ended = _now(rig, seen[-1])
         else:
             pass_on()
-    until = seen[-1].time + 0.3
+    until = seen[-1].time + 0.5
     while seen[-1].time < until:
         pass_on()
     error = None

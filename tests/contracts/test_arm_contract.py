@@ -95,7 +95,7 @@ def test_a_plan_keeps_to_its_constraint_or_says_which_end_breaks_it(arm_rig):
 def test_a_trajectory_that_is_given_is_followed_through_its_points_at_its_times(arm_rig):
     start, names = arm_rig.port.state(), arm_rig.away.names
     rows = [start.position, arm_rig.away.position, arm_rig.away.position, start.position]
-    given = Trajectory(names, [0.0, 6.0, 10.0, 16.0], rows)
+    given = Trajectory(names, [0.0, 3.0, 5.0, 8.0], rows)
     plan = arm_rig.wait(arm_rig.port.plan_from_trajectory(given)).result()
     assert plan.trajectory.times.tolist() == given.times.tolist()
     began, there = arm_rig.port.state().time, None
@@ -106,7 +106,7 @@ def test_a_trajectory_that_is_given_is_followed_through_its_points_at_its_times(
         if there is None and np.abs(state.position - arm_rig.away.position).max() < 0.05:
             there = state.time - began
     # A busy machine sees it there later; never before the curve through the points comes so near.
-    off = [np.abs(plan.trajectory.at(t) - arm_rig.away.position).max() for t in np.arange(0.0, 6.0, 0.05)]
+    off = [np.abs(plan.trajectory.at(t) - arm_rig.away.position).max() for t in np.arange(0.0, 3.0, 0.05)]
     assert there is not None
     assert there > 0.05 * next(k for k, away in enumerate(off) if away < 0.05) - 0.25
     assert operation.result().position == pytest.approx(start.position, abs=0.05)

@@ -40,18 +40,6 @@ def test_a_motion_that_begins_elsewhere_is_refused(executor_rig):
     assert executor_rig.port.state().position == pytest.approx(before, abs=0.02)
 
 
-@pytest.mark.parametrize("how", ["cancel", "stop"])
-def test_a_stopped_motion_ends_as_cancelled_and_the_joints_hold(executor_rig, how):
-    trajectory, operation = begun(executor_rig)
-    operation.cancel() if how == "cancel" else executor_rig.port.stop()
-    with pytest.raises(CanceledError):
-        executor_rig.wait(operation).result()
-    held = let_stand(executor_rig)
-    executor_rig.let_pass(0.5)
-    assert executor_rig.port.state().position == pytest.approx(held, abs=0.01)
-    assert np.abs(held - trajectory.positions[-1]).max() > 0.05
-
-
 def test_stopping_at_rest_changes_nothing(executor_rig):
     before = executor_rig.port.state().position
     executor_rig.port.stop()

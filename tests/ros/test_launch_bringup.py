@@ -47,8 +47,9 @@ def prefix(tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def read(prefix):
-    return lambda name, env=None, **arguments: read_launch_file(FILES / name, arguments, [prefix], env)
+def read(prefix, monkeypatch):
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(prefix))
+    return lambda name, env=None, **arguments: read_launch_file(FILES / name, arguments, env)
 
 
 def words(launch: Launch, number: int = 0) -> list[str]:

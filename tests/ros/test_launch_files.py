@@ -32,7 +32,9 @@ def prefix(tmp_path) -> Path:
 def read(tmp_path: Path, text: str, prefix: Path | None = None, name="it.launch.xml", env=None, **arguments: str):
     file = tmp_path / name
     file.write_text(text)
-    return read_launch_file(file, arguments, [prefix] if prefix else None, env)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("AMENT_PREFIX_PATH", str(prefix or ""))
+        return read_launch_file(file, arguments, env)
 
 
 def commands(launch) -> list[str]:

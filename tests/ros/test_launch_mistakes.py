@@ -10,8 +10,8 @@ from grip_bt.ros.launch import LaunchError, read_launch_file
 
 
 @pytest.fixture
-def prefix(tmp_path) -> Path:
-    """Return a prefix with one package that has one program and one launch file."""
+def prefix(tmp_path, monkeypatch) -> Path:
+    """Return a prefix, where packages are looked for, with one package that has one program and one launch file."""
     root = tmp_path / "prefix"
     program = root / "lib" / "arm_driver" / "driver"
     program.parent.mkdir(parents=True)
@@ -20,6 +20,7 @@ def prefix(tmp_path) -> Path:
     share = root / "share" / "arm_driver" / "launch"
     share.mkdir(parents=True)
     (share / "inner.launch.xml").write_text("<launch/>")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(root))
     return root
 
 
@@ -31,7 +32,7 @@ def told(tmp_path, prefix):
         file = tmp_path / name
         file.write_text(f"launch:\n{text}\n" if name.endswith("yaml") else f"<launch>\n{text}\n</launch>")
         with pytest.raises(LaunchError) as caught:
-            read_launch_file(file, {}, [prefix])
+            read_launch_file(file)
         where, line, reason = str(caught.value).split(":", 2)
         assert (Path(where).name, line) == (name, "2")
         return reason.strip()
@@ -186,6 +187,6 @@ def test_substitutions_in_a_file_of_parameters_are_refused_not_left_out(tmp_path
     node = '<param from="$(dirname)/p.yaml" allow_substs="%s"/>'
     file.write_text(f"<launch>{WITH % node % 'true'}</launch>")
     with pytest.raises(LaunchError, match="substitutions in a file of parameters aren't made here"):
-        read_launch_file(file, {}, [prefix])
+        read_launch_file(file)
     file.write_text(f"<launch>{WITH % node % 'false'}</launch>")
-    assert "--params-file" in read_launch_file(file, {}, [prefix]).processes[0].command
+    assert "--params-file" in read_launch_file(file).processes[0].command

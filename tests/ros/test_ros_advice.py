@@ -13,7 +13,7 @@ import grip_bt.ros  # noqa: F401 - its settings come before any message package
 from grip_bt.base.failures import IncompatibleServerError, ServerLostError, ServerTimeOutError
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.goal import Goal, GoalTimeouts
-from grip_bt.ros.client.graph import instead, instead_of_topic
+from grip_bt.ros.client.graph import in_words
 from grip_bt.ros.client.types import load_type
 from grip_bt.ros.components import start_components
 from grip_bt.ros.interface import RosInterface
@@ -31,25 +31,6 @@ def component(**more):
     return ComponentFile.model_validate(file)
 
 
-@pytest.mark.parametrize(
-    ("services", "actions", "said"),
-    [
-        ([], [], " (services in ROS_DOMAIN_ID 7: none)"),
-        ([("/sett", [SET])], [], f"; {SET} is served in ROS_DOMAIN_ID 7 as /sett"),
-        ([("/sett", [TRIGGER])], [], "; did you mean '/sett'? (services in ROS_DOMAIN_ID 7: /sett)"),
-        ([], [("/set", ["p/action/Set"])], "; /set is an action, of type p/action/Set"),
-        ([(f"/other{i}", [TRIGGER]) for i in range(12)], [], "/other4, /other5 and 4 more)"),
-    ],
-)
-def test_what_is_served_instead_is_told(services, actions, said):
-    assert instead("/set", SET, services, actions, 7).endswith(said)
-
-
-def test_an_action_that_is_a_service_is_told_so():
-    said = instead("/plan", "p/action/Plan", [("/plan", ["p/srv/Plan"])], [], 0)
-    assert said == "; /plan is a service, of type p/srv/Plan"
-
-
 def test_who_waits_in_vain_is_told_who_serves_the_type(bus, serve):
     serve("std_srvs/SetBool", "/other/set")
     ended(bus.service(SET, "/other/set").wait_ready(PATIENCE))
@@ -63,6 +44,8 @@ def test_a_goal_that_waits_in_vain_is_told_that_its_name_is_a_service(bus, serve
     client = bus.action("trial_interfaces/action/Work", "/set")
     with pytest.raises(ServerLostError, match=rf"/set: no server within 0\.2 s; /set is a service, of type {SET}"):
         ended(client.wait_ready(0.2))
+    with pytest.raises(ServerLostError, match=rf"; did you mean '/set', which is served as {SET}\?"):
+        ended(bus.service(TRIGGER, "/sett").wait_ready(0.2))
 
 
 def test_a_time_out_names_the_key_that_limits_it(bus, serve, ahead):
@@ -108,7 +91,7 @@ def test_a_component_that_nobody_started_says_how_to(tmp_path, domain):
     (home / "component.yaml").write_text(
         f"name: set_it\ninterface: {SET}\nserver: /set\noutcomes: {{done: success}}\ntimeouts: {{ready: 0.2}}\n"
     )
-    said = r"component set_it: /set: no server within 0\.2 s \(services in .*: none\)\. Start it, or say under `start`"
+    said = r"/set: no server within 0\.2 s; nothing of its kind is served in .*\. Start it, or say under `start`"
     with pytest.raises(ServerLostError, match=said):
         start_components(tmp_path, ["set_it"], domain)
 
@@ -131,7 +114,7 @@ IMAGE, STRING = "sensor_msgs/msg/Image", "std_msgs/msg/String"
 @pytest.mark.parametrize(
     ("wanted", "there", "said"),
     [
-        (IMAGE, [], "; nothing is published in ROS_DOMAIN_ID 7"),
+        (IMAGE, [], "; nothing of its kind is published in ROS_DOMAIN_ID 7"),
         (
             IMAGE,
             [("/z", [IMAGE]), ("/cam/color/image", [IMAGE]), ("/s", [STRING])],
@@ -151,13 +134,11 @@ IMAGE, STRING = "sensor_msgs/msg/Image", "std_msgs/msg/String"
     ],
 )
 def test_which_topics_there_are_instead_is_told_the_likeliest_first(wanted, there, said):
-    assert instead_of_topic("/cam/image", wanted, there, 7).endswith(said)
+    assert in_words("/cam/image", wanted, there, "published", 7).endswith(said)
 
 
 def test_of_what_is_heard_the_words_are_others():
-    assert instead_of_topic("/a", IMAGE, [("/q", [STRING])], 7, heard=True) == (
-        f"; heard in ROS_DOMAIN_ID 7: /q ({STRING})"
-    )
+    assert in_words("/a", IMAGE, [("/q", [STRING])], "heard", 7) == (f"; heard in ROS_DOMAIN_ID 7: /q ({STRING})")
 
 
 @pytest.fixture

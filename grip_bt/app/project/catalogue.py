@@ -31,7 +31,7 @@ _robots: FileCache[tuple[str, str], RobotDescription | GripError | None] = FileC
 """Folder and `robot:` of a project -> the robot, or what is wrong with it."""
 
 
-def _project_parts_of(project: Project) -> ProjectParts:
+def project_parts_of(project: Project) -> ProjectParts:
     """Return what a project has, as far as its files tell."""
     file, problems = project.file, tuple[Problem, ...]()
     key = str(project.folder), repr(file.robot)
@@ -163,7 +163,7 @@ def catalogue_of(project: Project) -> Catalog:
         .with_(
             tasks=TaskFolder(project.folder),
             named=partial(_message_names, project),
-            parts=partial(_project_parts_of, project),
+            parts=partial(project_parts_of, project),
             code=AllowedImports(file.code, project.folder),
         )
     )

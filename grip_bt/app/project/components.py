@@ -62,13 +62,13 @@ def from_file(path: Path) -> Wish:
     return Wish(read_interface(path), package=package)
 
 
-def from_type(name: str, prefixes: Collection[Path] = ()) -> Wish:
+def from_type(name: str) -> Wish:
     """Take an installed type, such as `std_srvs/srv/Trigger`.
 
     Raises:
         DocumentError: it isn't one, or isn't installed.
     """
-    return Wish(read_interface(name, tuple(prefixes)))
+    return Wish(read_interface(name))
 
 
 def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:

@@ -16,7 +16,7 @@ from grip_bt.task.catalog.component_parts import ProcessConfig, Start
 from .folder import Project
 
 
-def project_members(project: Project, names: Sequence[str] = (), domain_id: int | None = None) -> list[Member]:
+def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]:
     """Return the processes of a project; all of those that are to be run, where none is named.
 
     Raises:
@@ -28,15 +28,15 @@ def project_members(project: Project, names: Sequence[str] = (), domain_id: int 
         if name not in declared:
             raise UnknownNameError("process", name, declared, str(project.folder / "grip.yaml"))
     wanted = names or [name for name, config in declared.items() if config.run]
-    return [_member(name, declared[name], project.folder, domain_id) for name in wanted]
+    return [_member(name, declared[name], project.folder) for name in wanted]
 
 
-def _member(name: str, config: ProcessConfig, project: Path, domain_id: int | None) -> Member:
+def _member(name: str, config: ProcessConfig, project: Path) -> Member:
     return Member(
         name,
         command_of(config, project),
         project / (config.folder or "."),
-        child_environment((), domain_id) | dict(config.env),
+        child_environment(()) | dict(config.env),
         config.ready,
         config.restart,
         config.restarts,

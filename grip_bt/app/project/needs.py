@@ -7,6 +7,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, partial
+from itertools import takewhile
 from pathlib import Path
 
 from grip_bt.app.project.folder import Project
@@ -22,7 +23,7 @@ from grip_bt.ros.interfaces.packages import (
     share_folder,
 )
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
-from grip_bt.task.catalog.component_parts import ProcessConfig, Start
+from grip_bt.task.catalog.component_parts import Start
 from grip_bt.task.catalog.project_parts import MISSING_PACKAGE, UNFIT_PROJECT, Problem, missing_package, missing_type
 from grip_bt.task.validation.codes import suggestion
 
@@ -117,9 +118,8 @@ def _name_in(manifest: Path) -> str:
 
 ROOT = "world"
 _PUBLISHER = "static_transform_publisher"
-_OPTIONS = ("--frame-id", "--child-frame-id")
 _SAID = re.compile(r"--(?:child-)?frame-id[\s\"',]+([A-Za-z_/][\w/.-]*)")
-"""A frame of a static publisher in the text of a launch file, in any of its three languages."""
+"""A frame of a static publisher, in a command or in the text of a launch file, in any of its three languages."""
 _POSITIONAL = (8, 9)
 """How many words its older form has: a position, angles or a quaternion, and then the two frames."""
 _LARGEST = 1_000_000
@@ -178,31 +178,23 @@ def _published(project: Project) -> set[str]:
     found: set[str] = set()
     for process in project.file.processes.values():
         if process.launch is not None and process.package is None:
-            found.update(_frames_in_text(project.folder / process.launch))
-        else:
-            found.update(_frames_of_publisher(process))
+            found.update(_SAID.findall(_text_of(project.folder / process.launch)))
+            continue
+        words = [process.executable or "", *process.command, *process.args]
+        if _PUBLISHER in words:
+            own = list(takewhile(lambda word: word != "--ros-args", words[words.index(_PUBLISHER) + 1 :]))
+            found.update(_SAID.findall(" ".join(own)) or (own[-2:] if len(own) in _POSITIONAL else ()))
     return {frame.lstrip("/") for frame in found}
 
 
-def _frames_of_publisher(process: ProcessConfig) -> list[str]:
-    words = list(process.args)
-    if process.executable != _PUBLISHER:
-        if _PUBLISHER not in process.command:
-            return []
-        words = list(process.command[process.command.index(_PUBLISHER) + 1 :])
-    if "--ros-args" in words:
-        words = words[: words.index("--ros-args")]
-    said = [after for word, after in zip(words, words[1:], strict=False) if word in _OPTIONS]
-    return said or (words[-2:] if len(words) in _POSITIONAL else [])
-
-
-def _frames_in_text(path: Path) -> list[str]:
+def _text_of(launch: Path) -> str:
+    """Return what a launch file says that has static publishers; empty for others, and where it isn't there."""
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
+        with launch.open(encoding="utf-8", errors="replace") as file:
             text = file.read(_LARGEST)
     except OSError:
-        return []  # a run says that it isn't there
-    return _SAID.findall(text) if _PUBLISHER in text else []
+        return ""  # a run says so
+    return text if _PUBLISHER in text else ""
 
 
 def robot_frames(project: Project) -> FrameTree:

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
-from itertools import islice, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -43,15 +43,15 @@ class Capsule:
     left_out: str
 
 
-def write_capsule(reader: JournalReader, run: str, file: Path, most: int | None = None) -> Capsule:
-    """Write a run, or the first events of it, as one HTML file.
+def write_capsule(reader: JournalReader, run: str, file: Path) -> Capsule:
+    """Write a run as one HTML file.
 
     Raises:
         UnknownNameError: there is no such run.
         DocumentError: the file can't be written, or the task that was run can't be read any more.
     """
     record = reader.run(run)
-    events = list(islice(reader.iterate(run), most))
+    events = list(reader.iterate(run))
     task = loads(record.task_text, record.task_path or run)
     columns, left_out = columns_of(events)
     # GRIP's own nodes where the task's project isn't there any more

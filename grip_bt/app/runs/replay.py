@@ -93,11 +93,11 @@ class Until:
         return self._what == event.event or (event.event == "exit" and self._what in (event.outcome, said))
 
 
-def events_of(reader: JournalReader, run: str, follow: bool = True) -> Iterator[Event]:
-    """Yield a run's events in order; with `follow`, of a run whose process lives, also those to come."""
+def events_of(reader: JournalReader, run: str) -> Iterator[Event]:
+    """Yield a run's events in order; of a run whose process lives, also those to come."""
     after = 0
     while True:
-        over = not follow or reader.run(run).status != "running"
+        over = reader.run(run).status != "running"
         for event in reader.iterate(run, after):
             after = event.seq
             yield event

@@ -78,13 +78,13 @@ def with_move_group(
     return PlannerByName(own, {MOVE_GROUP: loaded.open_move_group(opening.project, description, stack, bus)})
 
 
-def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int, where: str = "grip.yaml: arms") -> PlanningSettings:
+def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningSettings:
     """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults.
 
     Raises:
         UnknownNameError: there is no such solver or planner.
     """
-    check(faults_of_fields(arm, robot, where))
+    check(faults_of_fields(arm, robot, "grip.yaml: arms"))
 
     def field(name: str) -> Any:
         return field_of(arm, robot, name)

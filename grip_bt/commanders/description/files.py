@@ -52,11 +52,14 @@ def as_they_were(stamps: Iterable[Iterable[object]]) -> bool:
     return all(tuple(stamp) == _stamp(str(next(iter(stamp)))) for stamp in stamps)
 
 
+_MOST = 16
+"""Things that are kept."""
+
+
 class FileCache(Generic[K, T]):
     """What was made of files, made again when one of them has changed; of so many keys, the newest ones."""
 
-    def __init__(self, most: int = 16):
-        self._most = most
+    def __init__(self) -> None:
         self._made: dict[K, tuple[Stamps, T]] = {}
 
     def get(self, key: K, make: Callable[[], T]) -> T:
@@ -65,7 +68,7 @@ class FileCache(Generic[K, T]):
             with noting_files() as files:
                 made = make()
             self._made.pop(key, None)
-            while len(self._made) >= self._most:
+            while len(self._made) >= _MOST:
                 self._made.pop(next(iter(self._made)))
             self._made[key] = stamps_of(files), made
         return self._made[key][1]

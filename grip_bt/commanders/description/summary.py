@@ -76,9 +76,9 @@ def _package(package: MoveItPackage) -> dict[str, object]:
     }
 
 
-def told(known: dict[str, Value]) -> str:
+def told(known: Mapping[str, object]) -> str:
     """Return facts as text for people."""
-    return "\n".join(_lines(known))
+    return "\n".join(_lines(dict(known)))
 
 
 def _lines(known: dict[str, Value]) -> Iterator[str]:

@@ -34,7 +34,6 @@ def fingertip_posture(
     targets: Mapping[str, Array],
     seed: JointState | None = None,
     group: str = "hand",
-    rng: np.random.Generator | None = None,
     frame: str = GRASP_FRAME,
 ) -> JointState:
     """Return positions of a hand's joints that bring its fingertips, or other links, to their targets.
@@ -45,7 +44,6 @@ def fingertip_posture(
         targets: finger or link -> wanted position of its tip or origin in `frame`, shape (3,) [m].
         seed: posture to begin at, and to stay near; the hand's `open` one when it isn't given.
         group: the hand's group of joints.
-        rng: where restarts come from; seeded with 0 when it isn't given, so that the same question has the same answer.
         frame: a grasp frame, or a link that the hand's joints don't move and that is fixed to its palm.
 
     Raises:
@@ -58,7 +56,7 @@ def fingertip_posture(
     columns = np.array([model.model.joints[model.model.getJointId(name)].idx_q for name in joints])
     begin = seed or model.description.named_state(group, "open")
     best, shortest = model.configuration(begin), np.inf
-    for start in _starts(model, begin, columns, rng or np.random.default_rng(0)):
+    for start in _starts(model, begin, columns, np.random.default_rng(0)):
         q = _descended(model, tips, wanted, start, columns)
         longest = float(np.linalg.norm(tips.places(q) - wanted, axis=1).max())
         if longest < shortest:

@@ -16,7 +16,7 @@ from grip_bt.base.values import Plan, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
 from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
-from grip_bt.commanders.planning.budget import REAL, Budget, Clocks
+from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
     allowed,
     chain_and_checker,
@@ -137,14 +137,11 @@ SEARCH = 0.03
 """While a path is searched, no joint moves more than this [rad] between two checks; later attempts look closer."""
 
 
-def answer(
-    model: RobotModel, request: Request, canceled: Callable[[], bool], clocks: Clocks = REAL
-) -> Plan | ChosenGrasp | None:
+def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) -> Plan | ChosenGrasp | None:
     """Answer a request.
 
     Args:
         canceled: asked often; True ends it.
-        clocks: what tells the time that a search may take.
 
     Raises:
         ExpectedError: with the reason why there is no answer.
@@ -154,22 +151,22 @@ def answer(
         check_together(model, request)
         return None
     if isinstance(request, ChooseGrasp):
-        return choose_grasp(model, request.situation, request.grasps, canceled, clocks)
+        return choose_grasp(model, request.situation, request.grasps, canceled)
     if isinstance(request, PlanStraight):
         planner, trajectory = "straight", plan_straight(model, request)
     elif isinstance(request, PlanThrough):
-        trajectory, radii = plan_through(model, request, canceled, clocks)
+        trajectory, radii = plan_through(model, request, canceled)
         return Plan(request.situation.group, trajectory, "through", time.monotonic() - begin, radii)
     elif isinstance(request, PlanServoStep):
         planner, trajectory = "onward", plan_servo_step(model, request)
     elif isinstance(request, CheckTrajectory):
         planner, trajectory = "given", plan_from_trajectory(model, request)
     else:
-        planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled, clocks)
+        planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled)
     return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin)
 
 
-def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool], clocks: Clocks = REAL) -> Trajectory:
+def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) -> Trajectory:
     """Plan a free path.
 
     Raises:
@@ -184,7 +181,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool], cl
     """
     situation = request.situation
     settings = situation.settings
-    budget = Budget(settings.planning_time, clocks)
+    budget = Budget(settings.planning_time)
     chain, checker = chain_and_checker(model, situation, margin=0.0)
     start = free_start(chain, checker, situation, request.constraint)
     goals = goals_of(chain, checker, request, start)

@@ -36,16 +36,16 @@ class Budget:
 
     Args:
         seconds: CPU time [s].
-        clocks: what tells the time.
+        clocks: what tells the time; `REAL` where nothing is said.
         wall: wall time that ends it too [s]; `BACKSTOP` times `seconds` where nothing is said.
     """
 
     __slots__ = ("_asked", "_began", "_clocks", "_most", "_of", "_seconds", "_wall")
 
-    def __init__(self, seconds: float, clocks: Clocks = REAL, wall: float | None = None):
-        self._clocks, self._seconds = clocks, seconds
+    def __init__(self, seconds: float, clocks: Clocks | None = None, wall: float | None = None):
+        self._clocks, self._seconds = clocks or REAL, seconds
         self._wall = BACKSTOP * seconds if wall is None else wall
-        self._began = clocks.worked(), clocks.passed()
+        self._began = self._clocks.worked(), self._clocks.passed()
         self._asked, self._most = 0.0, RATE * seconds
         self._of: Budget | None = None
 

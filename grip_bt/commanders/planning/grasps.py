@@ -18,7 +18,7 @@ from ..kinematics.ik import solver
 from ..kinematics.model import Chain, RobotModel
 from ..kinematics.target import Target
 from ..scene_state import SceneSnapshot
-from .budget import REAL, Budget, Clocks
+from .budget import Budget
 from .paths import interpolated
 from .requests import ChosenGrasp, Situation
 from .search import RESOLUTION, Search
@@ -53,11 +53,7 @@ def target_of(grasp: Grasp, scene: SceneSnapshot) -> str | None:
 
 
 def choose_grasp(
-    model: RobotModel,
-    situation: Situation,
-    grasps: Sequence[Grasp],
-    canceled: Callable[[], bool],
-    clocks: Clocks = REAL,
+    model: RobotModel, situation: Situation, grasps: Sequence[Grasp], canceled: Callable[[], bool]
 ) -> ChosenGrasp:
     """Return the first feasible grasp, by falling quality.
 
@@ -71,7 +67,7 @@ def choose_grasp(
         CanceledError: it was cancelled.
     """
     reasons: Counter[str] = Counter()
-    search = GraspSearch(model, situation, clocks)
+    search = GraspSearch(model, situation)
     for grasp in sorted(grasps, key=lambda g: -g.quality):
         trial = GraspTrial(search, grasp)
         for q in trial.configurations():
@@ -81,19 +77,21 @@ def choose_grasp(
                 names = trial.chain.joints
                 return ChosenGrasp(grasp, JointState(names, pre), JointState(names, q), dict(reasons))
         reasons[trial.reason] += 1
+    raise none_feasible(reasons, len(grasps))
+
+
+def none_feasible(reasons: Counter[str], candidates: int) -> NoGraspError:
+    """Return the error that none of so many grasps can be taken; `reasons` counts why."""
     counts = ", ".join(f"{count} {reason}" for reason, count in reasons.most_common())
-    raise NoGraspError(
-        f"none of {len(grasps)} grasps is feasible" + (f": {counts}" if counts else ""),
-        reasons=dict(reasons),
-        candidates=len(grasps),
-    )
+    said = f"none of {candidates} grasps is feasible" + (f": {counts}" if counts else "")
+    return NoGraspError(said, reasons=dict(reasons), candidates=candidates)
 
 
 class GraspSearch:
     """What the candidates of one request share: collision checkers, and configurations that reached one of them."""
 
-    def __init__(self, model: RobotModel, situation: Situation, clocks: Clocks = REAL):
-        self.model, self.situation, self.clocks = model, situation, clocks
+    def __init__(self, model: RobotModel, situation: Situation):
+        self.model, self.situation = model, situation
         self.reached: tuple[Array, ...] = ()
         self._made: dict[tuple[int, str | None], CollisionChecker] = {}
 
@@ -196,7 +194,7 @@ class GraspTrial:
         checker = self._search.without(self.chain, None)
         if not checker.free(start):
             return True  # the plan itself will tell that the start is in collision
-        whole = Budget(_LONGEST, self._search.clocks)
+        whole = Budget(_LONGEST)
         try:
             Search(checker, settings, None, canceled).path(start, pre, whole.part(_PATIENCE))
         except (NoPlanError, TimeOutError):

@@ -17,6 +17,7 @@ EdgeCheck = Callable[[Array, Array], bool]
 _WORTH = 0.01
 """A shortcut that makes the path shorter by less than this part isn't worth its collision check."""
 _PATIENCE = 18
+_ROUNDS = 60
 
 
 def interpolated(path: Path, resolution: float) -> Path:
@@ -33,15 +34,15 @@ def length(path: Path) -> float:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
-def shortened(path: Path, edge_free: EdgeCheck, rng: np.random.Generator, rounds: int = 60) -> Path:
+def shortened(path: Path, edge_free: EdgeCheck, rng: np.random.Generator) -> Path:
     """Return a path with the same ends that is no longer.
 
     First every row that can be skipped is skipped, from the far end on; then random pairs of points on the path
-    are joined where the straight motion is free (Geraerts and Overmars 2007). It ends after so many rounds, or when
+    are joined where the straight motion is free (Geraerts and Overmars 2007). It ends after 60 rounds, or when
     a dozen in a row had nothing to gain, so the result depends on nothing but the arguments.
     """
     path, idle = _pruned(path, edge_free), 0
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         if len(path) < 3 or idle >= _PATIENCE:
             break
         idle += 1

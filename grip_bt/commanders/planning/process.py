@@ -1,7 +1,7 @@
 """The planning process: `python -m grip_bt.commanders.planning.process`, started by `planning.service`.
 
-It reads frames from stdin and writes frames to a private copy of stdout; a frame is a pickled tuple behind its
-length. Both ends are one program on one machine, so pickle is safe here; nothing from outside gets in.
+It reads messages from stdin and writes messages to a private copy of stdout, each a pickled tuple. Both ends are one
+program on one machine, so pickle is safe here; nothing from outside gets in.
 
     in   ("robot", RobotDescription) once, then ("plan", number, request) and ("cancel", number)
     out  ("ready",) once, then ("done", number, result) or ("failed", number, error)
@@ -15,7 +15,6 @@ import os
 import pickle
 import queue
 import signal
-import struct
 import sys
 import threading
 from functools import partial
@@ -26,7 +25,6 @@ from grip_bt.base.values import Plan
 from ..description.robot import RobotDescription
 from .requests import ChosenGrasp, Request
 
-_LENGTH = struct.Struct("<Q")
 Message = (
     tuple[Literal["robot"], RobotDescription]
     | tuple[Literal["plan"], int, Request]
@@ -37,23 +35,18 @@ Message = (
 )
 
 
-def write_frame(stream: IO[bytes], message: Message) -> None:
-    """Write one message."""
-    body = pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL)
-    stream.write(_LENGTH.pack(len(body)) + body)
+def write_message(stream: IO[bytes], message: Message) -> None:
+    """Write one message; nothing of one that can't be pickled."""
+    stream.write(pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL))
     stream.flush()
 
 
-def read_frame(stream: IO[bytes]) -> Message | None:
-    """Return the next message, or None at the end of the stream."""
-    head = stream.read(_LENGTH.size)
-    if len(head) < _LENGTH.size:
+def read_message(stream: IO[bytes]) -> Message | None:
+    """Return the next message, or None at the end of the stream, in the middle of one too."""
+    try:
+        return pickle.load(stream)
+    except (EOFError, pickle.UnpicklingError):
         return None
-    size = _LENGTH.unpack(head)[0]
-    body = stream.read(size)
-    if len(body) < size:
-        return None
-    return pickle.loads(body)
 
 
 class Inbox:
@@ -70,7 +63,7 @@ class Inbox:
         return number in self._canceled
 
     def _read(self) -> None:
-        while (message := read_frame(self._stream)) is not None:
+        while (message := read_message(self._stream)) is not None:
             match message:
                 case ("cancel", number):
                     self._canceled.add(number)
@@ -84,7 +77,7 @@ def main() -> None:
     for each in (signal.SIGINT, signal.SIGHUP):
         signal.signal(each, signal.SIG_IGN)  # Ctrl-C and a dropped terminal are the parent's business; it closes stdin
     out = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what libraries print must not get between the frames
+    os.dup2(2, 1)  # what libraries print must not get between the messages
     inbox = Inbox(sys.stdin.buffer)
 
     from ..kinematics.model import RobotModel
@@ -95,14 +88,14 @@ def main() -> None:
         match inbox.requests.get():
             case ("robot", description):
                 model = RobotModel(description)
-                write_frame(out, ("ready",))
+                write_message(out, ("ready",))
             case ("plan", number, request) if model is not None:
                 try:
                     result = answer(model, request, partial(inbox.canceled, number))
                 except Exception as error:  # noqa: BLE001 - sent to the caller, who raises it
-                    write_frame(out, ("failed", number, _sendable(error)))
+                    write_message(out, ("failed", number, _sendable(error)))
                 else:
-                    write_frame(out, ("done", number, result))
+                    write_message(out, ("done", number, result))
 
 
 def _sendable(error: Exception) -> Exception:

@@ -9,13 +9,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.failures import CanceledError, PlannerLostError
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Plan
 
 from ..description.robot import RobotDescription
-from .process import Message, read_frame, write_frame
+from .process import Message, read_message, write_message
 from .requests import ChosenGrasp, Request
 
 PROGRAM = "grip_bt.commanders.planning.process"
@@ -31,7 +32,7 @@ class _Job:
     sent_again: bool = False
 
 
-class PlanningProcess:
+class PlanningProcess(Closing):
     """Sends requests to a child process, one after the other.
 
     The child is started at once and replaced when it dies; the request that it died over is sent once more. It ends
@@ -97,12 +98,6 @@ class PlanningProcess:
         for job in jobs:
             job.operation.fail(CanceledError("the planning process was closed"))
 
-    def __enter__(self) -> PlanningProcess:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def _spawn(self) -> None:
         """Start a child. The lock is held, or nobody else knows this object yet."""
         self._ready.clear()
@@ -122,13 +117,13 @@ class PlanningProcess:
         """Send to the present child; when it is dead, its reader finds out and sends again."""
         assert self._child.stdin is not None
         try:
-            write_frame(self._child.stdin, message)
+            write_message(self._child.stdin, message)
         except (BrokenPipeError, ValueError):
             return
 
     def _read(self, child: subprocess.Popen[bytes]) -> None:
         assert child.stdout is not None
-        while (message := read_frame(child.stdout)) is not None:
+        while (message := read_message(child.stdout)) is not None:
             match message:
                 case ("ready",):
                     self._ready.set()

@@ -23,7 +23,7 @@ from grip_bt.base.failures import ConstraintBrokenError, NoIkError, PathInvalidE
 from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory, WayPoint
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
-from grip_bt.commanders.planning.budget import REAL, Budget, Clocks
+from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
     chain_and_checker,
     finely_free,
@@ -138,7 +138,7 @@ _ABOUT = 0.03
 
 
 def plan_through(
-    model: RobotModel, request: PlanThrough, canceled: Callable[[], bool], clocks: Clocks = REAL
+    model: RobotModel, request: PlanThrough, canceled: Callable[[], bool]
 ) -> tuple[Trajectory, tuple[float, ...]]:
     """Plan a motion through way points; return it, and the blend radii that it has at the inner ones [m].
 
@@ -150,7 +150,7 @@ def plan_through(
         ConstraintBrokenError: the start, a way point or a straight segment breaks what the motion must keep to.
     """
     settings = request.situation.settings
-    budget = Budget(settings.planning_time, clocks)
+    budget = Budget(settings.planning_time)
     chain, checker = chain_and_checker(model, request.situation, margin=0.0)
     start = free_start(chain, checker, request.situation, request.constraint)
     searched = any(not point.straight for point in request.way_points)

@@ -20,8 +20,7 @@ import weakref
 from collections import deque
 from collections.abc import Callable
 from contextlib import ExitStack
-from types import TracebackType
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -29,6 +28,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 
@@ -58,7 +58,7 @@ class Polled(Protocol):
         """End all of it with an error."""
 
 
-class Connection:
+class Connection(Closing):
     """A ROS node with its thread.
 
     Args:
@@ -183,14 +183,6 @@ class Connection:
         self._context.try_shutdown()
         self._watchdogs.close()
         atexit.unregister(self._at_exit)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     @property
     def closed(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Literal
@@ -11,7 +11,7 @@ from typing import Literal
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.node import Node
 
-from grip_bt.base.errors import GripError, UnknownNameError, listing, nearest
+from grip_bt.base.errors import GripError, UnknownNameError, listing
 from grip_bt.base.failures import ServerLostError
 
 from .connection import Connection
@@ -73,13 +73,12 @@ def served_names(node: Node) -> tuple[set[str], set[str]]:
     return served, {name for name, _ in node.get_topic_names_and_types() if node.count_publishers(name)}
 
 
-def find_served(name: str, within: float = 5.0, domain_id: int | None = None) -> Served:
+def find_served(name: str, within: float = 5.0) -> Served:
     """Return what is served under a name; actions come before services, services before topics.
 
     Args:
         name: such as `/plan_grasp`; a missing first slash is added.
         within: how long to look [s].
-        domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
 
     Raises:
         UnknownNameError: nothing of that name is there; it lists what is.
@@ -87,7 +86,7 @@ def find_served(name: str, within: float = 5.0, domain_id: int | None = None) ->
     """
     wanted = name if name.startswith("/") else f"/{name}"
     deadline = time.monotonic() + within
-    with Connection("grip_look", domain_id) as bus:
+    with Connection("grip_look") as bus:
         seen, since = bus.ask(lambda: everything(bus.node), LOOKING), time.monotonic()
         while True:
             found = [s for s in seen if s.name == wanted]
@@ -123,12 +122,19 @@ MOST = 8
 """How many names are listed."""
 _NEAR = 0.6
 """How alike two names are of which one may be meant for the other."""
-Names = Sequence[tuple[str, Sequence[str]]]
+Done = Literal["served", "published", "heard"]
+"""What is done with what is looked for: services and actions are served, topics published, or heard by subscribers."""
 
 
 def is_internal(name: str) -> bool:
     """Tell whether a name is of what every node has, or a part of an action."""
     return any(part in name if part.startswith("/_") else name.endswith(part) for part in _HIDDEN)
+
+
+def topics(node: Node) -> list[tuple[str, list[str], int]]:
+    """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
+    seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
+    return sorted((name, types, count) for name, types, count in seen if count and not is_internal(name))
 
 
 def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
@@ -141,80 +147,52 @@ def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
     """
     if not isinstance(error, ServerLostError) or "waited" not in error.data:
         return error
-    services = [(name, types) for name, types in node.get_service_names_and_types() if not is_internal(name)]
-    actions = get_action_names_and_types(node)
-    domain = node.context.get_domain_id()
-    return ServerLostError(
-        error.message + instead(error.data["server"], type_name(type_), services, actions, domain), **error.data
-    )
+    there = instead(node, error.data["server"], type_name(type_), "served")
+    return ServerLostError(error.message + there, **error.data)
 
 
-def instead(name: str, wanted: str, services: Names, actions: Names, domain: int) -> str:
-    """Return what is served instead of a name, in words to be put behind the message."""
-    ours, theirs, other = (services, actions, "an action") if "/srv/" in wanted else (actions, services, "a service")
-    where = f"in ROS_DOMAIN_ID {domain}"
-    for served, types in theirs:
-        if served == name:
-            return f"; {name} is {other}, of type {types[0]}"
-    same = sorted(served for served, types in ours if wanted in types and served != name)
-    if same:
-        return f"; {wanted} is served {where} as {listing(same[:MOST])}"
-    names = sorted(served for served, _ in ours if served != name)
-    kind = "services" if "/srv/" in wanted else "actions"
-    return f"{nearest(name, names)} ({kind} {where}: {_some(names, MOST)})"
+def instead(node: Node, name: str, wanted: str, done: Done, most: int = MOST) -> str:
+    """Return what there is instead of a name that isn't there as `wanted`, in words to be put behind the message.
 
-
-def other_servers(node: Node, name: str) -> str:
-    """Return what is served instead of a service or action of any type, in words to be put behind the message."""
-    published = {topic: types for topic, types, _ in topics(node)}
-    if name in published:
-        return f"; {name} is a topic, of type {published[name][0]}"
-    served = [*node.get_service_names_and_types(), *get_action_names_and_types(node)]
-    names = sorted(other for other, _ in served if not is_internal(other))
-    where = f"in ROS_DOMAIN_ID {node.context.get_domain_id()}"
-    return f"{nearest(name, names)} (services and actions {where}: {_some(names, MOST)})"
-
-
-def topics(node: Node) -> list[tuple[str, list[str], int]]:
-    """Return the topics that somebody publishes, by name: name, types, number of publishers; on the bus's thread."""
-    seen = ((name, types, node.count_publishers(name)) for name, types in node.get_topic_names_and_types())
-    return sorted((name, types, count) for name, types, count in seen if count and not is_internal(name))
-
-
-def other_topics(node: Node, name: str, wanted: str, heard: bool = False, most: int = MOST) -> str:
-    """Return which topics there are instead of one that nobody publishes as `wanted`, as `instead_of_topic` does.
+    On the bus's thread.
 
     Args:
         wanted: its type; empty where nobody said it.
-        heard: whether those are meant that somebody subscribes to.
+        done: what should be done with it.
+        most: how many names are listed.
     """
-    ends = node.get_subscriptions_info_by_topic if heard else node.get_publishers_info_by_topic
-    names = [n for n, _ in node.get_topic_names_and_types() if not is_internal(n)]
-    there = [(n, types) for n in sorted(names) if (types := sorted({end.topic_type for end in ends(n)}))]
+    ends = node.get_subscriptions_info_by_topic if done == "heard" else node.get_publishers_info_by_topic
+    carried = ((n, sorted({end.topic_type for end in ends(n)})) for n, _ in node.get_topic_names_and_types())
+    here: dict[str, Sequence[tuple[str, Sequence[str]]]] = {
+        "a service": node.get_service_names_and_types(),
+        "an action": get_action_names_and_types(node),
+        "a topic": [(n, types) for n, types in carried if types],
+    }
+    kinds = ["a service", "an action"] if done == "served" else ["a topic"]
+    if done == "served" and wanted:
+        kinds = ["a service" if "/srv/" in wanted else "an action"]
+    there = [(n, types) for kind in kinds for n, types in here[kind] if not is_internal(n)]
     if any(n == name for n, _ in there):  # its own type is told by whoever asks
         there = [(n, types) for n, types in there if wanted in types]
-        return instead_of_topic(name, wanted, there, node.context.get_domain_id(), heard, most) if there else ""
-    services, actions = node.get_service_names_and_types(), get_action_names_and_types(node)
-    served = [("a service", n, types) for n, types in services] + [("an action", n, types) for n, types in actions]
-    kind = next((f"; {name} is {what}, of type {types[0]}" for what, n, types in served if n == name), "")
-    return kind or instead_of_topic(name, wanted, there, node.context.get_domain_id(), heard, most)
+        return in_words(name, wanted, there, done, node.context.get_domain_id(), most) if there else ""
+    other = next(((kind, types) for kind, found in here.items() for n, types in found if n == name), None)
+    if other is not None:
+        return f"; {name} is {other[0]}, of type {other[1][0]}"
+    return in_words(name, wanted, there, done, node.context.get_domain_id(), most)
 
 
-def instead_of_topic(name: str, wanted: str, there: Names, domain: int, heard: bool = False, most: int = MOST) -> str:
-    """Return which topics there are, in words to be put behind the message: those of the type, and of a name like it.
-
-    Args:
-        wanted: its type; empty where nobody said it.
-        heard: whether those are topics that somebody subscribes to, not publishes.
-    """
-    done, where = "heard" if heard else "published", f"in ROS_DOMAIN_ID {domain}"
+def in_words(
+    name: str, wanted: str, there: Iterable[tuple[str, Sequence[str]]], done: Done, domain: int, most: int = MOST
+) -> str:
+    """Return in words what is there, as names with types: what is of the type wanted, and what has a name like it."""
+    where = f"in ROS_DOMAIN_ID {domain}"
     others = sorted(((n, types) for n, types in there if n != name), key=lambda other: (-_alike(name, other[0]), other))
     same = [n for n, types in others if wanted in types]
     near = [(n, types) for n, types in others if n not in same and _alike(name, n) >= _NEAR][:1]
     said = f"; {wanted} is {done} {where} as {_some(same, most)}" if same else ""
     said += "".join(f"; did you mean {n!r}, which is {done} as {types[0]}?" for n, types in near)
     if said or not others:
-        return said or f"; nothing is {done} {where}"
+        return said or f"; nothing of its kind is {done} {where}"
     return f"; {done} {where}: {_some([f'{n} ({types[0]})' for n, types in others], most)}"
 
 

@@ -21,7 +21,7 @@ from grip_bt.base.operation import Operation
 
 from .base import Client, Request
 from .connection import Connection
-from .graph import MOST, other_topics
+from .graph import MOST, instead
 from .types import InterfaceType, Message, load_type, type_name
 
 DEPTH = 10
@@ -126,14 +126,14 @@ class TopicReader(Client[Request]):
         found = self._bus.node.get_publishers_info_by_topic(self.name)
         wanted = "" if self.type is None else type_name(self.type)
         if not found:
-            return f"it has no publisher{other_topics(self._bus.node, self.name, wanted, most=most)}"
+            return f"it has no publisher{instead(self._bus.node, self.name, wanted, 'published', most)}"
         types = sorted({p.topic_type for p in found})
         if not wanted:
             return f"it is published as {' and as '.join(types)}; specify the message type to subscribe with"
         wrong, right = [t for t in types if t != wanted], sum(p.topic_type == wanted for p in found)
         if not right:
             said = f"it is published as {', '.join(wrong)}, not as {wanted}; name that type, or another topic"
-            return said + other_topics(self._bus.node, self.name, wanted, most=most)
+            return said + instead(self._bus.node, self.name, wanted, "published", most)
         others = f"; others publish it as {', '.join(wrong)}" if wrong else ""
         return f"{right} publisher{'s' if right > 1 else ''}, but no message arrived{others}"
 
@@ -249,4 +249,4 @@ class TopicWriter(Client[_Message]):
         wanted, found = type_name(self.type), self._bus.node.get_subscriptions_info_by_topic(self.name)
         wrong = sorted({end.topic_type for end in found if end.topic_type != wanted})
         said = f"; it is subscribed to as {', '.join(wrong)}, not as {wanted}" if wrong else ""
-        return said + other_topics(self._bus.node, self.name, wanted, heard=True)
+        return said + instead(self._bus.node, self.name, wanted, "heard")

@@ -27,19 +27,18 @@ _SECTIONS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal",
 _SEPARATOR = "---"
 
 
-def read_interface(source: str | Path, prefixes: Sequence[Path] = ()) -> InterfaceSpec:
+def read_interface(source: str | Path) -> InterfaceSpec:
     """Read an interface from its file, or by its type's name from the installed packages.
 
     Args:
         source: a .msg, .srv or .action file in a package's `<kind>/` folder, or a name such as `std_srvs/srv/Trigger`.
-        prefixes: overlays in which a named type is looked for first.
 
     Raises:
         DocumentError: the file can't be read or is wrong (with its line), or no installed package has the type.
     """
     path = Path(source)
     if path.suffix[1:] not in KINDS:
-        path = _installed_file(str(source), prefixes)
+        path = _installed_file(str(source))
     folder = path.resolve().parent.parent
     package = read_package(folder).name if (folder / "package.xml").is_file() else folder.name
     return parse_interface(read_text(path), package, path.suffix[1:], path.stem, str(path))
@@ -90,16 +89,16 @@ def parse_interface(text: str, package: str, kind: str, name: str, source: str =
     return InterfaceSpec(package, known, name, request, response, feedback, doc=doc, source=source)
 
 
-def _installed_file(type_name: str, prefixes: Sequence[Path]) -> Path:
+def _installed_file(type_name: str) -> Path:
     parts = type_name.split("/")
     if len(parts) != 3 or parts[1] not in KINDS:
-        meant = _meant(parts, prefixes)
+        meant = _meant(parts)
         such = f"; write {meant!r}" if meant else " such as 'std_srvs/srv/Trigger'"
         raise DocumentError(f"is neither a .msg, .srv or .action file nor a type{such}", type_name)
     package, kind, name = parts
-    share = share_folder(package, search_path(prefixes))
+    share = share_folder(package, search_path())
     if share is None:
-        hint = package_like(package, search_path(prefixes))
+        hint = package_like(package, search_path())
         raise DocumentError(f"no package {package!r} is installed or built here{hint and '; ' + hint}", type_name)
     file = share / kind / f"{name}.{kind}"
     if not file.is_file():
@@ -109,9 +108,9 @@ def _installed_file(type_name: str, prefixes: Sequence[Path]) -> Path:
     return file
 
 
-def _meant(parts: Sequence[str], prefixes: Sequence[Path]) -> str:
+def _meant(parts: Sequence[str]) -> str:
     """Return the whole name of an installed type that was written without its kind, or with another word for it."""
-    share = share_folder(parts[0], search_path(prefixes))
+    share = share_folder(parts[0], search_path())
     kinds = [kind for kind in KINDS if share is not None and (share / kind / f"{parts[-1]}.{kind}").is_file()]
     return f"{parts[0]}/{kinds[0]}/{parts[-1]}" if kinds else ""
 

@@ -63,13 +63,13 @@ class PackageError(GripError):
     """A package, a program of one, or a launch file of one isn't here; it says what is."""
 
 
-def share_of(package: str, prefixes: Sequence[Path] | None = None) -> Path:
+def share_of(package: str) -> Path:
     """Return the `share` folder of a package.
 
     Raises:
         PackageError: there is no such package.
     """
-    roots = search_path() if prefixes is None else list(prefixes)
+    roots = search_path()
     found = share_folder(package, roots)
     if found is None:
         known = {folder.name for root in roots if (root / "share").is_dir() for folder in (root / "share").iterdir()}
@@ -80,18 +80,18 @@ def share_of(package: str, prefixes: Sequence[Path] | None = None) -> Path:
     return found
 
 
-def prefix_of(package: str, prefixes: Sequence[Path] | None = None) -> Path:
+def prefix_of(package: str) -> Path:
     """Return the prefix in which a package is installed; raises PackageError likewise."""
-    return share_of(package, prefixes).parent.parent
+    return share_of(package).parent.parent
 
 
-def executable_of(package: str, name: str, prefixes: Sequence[Path] | None = None) -> Path:
+def executable_of(package: str, name: str) -> Path:
     """Return the file of a package's program.
 
     Raises:
         PackageError: there is no such package, or it has no such program.
     """
-    folder = prefix_of(package, prefixes) / "lib" / package
+    folder = prefix_of(package) / "lib" / package
     file = folder / name
     if file.is_file() and os.access(file, os.X_OK):
         return file
@@ -100,13 +100,13 @@ def executable_of(package: str, name: str, prefixes: Sequence[Path] | None = Non
     raise PackageError(f"{package} has no program {name!r}{nearest(name, known)} in {folder} (available: {has})")
 
 
-def launch_file_of(package: str, name: str, prefixes: Sequence[Path] | None = None) -> Path:
+def launch_file_of(package: str, name: str) -> Path:
     """Return a package's launch file, from its `launch/` folder or anywhere in its share.
 
     Raises:
         PackageError: there is no such package, or it has no such file.
     """
-    share = share_of(package, prefixes)
+    share = share_of(package)
     for candidate in (share / "launch" / name, share / name):
         if candidate.is_file():
             return candidate

@@ -336,14 +336,10 @@ class GraphWatch:
         """Return which services or topics there are instead of one that didn't come, as the end of a sentence."""
         if ready.log is not None or self._connection is None:
             return ""
-        from ..client.graph import other_servers, other_topics
+        from ..client.graph import instead
 
-        node = self._connection.node
-
-        def look() -> str:
-            return other_servers(node, ready.service) if ready.service else other_topics(node, str(ready.topic), "")
-
-        asked = self._connection.post(look)
+        node, name = self._connection.node, str(ready.service or ready.topic)
+        asked = self._connection.post(lambda: instead(node, name, "", "served" if ready.service else "published"))
         return asked.result() if asked.wait(LOOKING) else ""
 
     def close(self) -> None:

@@ -45,7 +45,6 @@ class Launch:
 def read_launch_file(
     path: Path | str,
     arguments: Mapping[str, str] | None = None,
-    prefixes: Sequence[Path] | None = None,
     env: Mapping[str, str] | None = None,
 ) -> Launch:
     """Read an XML or YAML launch file and return the processes that it asks for.
@@ -53,14 +52,13 @@ def read_launch_file(
     Args:
         path: the file.
         arguments: values of its arguments.
-        prefixes: where packages are; the usual places by default.
         env: what its processes inherit; nothing by default.
 
     Raises:
         LaunchError: it is wrong, asks for something that isn't here, or uses what isn't understood; by name and line.
         LegacyLaunchFileError: it is one of ROS 1; it says what to change.
     """
-    reader = _Reader(prefixes, env or {})
+    reader = _Reader(env or {})
     reader.read_file(Path(path), dict(arguments or {}), _Scope({}, {}), ())
     return reader.launch
 
@@ -122,14 +120,14 @@ class _Scope:
 class _Element(LaunchContext):
     """An element where it stands: its attributes, with their substitutions made, and errors with its line."""
 
-    def __init__(self, element: Element, scope: _Scope, file: Path, prefixes: Sequence[Path] | None):
-        super().__init__(file, element.line, scope.variables, {**os.environ, **scope.env}, prefixes)
+    def __init__(self, element: Element, scope: _Scope, file: Path):
+        super().__init__(file, element.line, scope.variables, {**os.environ, **scope.env})
         self.tag, self.attributes, self.children = element.tag, element.attributes, element.children
         self.scope, self.yaml = scope, file.suffix in (".yaml", ".yml")
 
     def inner(self) -> Iterator[_Element]:
         """Yield what stands in it."""
-        return (_Element(child, self.scope, self.source, self.prefixes) for child in self.children)
+        return (_Element(child, self.scope, self.source) for child in self.children)
 
     def of(self, tag: str) -> Iterator[_Element]:
         """Yield the children of one tag."""
@@ -196,9 +194,9 @@ class _Element(LaunchContext):
 
 
 class _Reader:
-    def __init__(self, prefixes: Sequence[Path] | None, env: Mapping[str, str]):
+    def __init__(self, env: Mapping[str, str]):
         self.launch = Launch()
-        self._prefixes, self._env = prefixes, env
+        self._env = env
         self._names: dict[str, int] = {}
         self._files: tuple[Path, ...] = ()
         self._given: dict[str, str] = {}
@@ -223,7 +221,7 @@ class _Reader:
 
     def _all(self, elements: Sequence[Element], scope: _Scope) -> None:
         for element in elements:
-            at = _Element(element, scope, self._files[-1], self._prefixes)
+            at = _Element(element, scope, self._files[-1])
             handler = _HANDLERS.get(element.tag)
             if handler is None:
                 if element.tag in _COMPOSED:
@@ -337,7 +335,7 @@ class _Reader:
     def _node(self, at: _Element) -> None:
         package, program = at.text("pkg"), at.text("exec")
         try:
-            file = str(executable_of(package, program, self._prefixes))
+            file = str(executable_of(package, program))
         except PackageError as error:
             raise at.error(str(error)) from None
         name, own = at.text("name", ""), at.text("namespace", "")

@@ -26,7 +26,7 @@ def is_launch_file(name: str) -> bool:
 
 
 def members_of_file(
-    path: Path, arguments: Mapping[str, str], domain_id: int | None = None, own_reader: bool = False
+    path: Path, arguments: Mapping[str, str], own_reader: bool = False
 ) -> tuple[list[Member], list[LaunchEvent]]:
     """Return the processes that run a launch file, and what else happens in it.
 
@@ -35,7 +35,6 @@ def members_of_file(
     Args:
         path: the file.
         arguments: values of its arguments.
-        domain_id: the DDS domain; ROS_DOMAIN_ID, else 0, by default.
         own_reader: whether our own reader is used also where ROS's tools are.
 
     Raises:
@@ -43,7 +42,7 @@ def members_of_file(
     """
     if not path.is_file():
         raise LaunchError(str(path), None, "there is no such file")
-    env = child_environment((), domain_id)
+    env = child_environment(())
     given = [f"{name}:={value}" for name, value in arguments.items()]
     ros2 = None if own_reader else shutil.which("ros2")
     if ros2 is not None:

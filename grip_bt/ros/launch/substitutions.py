@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,14 +36,12 @@ class LaunchContext:
         line: of the element.
         variables: what `arg` and `let` have set.
         env: the environment.
-        prefixes: where packages are; None for the usual places.
     """
 
     source: Path
     line: int
     variables: Mapping[str, str]
     env: Mapping[str, str]
-    prefixes: Sequence[Path] | None
 
     def error(self, reason: str) -> LaunchError:
         """Return an error of this place."""
@@ -201,8 +199,7 @@ def _xacro(words: list[str], context: LaunchContext) -> str:
     files = [word for word in words if ":=" not in word and not word.startswith("-")]
     if len(files) != 1:
         raise context.error(f"$(command 'xacro ...'): it is given one file, not {len(files)}")
-    shares = [folder for prefix in reversed(context.prefixes or ()) for folder in sorted((prefix / "share").glob("*"))]
-    packages = Packages({folder.name: folder for folder in shares if folder.is_dir()}, (Path(files[0]),))
+    packages = Packages({}, (Path(files[0]),))
     try:
         return expand(Path(files[0]), dict(word.split(":=", 1) for word in words if ":=" in word), packages)
     except DocumentError as error:
@@ -223,9 +220,9 @@ _KNOWN: dict[str, tuple[int, int, Callable[[list[str], LaunchContext], str]]] = 
     "eval": (1, 1, _evaluated),
     "dirname": (0, 0, lambda words, context: str(context.source.resolve().parent)),
     "filename": (0, 0, lambda words, context: context.source.name),
-    "find-pkg-share": (1, 1, lambda words, context: str(share_of(words[0], context.prefixes))),
-    "find-pkg-prefix": (1, 1, lambda words, context: str(prefix_of(words[0], context.prefixes))),
-    "exec-in-pkg": (2, 2, lambda words, context: str(executable_of(words[1], words[0], context.prefixes))),
+    "find-pkg-share": (1, 1, lambda words, context: str(share_of(words[0]))),
+    "find-pkg-prefix": (1, 1, lambda words, context: str(prefix_of(words[0]))),
+    "exec-in-pkg": (2, 2, lambda words, context: str(executable_of(words[1], words[0]))),
     "not": (1, 1, lambda words, context: _said(not _logic(words, context)[0])),
     "and": (2, 2, lambda words, context: _said(all(_logic(words, context)))),
     "or": (2, 2, lambda words, context: _said(any(_logic(words, context)))),

@@ -42,7 +42,7 @@ class MessageServer:
         DocumentError: a file of the folder is wrong.
     """
 
-    def __init__(self, bus: Bus, folder: Path | None = None, archive: Path | None = None, prefix: str = PREFIX):
+    def __init__(self, bus: Bus, folder: Path | None = None, archive: Path | None = None):
         ensure_package("grip_msgs")
         self._publisher: Publisher | None = None
         self._bus, self._folder, self._archive = bus, folder, archive
@@ -59,11 +59,11 @@ class MessageServer:
             for name, store in self._raw.items():
                 for entry in (*store.entries(), *store.queue()):
                     self._types.setdefault(name, entry.value.type)
-        bus.ask(lambda: self._open(prefix), 5.0)
+        bus.ask(self._open, 5.0)
 
-    def _open(self, prefix: str) -> None:
+    def _open(self) -> None:
         node = self._bus.node
-        self._publisher = node.create_publisher(self._change, f"{prefix}/changes", QoSProfile(depth=_DEPTH))
+        self._publisher = node.create_publisher(self._change, f"{PREFIX}/changes", QoSProfile(depth=_DEPTH))
         for name, type_, work in (
             ("add", "AddMessage", self._on_add),
             ("get", "GetMessage", self._on_get),
@@ -72,7 +72,7 @@ class MessageServer:
             ("reset", "ResetMessages", self._on_reset),
             ("save", "SaveMessages", self._on_save),
         ):
-            node.create_service(load_type(f"grip_msgs/srv/{type_}"), f"{prefix}/{name}", _answering(work))
+            node.create_service(load_type(f"grip_msgs/srv/{type_}"), f"{PREFIX}/{name}", _answering(work))
 
     # --- services; on the bus's thread ---
 

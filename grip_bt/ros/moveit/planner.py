@@ -5,16 +5,17 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
+from grip_bt.base.closing import Closing
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import (
     BadReplyError,
     ExpectedError,
     GoalInCollisionError,
-    NoGraspError,
     NoIkError,
     NoPlanError,
     PathInvalidError,
@@ -27,7 +28,7 @@ from grip_bt.base.values import Grasp, JointState, Plan, Pose, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
 from grip_bt.base.values.pose import check_frame
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.planning.grasps import target_of
+from grip_bt.commanders.planning.grasps import none_feasible, target_of
 from grip_bt.commanders.planning.requests import (
     ChooseGrasp,
     ChosenGrasp,
@@ -51,7 +52,7 @@ CLEARING = 3.0
 """How long closing waits for move_group to take our objects out of its scene [s]."""
 
 
-class MoveGroupPlanner:
+class MoveGroupPlanner(Closing):
     """Implements `planning.service.PlanningService`.
 
     Requests are answered one after the other, because move_group has one scene. An arm's `kinematics` and `margin`
@@ -88,12 +89,6 @@ class MoveGroupPlanner:
     def close(self) -> None:
         """Take our objects out of move_group's scene."""
         self._requests.submit(lambda: run_steps(self._scene.clear())).wait(CLEARING)
-
-    def __enter__(self) -> MoveGroupPlanner:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     # --- what requests are answered with ---
 
@@ -139,9 +134,7 @@ class MoveGroupPlanner:
         found = answer.trajectory if self._by_service else answer.planned_trajectory
         return self._trajectory(found, mount)
 
-    def straight(
-        self, situation: Situation, start: JointState, poses: tuple[Pose, ...], whole: bool = True
-    ) -> Steps[Trajectory]:
+    def straight(self, situation: Situation, start: JointState, poses: tuple[Pose, ...]) -> Steps[Trajectory]:
         """Plan straight lines of the grasp frame through poses in world, in the scene that was shown.
 
         Raises:
@@ -286,12 +279,7 @@ def choose(planner: MoveGroupPlanner, request: ChooseGrasp) -> Steps[ChosenGrasp
             reasons[trial.stage] += 1
         else:
             return ChosenGrasp(grasp, pre, at, dict(reasons))
-    counts = ", ".join(f"{count} {reason}" for reason, count in reasons.most_common())
-    raise NoGraspError(
-        f"none of {len(request.grasps)} grasps is feasible" + (f": {counts}" if counts else ""),
-        reasons=dict(reasons),
-        candidates=len(request.grasps),
-    )
+    raise none_feasible(reasons, len(request.grasps))
 
 
 class _Trial:
@@ -313,18 +301,15 @@ class _Trial:
         self.stage = "approach_blocked"
         away = yield from planner.straight(free, _with(whole.start, at), (grasp.pre_grasp,))
         pre = away.end()
+        self.stage = "lift_blocked"
         if self._target is not None:
-            self.stage = "lift_blocked"
             held = replace(whole, scene=whole.scene.attaching(self._target, whole.hand, grasp.pose))
             yield from planner.show(held)
-        self.stage = "lift_blocked"
         yield from planner.straight(whole, _with(whole.start, at), (grasp.post_grasp,))
         self.stage = "no_plan"
         yield from planner.show(whole)
-        try:
+        with suppress(StartInCollisionError):  # the plan itself will tell so
             yield from planner.free(PlanTo(whole, pre))
-        except StartInCollisionError:
-            pass  # the plan itself will tell that the start is in collision
         return pre, at
 
     def _at_grasp(self, free: Situation) -> Steps[JointState]:

@@ -59,7 +59,7 @@ def layout_path(task: Path) -> Path:
     return task.with_name(f"{task.stem}.layout.yaml")
 
 
-def read_layout(text: str, source: str = "") -> Layout:
+def read_layout(text: str) -> Layout:
     """Read a layout. Entries that aren't ones of a layout are kept aside or passed over, never refused.
 
     Raises:
@@ -67,7 +67,7 @@ def read_layout(text: str, source: str = "") -> Layout:
     """
     if not text.strip():
         return Layout()
-    data = to_data(parse(text, source))
+    data = to_data(parse(text))
     if not isinstance(data, dict):
         return Layout()
     pinned = {view: _spots(data[view]) for view in VIEWS if isinstance(data.get(view), dict)}

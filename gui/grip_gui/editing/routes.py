@@ -18,25 +18,7 @@ from grip_gui.editing.open_document import OpenDocument
 from grip_gui.editing.palette import catalog_view
 from grip_gui.editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
 from grip_gui.view.documents import catalog_of
-from grip_gui.wire.editing import (
-    CatalogView,
-    CommentView,
-    ConversionView,
-    ConvertRequest,
-    DiskRequest,
-    EditRequest,
-    ExpressionRequest,
-    Form,
-    FormsView,
-    NewTask,
-    Part,
-    PinRequest,
-    PlacesView,
-    ProblemsView,
-    SaveRequest,
-    StepRequest,
-    TextRequest,
-)
+from grip_gui.wire import editing as wire
 
 T = TypeVar("T")
 
@@ -53,46 +35,46 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
     folder = desk.folder
 
     @api.get("/catalog")
-    def catalog() -> CatalogView:
+    def catalog() -> wire.CatalogView:
         found, error = catalog_of(folder)
         files = [entry.path for entry in folder.tasks()]
         return catalog_view(found, files, error.message if error else "")
 
     @api.get("/document/forms")
-    def forms(path: str) -> FormsView:
+    def forms(path: str) -> wire.FormsView:
         with desk.reading(path) as opened:
             find = forms_view(opened, catalog_of(folder)[0])
         return find()
 
     @api.get("/document/problems")
-    def problems(path: str) -> ProblemsView:
+    def problems(path: str) -> wire.ProblemsView:
         with desk.reading(path) as opened:
             find = problems_view(folder, opened)
         return find()
 
     @api.get("/document/places")
-    def places(path: str) -> PlacesView:
+    def places(path: str) -> wire.PlacesView:
         with desk.reading(path) as opened:
             return places_view(opened)
 
     @api.get("/document/comment")
-    def comment(path: str, node: str) -> CommentView:
+    def comment(path: str, node: str) -> wire.CommentView:
         with desk.reading(path) as opened:
             return comment_view(opened, node)
 
     @api.get("/document/parts")
-    def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> list[Part]:
+    def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> list[wire.Part]:
         with desk.reading(path) as opened:
             return parts_view(opened, node)
 
     @api.get("/document/conversion")
-    def conversion(path: str, node: str, form: Form, approximate: bool = False) -> ConversionView:
+    def conversion(path: str, node: str, form: wire.Form, approximate: bool = False) -> wire.ConversionView:
         with desk.reading(path) as opened:
             find = conversion_view(opened, catalog_of(folder)[0], node, form, approximate)
         return find()
 
     @api.post("/document/expression")
-    def expression(request: ExpressionRequest) -> list[str]:
+    def expression(request: wire.ExpressionRequest) -> list[str]:
         with desk.reading(request.path) as opened:
             return check_expression(folder, opened, request)
 
@@ -115,7 +97,7 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
         return await change(path, OpenDocument.follow_disk, since)
 
     @api.post("/document/edit")
-    async def edit(request: EditRequest, since: int | None = None) -> Response:
+    async def edit(request: wire.EditRequest, since: int | None = None) -> Response:
         command = understood(request.command)
         if not takes_catalogue(command):
             return await change(request.path, lambda opened: opened.do(command, request.base), since)
@@ -123,41 +105,41 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
         return await change(request.path, lambda opened: carry_out(desk, opened, command, request.base, found), since)
 
     @api.post("/document/convert")
-    async def convert_container(request: ConvertRequest, since: int | None = None) -> Response:
+    async def convert_container(request: wire.ConvertRequest, since: int | None = None) -> Response:
         found = catalog_of(desk.folder)[0]
         return await change(request.path, lambda opened: convert(opened, found, request), since)
 
     @api.post("/document/text")
-    async def text(request: TextRequest, since: int | None = None) -> Response:
+    async def text(request: wire.TextRequest, since: int | None = None) -> Response:
         def write(opened: OpenDocument) -> None:
             opened.write(request.text, opened.revision if request.over else request.base)
 
         return await change(request.path, write, since)
 
     @api.post("/document/step")
-    async def step(request: StepRequest, since: int | None = None) -> Response:
+    async def step(request: wire.StepRequest, since: int | None = None) -> Response:
         return await change(request.path, lambda opened: _step(opened, request), since)
 
     @api.post("/document/pin")
-    async def pin(request: PinRequest, since: int | None = None) -> Response:
+    async def pin(request: wire.PinRequest, since: int | None = None) -> Response:
         title = f"place {next(iter(request.positions), '')}"
         return await change(request.path, lambda opened: opened.pin(request.view, request.positions, title), since)
 
     @api.post("/document/save")
-    async def save(request: SaveRequest, since: int | None = None) -> Response:
+    async def save(request: wire.SaveRequest, since: int | None = None) -> Response:
         return await change(request.path, lambda opened: opened.save(request.over), since)
 
     @api.post("/document/disk")
-    async def disk(request: DiskRequest, since: int | None = None) -> Response:
+    async def disk(request: wire.DiskRequest, since: int | None = None) -> Response:
         return await change(request.path, OpenDocument.take_from_disk, since)
 
     @api.post("/document/new")
-    async def new(request: NewTask, since: int | None = None) -> Response:
+    async def new(request: wire.NewTask, since: int | None = None) -> Response:
         await asyncio.to_thread(desk.create, request.path, request.text)
         return await change(request.path, lambda _: None, since, 201)
 
 
-def _step(opened: OpenDocument, request: StepRequest) -> None:
+def _step(opened: OpenDocument, request: wire.StepRequest) -> None:
     if request.base != opened.revision:
         raise StaleEditError("the task was just changed elsewhere; check it, then undo or redo again")
     if request.step == "undo":

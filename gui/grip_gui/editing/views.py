@@ -19,24 +19,14 @@ from grip_gui.view.documents import (
     unreadable_view,
     view_of_document,
 )
-from grip_gui.wire.editing import (
-    CommentView,
-    DocumentView,
-    ExpressionRequest,
-    HistoryEntry,
-    HistoryView,
-    LayoutView,
-    Part,
-    PlacesView,
-    ProblemsView,
-)
+from grip_gui.wire import editing as wire
 from grip_gui.wire.task import Problem, TaskView
 
 SHOWN = 200
 """Moments of a history that a page gets."""
 
 
-def document_view(folder: ProjectFolder, opened: OpenDocument, since: int | None = None) -> DocumentView:
+def document_view(folder: ProjectFolder, opened: OpenDocument, since: int | None = None) -> wire.DocumentView:
     """Return a document as it is now.
 
     A page that has the revision `since` is told what has moved, and asks for the problems by themselves, which take
@@ -44,34 +34,34 @@ def document_view(folder: ProjectFolder, opened: OpenDocument, since: int | None
     """
     history = opened.history
     moments = history.moments[-SHOWN:] if history else ()
-    return DocumentView(
+    return wire.DocumentView(
         path=opened.file.name,
         revision=opened.revision,
         text=opened.text,
         saved=opened.saved,
         draft=opened.draft is not None,
         change=opened.file.change(),
-        history=HistoryView(
+        history=wire.HistoryView(
             at=history.at.number if history else 0,
-            moments=[HistoryEntry(number=m.number, parent=m.parent, title=m.title) for m in moments],
+            moments=[wire.HistoryEntry(number=m.number, parent=m.parent, title=m.title) for m in moments],
             can_undo=opened.can_undo,
             can_redo=opened.can_redo,
         ),
-        layout=LayoutView(**{view: dict(spots) for view, spots in opened.layout.pinned.items()}),
+        layout=wire.LayoutView(**{view: dict(spots) for view, spots in opened.layout.pinned.items()}),
         task=_task(folder, opened, checked=since is None),
         moved={} if since is None else opened.moved_since(since),
         checked=since is None or opened.draft is not None,
     )
 
 
-def problems_view(folder: ProjectFolder, opened: OpenDocument) -> Callable[[], ProblemsView]:
+def problems_view(folder: ProjectFolder, opened: OpenDocument) -> Callable[[], wire.ProblemsView]:
     """Return what finds the problems of a document as it is now; it needs nobody to wait for it."""
     revision, history = opened.revision, opened.history
     if history is None or opened.draft is not None:
         fault = _fault(opened)
-        return lambda: ProblemsView(revision=revision, problems=[fault])
+        return lambda: wire.ProblemsView(revision=revision, problems=[fault])
     document = history.document
-    return lambda: ProblemsView(revision=revision, problems=problems_of(folder, document))
+    return lambda: wire.ProblemsView(revision=revision, problems=problems_of(folder, document))
 
 
 def _task(folder: ProjectFolder, opened: OpenDocument, checked: bool) -> TaskView:
@@ -93,25 +83,25 @@ def _fault(opened: OpenDocument) -> Problem:
     return Problem(code="document", severity="error", message="this text cannot be edited here; run `grip fmt` on it")
 
 
-def places_view(opened: OpenDocument) -> PlacesView:
+def places_view(opened: OpenDocument) -> wire.PlacesView:
     """Return where the nodes stand in the text; nothing while it isn't a task."""
     if opened.history is None or opened.draft is not None:
-        return PlacesView(revision=opened.revision, lines={})
+        return wire.PlacesView(revision=opened.revision, lines={})
     document = opened.history.document
     places = ((path, document.position(path)) for path, _ in walk(document.task.root))
-    return PlacesView(revision=opened.revision, lines={path: place[0] for path, place in places if place})
+    return wire.PlacesView(revision=opened.revision, lines={path: place[0] for path, place in places if place})
 
 
-def comment_view(opened: OpenDocument, path: str) -> CommentView:
+def comment_view(opened: OpenDocument, path: str) -> wire.CommentView:
     """Return the comment of a node, of the last task that the text was."""
     comment = None
     # Who asks may not have heard yet that the node is gone: that is no mistake.
     with suppress(EditError):
         comment = comment_of(opened.history.document, path) if opened.history else None
-    return CommentView(revision=opened.revision, node=path, comment=comment)
+    return wire.CommentView(revision=opened.revision, node=path, comment=comment)
 
 
-def parts_view(opened: OpenDocument, paths: list[str]) -> list[Part]:
+def parts_view(opened: OpenDocument, paths: list[str]) -> list[wire.Part]:
     """Return copies of nodes, to be pasted elsewhere.
 
     Raises:
@@ -120,10 +110,10 @@ def parts_view(opened: OpenDocument, paths: list[str]) -> list[Part]:
     if opened.history is None:
         return []
     task = opened.history.document.task
-    return [Part(**clip_of(task, path).model_dump(mode="json")) for path in paths]
+    return [wire.Part(**clip_of(task, path).model_dump(mode="json")) for path in paths]
 
 
-def check_expression(folder: ProjectFolder, opened: OpenDocument, request: ExpressionRequest) -> list[str]:
+def check_expression(folder: ProjectFolder, opened: OpenDocument, request: wire.ExpressionRequest) -> list[str]:
     """Return what the validation would say about an expression at a key of a node."""
     if opened.history is None:
         return []

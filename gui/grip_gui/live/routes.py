@@ -22,23 +22,7 @@ from grip_gui.project import ProjectFolder
 from grip_gui.setup.kinds import JOINT_STATES, POSES, kind_of
 from grip_gui.setup.robot_facts import geometry
 from grip_gui.setup.settings_store import keep_text
-from grip_gui.wire.live import (
-    ComponentForm,
-    Done,
-    GeometryView,
-    LiveMessage,
-    LiveMessages,
-    MeasureRequest,
-    MessageRequest,
-    MotionView,
-    PutRequest,
-    ReceivedView,
-    ReceiveRequest,
-    RobotParts,
-    TopicsView,
-    TryRequest,
-    TryView,
-)
+from grip_gui.wire import live as wire
 
 RunId = Annotated[str, Query(pattern=r"^[A-Za-z0-9_-]+$", max_length=200)]
 
@@ -74,33 +58,33 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
     asked = partial(_asked, window)
 
     @api.get("/topics")
-    async def topics() -> TopicsView:
-        return TopicsView(**{"topics": [], "domain": "", **await asked("topics")})
+    async def topics() -> wire.TopicsView:
+        return wire.TopicsView(**{"topics": [], "domain": "", **await asked("topics")})
 
     @api.post("/receive")
-    async def receive(request: ReceiveRequest) -> ReceivedView:
-        return ReceivedView(**await asked("receive", **request.model_dump()))
+    async def receive(request: wire.ReceiveRequest) -> wire.ReceivedView:
+        return wire.ReceivedView(**await asked("receive", **request.model_dump()))
 
     @api.get("/messages")
-    async def messages() -> LiveMessages:
-        return LiveMessages(**{"served": False, **await asked("messages")})
+    async def messages() -> wire.LiveMessages:
+        return wire.LiveMessages(**{"served": False, **await asked("messages")})
 
     @api.get("/message")
-    async def message(store: str, name: str) -> LiveMessage:
-        return LiveMessage(**await asked("message", store=store, name=name))
+    async def message(store: str, name: str) -> wire.LiveMessage:
+        return wire.LiveMessage(**await asked("message", store=store, name=name))
 
     @api.post("/put")
-    async def put(request: PutRequest) -> Done:
-        return Done(**await asked("put", **request.model_dump()))
+    async def put(request: wire.PutRequest) -> wire.Done:
+        return wire.Done(**await asked("put", **request.model_dump()))
 
     @api.post("/messages")
-    async def deed(request: MessageRequest) -> Done:
+    async def deed(request: wire.MessageRequest) -> wire.Done:
         words = {"delete": {"store", "name"}, "reset": {"store"}}
         found = await asked(request.do, **request.model_dump(include=words.get(request.do, set())))
         if not found.get("error") and request.do in ("serve", "end"):
             window.keep(request.do == "serve")
         kept = f"{found['count']} kept for later runs of the server" if "count" in found else ""
-        return Done(error=found.get("error", ""), said=kept)
+        return wire.Done(error=found.get("error", ""), said=kept)
 
 
 def _add_tries(
@@ -110,23 +94,23 @@ def _add_tries(
     asked = partial(_asked, window)
 
     @api.get("/robot")
-    def robot() -> RobotParts:
+    def robot() -> wire.RobotParts:
         try:
             file = find_project(folder.folder).file
         except GripError as error:
-            return RobotParts(robot="", arms=[], hands=[], error=str(error))
+            return wire.RobotParts(robot="", arms=[], hands=[], error=str(error))
         name = file.robot if isinstance(file.robot, str) else "described in grip.yaml" if file.robot else ""
-        return RobotParts(robot=name, arms=list(file.arms), hands=list(file.hands), run=run())
+        return wire.RobotParts(robot=name, arms=list(file.arms), hands=list(file.hands), run=run())
 
     @api.post("/measure")
-    async def measure(request: MeasureRequest) -> Done:
+    async def measure(request: wire.MeasureRequest) -> wire.Done:
         joints = last_state(folder.journal, run(), request.part) if request.robot == "run" and run() else None
         if request.robot == "run" and not joints:
-            return Done(error=f"no current run has measured {request.part}")
+            return wire.Done(error=f"no current run has measured {request.part}")
         question = request.model_dump(include={"robot", "part", "what"})
         found = await runner.answer("grip_gui.live.measuring", **question, joints=joints)
         if "text" not in found:
-            return Done(error=found["error"])
+            return wire.Done(error=found["error"])
         text = found["text"]
         path, store = (POSES, "poses") if request.what == "pose" else (JOINT_STATES, "joint_states")
         await asyncio.to_thread(keep_text, folder, path, request.name, text)
@@ -134,21 +118,21 @@ def _add_tries(
         if request.serve:
             given = await asked("put", store=store, name=request.name, type="", text=text)
             if given.get("error"):
-                return Done(said=said, error=given["error"])
+                return wire.Done(said=said, error=given["error"])
             said += ", and the server has it"
-        return Done(said=said)
+        return wire.Done(said=said)
 
 
 def _add_calls(api: APIRouter, folder: ProjectFolder, runner: CommandRunner) -> None:
     """Add what is asked of components."""
 
     @api.get("/component")
-    def component(path: str) -> ComponentForm:
+    def component(path: str) -> wire.ComponentForm:
         kind_of(path)
         return form_of(folder.folder, folder.settings_file(path).parent)
 
     @api.post("/component")
-    async def call(request: TryRequest) -> TryView:
+    async def call(request: wire.TryRequest) -> wire.TryView:
         kind_of(request.path)
         given = {
             each.port: source_of(each.sample) if each.sample else {"text": each.text}
@@ -157,24 +141,24 @@ def _add_calls(api: APIRouter, folder: ProjectFolder, runner: CommandRunner) -> 
         }
         home = folder.settings_file(request.path).parent
         try:
-            return TryView(**await runner.answer("grip_gui.live.calling", folder=str(home), given=given))
+            return wire.TryView(**await runner.answer("grip_gui.live.calling", folder=str(home), given=given))
         except (GripError, ValidationError) as error:
-            return TryView(error=str(error))
+            return wire.TryView(error=str(error))
 
 
 def _add_space(api: APIRouter, folder: ProjectFolder) -> None:
     """Add what is drawn of the robot."""
 
     @api.get("/geometry")
-    def looks() -> GeometryView:
+    def looks() -> wire.GeometryView:
         try:
             file = find_project(folder.folder).file
         except GripError as error:
-            return GeometryView(error=str(error))
+            return wire.GeometryView(error=str(error))
         robot = file.robot if file.robot is None or isinstance(file.robot, str) else file.robot.model_dump(mode="json")
         hands = {arm.hand: arm.group for arm in file.arms.values() if arm.hand is not None}
-        return GeometryView.model_validate(geometry(robot, hands, folder.folder))
+        return wire.GeometryView.model_validate(geometry(robot, hands, folder.folder))
 
     @api.get("/motion")
-    def motion(run: RunId, after: Annotated[int, Query(ge=0, le=2**40)] = 0) -> MotionView:
+    def motion(run: RunId, after: Annotated[int, Query(ge=0, le=2**40)] = 0) -> wire.MotionView:
         return motion_of(folder.journal, run, after)

@@ -14,25 +14,11 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from grip_bt.base.errors import GripError
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.run_control import RunControl
-from grip_gui.wire.runs import (
-    ClientFrame,
-    EventsFrame,
-    Introduce,
-    RefusedFrame,
-    RevisionsFrame,
-    Selected,
-    Selection,
-    SelectionsFrame,
-    SessionFrame,
-    SessionView,
-    SharedState,
-    SharedStateFrame,
-    Subscribe,
-)
+from grip_gui.wire import runs as wire
 
 log = logging.getLogger(__name__)
 
-CLIENT_FRAME: TypeAdapter[Subscribe | Introduce | Selection] = TypeAdapter(ClientFrame)
+CLIENT_FRAME: TypeAdapter[wire.Subscribe | wire.Introduce | wire.Selection] = TypeAdapter(wire.ClientFrame)
 FRAME = 1 / 30
 """Shortest time between two frames to one viewer [s]."""
 BATCH = 1000
@@ -63,9 +49,9 @@ class ClientConnection:
         self._next = 0
         self._complete = False
         self._told_revisions: dict[str, int] = {}
-        self._told: SessionView | str | None = "nothing"
-        self._told_desk: SharedState | None = None
-        self._told_selections: dict[str, Selected] = {}
+        self._told: wire.SessionView | str | None = "nothing"
+        self._told_desk: wire.SharedState | None = None
+        self._told_selections: dict[str, wire.Selected] = {}
 
     async def serve(self) -> None:
         """Talk until the page leaves or breaks the rules too often."""
@@ -92,7 +78,7 @@ class ClientConnection:
             if reason:
                 strikes += 1
                 log.warning("refused a message from %s: %s", self._socket.client, reason)
-                await self._write(RefusedFrame(reason=reason))
+                await self._write(wire.RefusedFrame(reason=reason))
         await self._socket.close(code=1008, reason="too many messages that aren't understood")
 
     def _understand(self, text: str | None) -> str:
@@ -106,11 +92,11 @@ class ClientConnection:
         except (ValidationError, RecursionError) as error:
             return f"not understood: {' '.join(str(error).splitlines()[:3])}"
         match request:
-            case Introduce():
+            case wire.Introduce():
                 self._desk.presence.introduce(self._page, request)
-            case Selection():
+            case wire.Selection():
                 self._desk.presence.select(self._page, request)
-            case Subscribe():
+            case wire.Subscribe():
                 self._run, self._next, self._complete = request.run, request.from_seq, False
                 self._changed.set()
         return ""
@@ -131,19 +117,19 @@ class ClientConnection:
             self._changed.clear()
             if self._desk.view != self._told:
                 self._told = self._desk.view
-                await self._write(SessionFrame(session=self._told))
+                await self._write(wire.SessionFrame(session=self._told))
             if self._desk.shared_state != self._told_desk:
                 self._told_desk = self._desk.shared_state
-                await self._write(SharedStateFrame(desk=self._told_desk))
+                await self._write(wire.SharedStateFrame(desk=self._told_desk))
             now, before = self._desk.presence.selections(but=self._page), self._told_selections
             changed = {page: now.get(page) for page in now.keys() | before.keys() if now.get(page) != before.get(page)}
             if changed:
                 self._told_selections = now
-                await self._write(SelectionsFrame(selections=changed))
+                await self._write(wire.SelectionsFrame(selections=changed))
             revisions = self._revisions()
             if news := dict(revisions.items() - self._told_revisions.items()):
                 self._told_revisions = revisions
-                await self._write(RevisionsFrame(revisions=news))
+                await self._write(wire.RevisionsFrame(revisions=news))
             try:
                 more = await self._send_events()
             except (GripError, sqlite3.Error) as error:
@@ -177,7 +163,7 @@ class ClientConnection:
         if events or complete:
             self._next = events[-1].seq + 1 if events else first
             self._complete = complete
-            await self._write(EventsFrame(run=run, events=events, complete=complete))
+            await self._write(wire.EventsFrame(run=run, events=events, complete=complete))
         return len(events) == BATCH
 
     def _is_over(self, run: str) -> bool:

@@ -1,20 +1,22 @@
-"""What may stand in a settings file's fields and in the parameters of a task's leaves, and which values may not."""
+"""What may stand in a settings file's fields and in the parameters of leaves, and what a file may begin with."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from grip_bt.app.project.folder import ProjectFile, find_project
+from grip_bt.app.project.catalogue import project_parts_of
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_parts import Unit
 from grip_bt.task.catalog.ros_config import MESSAGES
+from grip_gui.wire.setup import Template
 from grip_sim.worlds import read_world, world_files
 
-from .kinds import JOINT_STATES, POSES, TRAJECTORIES
+from .kinds import JOINT_STATES, POSES, TRAJECTORIES, Kind
 from .robot_facts import data_in, is_path, project_robot_facts, robot_facts
 
 STORES = ["joint_states", "poses", "robot_poses", "trajectories", "plans", "grasps", "clouds", "images"]
@@ -33,6 +35,8 @@ CLOSED = {
     "*/*/name",
 }
 """Where nothing else than the options may stand; at `?`, as a key."""
+_WAY = ("home", "above")
+"""What a way goes through in a project that has named no joint state yet: the page says so."""
 _NONE_YET = {
     "arms/*/hand": "name it under `hands` first",
     "ros/controllers/?": "name it under `arms` or `hands` first",
@@ -55,7 +59,7 @@ def options_of(kind: str, data: object, folder: Path) -> dict[str, list[str]]:
             groups = project_robot_facts(folder).get("groups", {})
             return {"*/?": sorted({joint for group in groups.values() for joint in group})}
         case "trajectories":
-            return {"*/*/name": names_in(folder / JOINT_STATES)}
+            return {"*/*/name": _names_in(folder / JOINT_STATES)}
         case "poses":
             return {"*/reference_frame": project_robot_facts(folder).get("frames", ["world"])}
     return {}
@@ -84,7 +88,7 @@ def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> li
         allowed = sorted({joint for group in known.get("groups", {}).values() for joint in group})
     elif kind == "poses":
         pattern, what = ["*", "reference_frame"], "frame"
-        allowed = [*known.get("frames", ()), *keys_in(data_in(folder / "grip.yaml") or {}, "sensors")]
+        allowed = [*known.get("frames", ()), *_keys_in(data_in(folder / "grip.yaml") or {}, "sensors")]
     else:
         return []
     found = _at(data, pattern, ()) if known.get("groups") else ()
@@ -121,10 +125,10 @@ def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
         places["robot"] = "robots"  # where it is a file, its path is as good
     found = {place: list(known[name]) for place, name in places.items() if name in known}
     found |= {
-        "ros/controllers/?": [*keys_in(data, "arms"), *keys_in(data, "hands")],
-        "ros/cameras/?": cameras_in(data),
+        "ros/controllers/?": [*_keys_in(data, "arms"), *_keys_in(data, "hands")],
+        "ros/cameras/?": _cameras_in(data),
         "ros/cameras/*/mount/on": list(known.get("frames", ["world"])),
-        "arms/*/hand": keys_in(data, "hands"),
+        "arms/*/hand": _keys_in(data, "hands"),
         "world": list(world_files(folder)),
         "sensors/*/camera": _world_cameras(data.get("world"), folder),
         "sensors/*/topics/*/type": sorted(MESSAGES),
@@ -150,18 +154,61 @@ def _world_cameras(world: object, folder: Path) -> list[str]:
         return []
 
 
-def cameras_in(data: Mapping[str, object]) -> list[str]:
+def templates_of(kind: Kind, data: object, folder: Path) -> list[Template]:
+    """Return what can be put into a project's file of a kind, which says `data` now (anything where it is no YAML)."""
+    match kind.name:
+        case "joint_states":
+            return _joint_states(project_robot_facts(folder)) or list(kind.templates)
+        case "trajectories":
+            way = [
+                {"name": name, "interpolate_time": 2.0, "pause_time": 0.0}
+                for name in (_names_in(folder / JOINT_STATES)[:2] or _WAY)
+            ]
+            return [Template(title="a way through joint states", key=["approach"], value=way)]
+        case "project" if isinstance(data, Mapping):
+            return [*kind.templates, *_of_real_robot(data)]
+    return list(kind.templates)
+
+
+def _joint_states(known: Mapping[str, Any]) -> list[Template]:
+    """Return one of each group of joints: where its first named state is, so that it is within the limits."""
+    found = []
+    for group, joints in known.get("groups", {}).items():
+        first: Mapping[str, float] = next(iter(known.get("states", {}).get(group, {}).values()), {})
+        value = {joint: first.get(joint, 0.0) for joint in joints}
+        found.append(Template(title=f"a joint state of {group}", key=["home"], value=value))
+    return found
+
+
+def _of_real_robot(data: Mapping[str, object]) -> Iterator[Template]:
+    """Yield a controller of each arm and hand that the file names, and topics of each camera, as RGB-D drivers do.
+
+    They are put into what is said of the real robot already, which stays.
+    """
+    parts = [*_keys_in(data, "arms"), *_keys_in(data, "hands")]
+    if controllers := {name: {"trajectory": f"/{name}_controller/follow_joint_trajectory"} for name in parts}:
+        yield Template(title="controllers of the real robot", key=["ros", "controllers"], value=controllers)
+    topics = {
+        "image": "color/image_raw",
+        "depth": "aligned_depth_to_color/image_raw",
+        "info": "color/camera_info",
+    }
+    if cameras := {name: {key: f"/{name}/{topic}" for key, topic in topics.items()} for name in _cameras_in(data)}:
+        yield Template(title="cameras of the real robot", key=["ros", "cameras"], value=cameras)
+
+
+def _cameras_in(data: Mapping[str, object]) -> list[str]:
     """Return the sensors of a project file's data that say `camera`."""
     return [str(path[1]) for path, _ in _at(data, ["sensors", "*", "camera"], ())]
 
 
-def keys_in(data: Mapping[str, object], key: str) -> list[str]:
+def _keys_in(data: Mapping[str, object], key: str) -> list[str]:
     """Return the names in a mapping of a project file's data."""
     value = data.get(key)
     return [str(name) for name in value] if isinstance(value, Mapping) else []
 
 
-def names_in(file: Path) -> list[str]:
+def _names_in(file: Path) -> list[str]:
     """Return the keys of a file's mapping; none of a file that isn't there or can't be read."""
     data = data_in(file)
     return [str(name) for name in data] if isinstance(data, Mapping) else []
@@ -190,7 +237,7 @@ def names_of(folder: Path) -> dict[str, list[str]]:
 
     A project whose `grip.yaml` can't be read offers what needs no robot.
     """
-    messages = [name for path in (POSES, JOINT_STATES, TRAJECTORIES) for name in names_in(folder / path)]
+    messages = [name for path in (POSES, JOINT_STATES, TRAJECTORIES) for name in _names_in(folder / path)]
     found = {
         "messages/*/store": STORES,
         "messages/*/name": sorted(set(messages)),
@@ -198,27 +245,17 @@ def names_of(folder: Path) -> dict[str, list[str]]:
         "scene/add_shape/shape": SHAPES,
     }
     try:
-        file = find_project(folder).file
+        project = find_project(folder)
+        parts = project_parts_of(project)
     except GripError:  # said where that file is open
         return found
-    found |= {"*/*/arm": list(file.arms), "*/*/arms": list(file.arms), "*/*/hand": list(file.hands)}
-    if file.robot is None:
+    arms, hands = parts.arms or {}, parts.hands or {}
+    found |= {"*/*/arm": list(arms), "*/*/arms": list(arms), "*/*/hand": list(hands)}
+    if project.file.robot is None:
         return found
-    robot = file.robot if isinstance(file.robot, str) else file.robot.model_dump(mode="json", exclude_defaults=True)
-    known: Mapping[str, Any] = robot_facts(robot, folder)
-    states: Mapping[str, Iterable[str]] = known.get("states", {})
     frames = ("*/*/frame", "ros/lookup_transform/target", "ros/lookup_transform/source")
-    found |= dict.fromkeys(frames, list(known.get("frames", ())))
+    found |= dict.fromkeys(frames, list(project_robot_facts(folder).get("frames", ())))
     return found | {
-        "arm/*/state": sorted({state for name in file.arms for state in _states_of(name, file, states)}),
-        "hand/*/posture": sorted({state for hand in file.hands.values() for state in states.get(hand.group, ())}),
+        "arm/*/state": sorted({state for arm in arms.values() for state in arm.known.get("state", ())}),
+        "hand/*/posture": sorted({posture for hand in hands.values() for posture in hand.known.get("posture", ())}),
     }
-
-
-def _states_of(name: str, file: ProjectFile, states: Mapping[str, Iterable[str]]) -> Iterable[str]:
-    """Return the named states of an arm; of one that joins others, those that all of them have."""
-    arm = file.arms[name]
-    if not arm.arms:
-        return states.get(arm.group, ())
-    parts = [set(states.get(file.arms[each].group, ())) for each in arm.arms if each in file.arms]
-    return set.intersection(*parts) | set(states.get(arm.group, ())) if parts else ()

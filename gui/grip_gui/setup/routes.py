@@ -17,17 +17,7 @@ from grip_gui.setup.interfaces import look_at, make
 from grip_gui.setup.kinds import kind_of
 from grip_gui.setup.options import names_of
 from grip_gui.setup.settings_store import SettingsStore, keep_value
-from grip_gui.wire.setup import (
-    CommandRequest,
-    CommandResult,
-    ImportRequest,
-    ImportView,
-    InterfaceRequest,
-    InterfaceView,
-    RecordRequest,
-    SetupSave,
-    SetupView,
-)
+from grip_gui.wire import setup as wire
 
 _LEGACY = "legacy"
 """Where a file that is imported is kept, so that an import can be done again."""
@@ -58,13 +48,13 @@ def make_setup_router(
         return names_of(folder.folder)
 
     @api.post("/save")
-    async def save(request: SetupSave) -> SetupView:
+    async def save(request: wire.SetupSave) -> wire.SetupView:
         view = await asyncio.to_thread(desk.save, request)
         changed()
         return view
 
     @api.post("/probe")
-    async def probe(request: CommandRequest) -> CommandResult:
+    async def probe(request: wire.CommandRequest) -> wire.CommandResult:
         home = folder.settings_file(request.path).parent
         needed = "project" if request.what == "robot" else "component"
         if kind_of(request.path).name != needed:
@@ -75,7 +65,7 @@ def make_setup_router(
         return view
 
     @api.post("/interface")
-    async def interface(request: InterfaceRequest) -> InterfaceView:
+    async def interface(request: wire.InterfaceRequest) -> wire.InterfaceView:
         if not request.create:
             return await asyncio.to_thread(look_at, folder, request)
         view, home = await asyncio.to_thread(make, folder, request)
@@ -86,24 +76,24 @@ def make_setup_router(
         return view.model_copy(update={"output": generated.output})
 
     @api.post("/import")
-    async def bring(request: ImportRequest) -> ImportView:
+    async def bring(request: wire.ImportRequest) -> wire.ImportView:
         words = _kept_words(folder, request)
         before = _stamps(folder)
         view = await runner.run(words)
         changed()
-        return ImportView(
+        return wire.ImportView(
             probe=view, tasks=sorted(path for path, at in _stamps(folder).items() if at != before.get(path))
         )
 
     @api.post("/record")
-    async def keep(request: RecordRequest) -> SetupView:
+    async def keep(request: wire.RecordRequest) -> wire.SetupView:
         path = await asyncio.to_thread(lambda: keep_value(folder, request.name, source.raw(request.run, request.seq)))
         return await asyncio.to_thread(desk.open, path)
 
     return api
 
 
-def _kept_words(folder: ProjectFolder, request: ImportRequest) -> tuple[str, ...]:
+def _kept_words(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str, ...]:
     """Keep a file that is imported, which is read and never executed; return the words of the import.
 
     Raises:

@@ -17,8 +17,7 @@ from grip_gui.wire.task import Problem
 
 from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import JOINT_STATES, POSES, entries, kind_of
-from .options import doubtful_names, options_of, robot_error, wrong_options
-from .templates import templates_of
+from .options import doubtful_names, options_of, robot_error, templates_of, wrong_options
 
 
 class SettingsStore:
