@@ -1,6 +1,6 @@
 """The recording process: runs the construction of legacy machines, executes none, and tells what was built.
 
-`python -m grip_bt.formats.smach.recording` reads jobs from stdin, one on a line, and answers each with a line. A file is
+`python -m grip_bt.formats.smach.recording` reads jobs from stdin, one a line, and answers each with a line. A file is
 imported in a child of this process, and each of its builders is called in a child of that one, so that nothing that one
 does reaches another. What a builder asks of stand-ins is answered in every way, one after the other.
 
