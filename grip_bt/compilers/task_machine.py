@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import Any, cast
 
@@ -96,8 +96,17 @@ class Decide(TaskState):
         first: the state of the kind, where a child begins without asking.
     """
 
-    def __init__(self, kind: Kind, answers: Answers, meaning: Mapping[str, str], run: MachineRun, refined: Refined):
-        State.__init__(self, [*(f"do {name}" for name in answers.names), *labels(meaning, refined)])
+    def __init__(
+        self,
+        kind: Kind,
+        answers: Answers,
+        meaning: Mapping[str, str],
+        run: MachineRun,
+        refined: Refined,
+        keys: Sequence[str] = (),
+    ):
+        ends = [*(f"do {name}" for name in answers.names), *labels(meaning, refined)]
+        State.__init__(self, ends, list(keys), list(keys))
         self.path, self.kind, self.answers, self.run = answers.path, kind, answers, run
         self.meaning, self.refined = meaning, frozenset(refined)
         self.children: dict[str, tuple[int, TaskState, Mapping[str, str]]] = {}
@@ -105,7 +114,7 @@ class Decide(TaskState):
         self.state: Any = None
         self._at = self._before = ""
 
-    def begin(self) -> None:
+    def begin(self, *_: object) -> None:
         """Forget the last activation."""
         self.state, self._at, self._before = self.first, "", ""
 
@@ -118,7 +127,7 @@ class Decide(TaskState):
         try:
             self.run.turn()
             last = self.children.get(self._before)
-            step = self.kind.begin(None, self.answers) if last is None else self._after(*last)
+            step = self.kind.begin(self.state, self.answers) if last is None else self._after(*last)
             while type(step) is Next:
                 step = self.kind.begin(step.state, self.answers)
         except NodeError as error:
@@ -183,7 +192,26 @@ class TaskMachine(TaskContainer, StateMachine):
         return self._last.failure if self._last is not None else None
 
 
-class TaskConcurrence(TaskContainer, Concurrence):
+class Joining(Concurrence):
+    """A Concurrence that leaves a preempt request to its children, and ends by its `outcome_cb` all the same."""
+
+    def execute(self, parent_ud: Any = None) -> Any:
+        """Bring a request that came before to the children, then execute."""
+        if self.preempt_requested():
+            self._ask_children()
+        return super().execute(parent_ud)
+
+    def request_preempt(self) -> None:
+        """Ask every child to stop; the concurrence itself ends when they have ended."""
+        State.request_preempt(self)
+        self._ask_children()
+
+    def _ask_children(self) -> None:
+        for child in self.get_children().values():
+            child.request_preempt()
+
+
+class TaskConcurrence(TaskContainer, Joining):
     """A parallel that joins: each child in its own thread; its kind is asked when all have ended.
 
     `ends_of` holds, for the label of each child's state, the child's name and the meaning of its outcomes.
@@ -225,12 +253,6 @@ class TaskConcurrence(TaskContainer, Concurrence):
     def _choose(self, outcomes: Mapping[str, str]) -> str:
         return label(*self.decided(), self.refined)
 
-    def execute(self, parent_ud: Any = None) -> Any:
-        """Bring a request that came before to the children, then execute."""
-        if State.preempt_requested(self):
-            self._ask_children()
-        return super().execute(parent_ud)
-
     def _run_children(self) -> None:
         self._branches: dict[str, AbstractContextManager[object]] = dict(
             zip(self._states, self.run.fork(len(self._states)), strict=True)
@@ -241,15 +263,6 @@ class TaskConcurrence(TaskContainer, Concurrence):
     def _run_child(self, label: str, ready: threading.Event) -> None:
         with self._branches[label]:
             super()._run_child(label, ready)
-
-    def request_preempt(self) -> None:
-        """Ask every child to stop; the concurrence itself ends when they have ended."""
-        State.request_preempt(self)
-        self._ask_children()
-
-    def _ask_children(self) -> None:
-        for child in self.get_children().values():
-            child.request_preempt()
 
 
 def enclose(root: Part, nodes: Mapping[str, Node], states: Mapping[str, object]) -> None:

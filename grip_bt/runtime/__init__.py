@@ -10,6 +10,7 @@
 * Trees inside of SMACH machines: `smach_states`, `smach_choice`.
 """
 
+from grip_bt.compilers.task_machine import Joining
 from grip_bt.runtime.journal_events import NodeState, RunSnapshot
 
 from .clock import ManualClock, Waker, WallClock
@@ -24,7 +25,7 @@ from .pacing import Pacing
 from .re_execution import ReExecution
 from .recording import Recording
 from .runner import Runner, RunResult
-from .smach_choice import Choose, Each, Joining
+from .smach_choice import Choose, Each
 from .smach_states import BehaviourTree, TreeRun
 
 __all__ = [

@@ -6,22 +6,22 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, Self
 
 from grip_bt import smach_compat
-from grip_bt.base.errors import DataError, NodeError
+from grip_bt.base.errors import DataError
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.values import Failure
-from grip_bt.compilers.behaviour_state import Refined, label, labels
+from grip_bt.compilers.behaviour_state import Refined
+from grip_bt.compilers.task_machine import Decide
 from grip_bt.nodes.answers import Answers
 from grip_bt.runtime.smach_states import TreeRun
-from grip_bt.smach_compat import Concurrence, Iterator, State
-from grip_bt.task.kinds.base import End, Kind, Reason, Run
+from grip_bt.smach_compat import Iterator, State
+from grip_bt.task.kinds.base import Kind
 from grip_bt.task.kinds.loop import Loop
 from grip_bt.task.kinds.switch import Switch
 from grip_bt.task.parts import Edges
 
 
-class Choose(State):
+class Choose(Decide):
     """Asks a kind what follows; ends with `do CHILD`, `success`, or `failure`. Made by `case` or `loop`.
 
     Its machine begins with it; a loop's child leads back to it. Register `begin` as a start callback of the machine.
@@ -36,14 +36,10 @@ class Choose(State):
         place: str,
         codes: Collection[str],
     ):
-        pairs = [code.partition(".") for code in codes]
-        self._refined: Refined = [(outcome, code) for outcome, _, code in pairs]
-        ends = labels(("success", "failure"), self._refined)
-        super().__init__([*(f"do {child}" for child in children), *ends], list(names), list(names))
-        self.run, self.kind = run, kind
-        self.answers = Answers(place, children, Edges(), Edges())
+        refined: Refined = [(outcome, code) for outcome, _, code in (code.partition(".") for code in codes)]
+        ends, answers = {label: label for label in ("success", "failure")}, Answers(place, children, Edges(), Edges())
+        super().__init__(kind, answers, ends, run.shared, refined, list(names))
         self._userdata: Any = None
-        self._state: Any = None
 
     @classmethod
     def case(
@@ -102,10 +98,6 @@ class Choose(State):
             state.answers.conditions["while_"] = condition_of(expression, state._readers(expression, "while"))
         return state
 
-    def begin(self, userdata: object, states: object) -> None:
-        """Begin anew; called when the machine is entered."""
-        self._state = None
-
     def execute(self, userdata: Any) -> str:
         """Ask.
 
@@ -113,19 +105,8 @@ class Choose(State):
             NodeError: the expression can't be computed.
             Halted: the run was stopped.
         """
-        self.run.shared.turn()
         self._userdata = userdata
-        try:
-            step = self.kind.begin(self._state, self.answers)
-        except NodeError as error:
-            self.run.shared.fail(error)
-            raise
-        if type(step) is Run:
-            self._state = step.state
-            return f"do {self.answers.names[step.children[0]]}"
-        assert type(step) is End, "it runs a child or ends"
-        failure = Failure(step.reason.code, step.reason.text) if isinstance(step.reason, Reason) else None
-        return label(step.outcome, failure, self._refined)
+        return super().execute(userdata)
 
     def _readers(self, expression: Expression, key: str) -> dict[str, Callable[[], Any]]:
         def reader(name: str) -> Callable[[], Any]:
@@ -137,25 +118,6 @@ class Choose(State):
             return read
 
         return {name: reader(name) for name in expression.names}
-
-
-class Joining(Concurrence):
-    """A Concurrence that leaves a preempt request to its children, and ends by its `outcome_cb` all the same."""
-
-    def execute(self, parent_ud: Any = None) -> Any:
-        """Bring a request that came before to the children, then execute."""
-        if self.preempt_requested():
-            self._ask_children()
-        return super().execute(parent_ud)
-
-    def request_preempt(self) -> None:
-        """Ask every child to stop."""
-        State.request_preempt(self)
-        self._ask_children()
-
-    def _ask_children(self) -> None:
-        for child in self.get_children().values():
-            child.request_preempt()
 
 
 class Each(Iterator):
