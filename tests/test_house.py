@@ -15,7 +15,7 @@ from grip_bt.task.model import KINDS
 ROOT = Path(grip_bt.__file__).parent
 OTHER_MEANINGS = {"force", "timeout"}
 """Kinds whose names are also those of parameters: a hand's force, a call's time-out."""
-SMACH = "smach_"
+SMACH = ("smach_", "stand_ins")
 """Leaves around other people's states, of which nothing is known."""
 
 

@@ -143,13 +143,18 @@ def test_what_a_run_has_left_ends_although_another_takes_turns():
 
 
 def test_a_request_to_end_reaches_a_task_whose_world_goes_on():
-    runner, trace, world = runner_of(to_tree, {"kind": "sequence", "children": dict([leaf("move", 0)])}, 0)
-    world.move = lambda seconds, move=world.move: move(1e9)
-    entered, ended = threading.Event(), []
-    trace.entered = lambda path: entered.set()
+    runner, _, world = runner_of(to_tree, {"kind": "sequence", "children": dict([leaf("move", 0)])}, 0)
+    begun, ended, move = threading.Event(), [], world.move
+
+    def begin(seconds):
+        operation = move(1e9)
+        begun.set()  # a request before this would be older than the motion, which then is part of the recovery
+        return operation
+
+    world.move = begin
     thread = threading.Thread(target=lambda: ended.append(runner.run()), daemon=True)
     thread.start()
-    assert entered.wait(60)
+    assert begun.wait(60)
     runner.request_preempt()
     thread.join(60)
     assert ended[0].failure.code == "preempted"
