@@ -28,8 +28,9 @@ def cloud_to_message(cloud: PointCloud) -> PointCloud2:
     table = np.frombuffer(data, "<f4").reshape(n, len(names))
     for column in range(3):  # much quicker than row by row
         table[:, column] = cloud.points[:, column]
-    if cloud.colors is not None:  # as numbers 0x00RRGGBB: none is NaN as a float
-        table.view(np.uint8)[:, 12:15] = cloud.colors[:, ::-1]
+    if cloud.colors is not None:
+        for channel in range(3):  # as numbers 0x00RRGGBB: none is NaN as a float
+            table.view(np.uint8)[:, 14 - channel] = cloud.colors[:, channel]
     message = PointCloud2(
         header=header(cloud.frame, cloud.time),
         height=1,
@@ -62,8 +63,10 @@ def cloud_from_message(message: PointCloud2) -> PointCloud:
     packed = fields.get("rgb") or fields.get("rgba")
     colors = None
     if packed is not None:
-        numbers = np.ascontiguousarray(_column(message, packed.offset, "u4"), "<u4")  # each 0xAARRGGBB
-        colors = numbers.view(np.uint8).reshape(-1, 4)[:, 2::-1]
+        colors = np.empty(points.shape, np.uint8)
+        for channel in range(3):  # of numbers 0xAARRGGBB
+            place = 1 + channel if message.is_bigendian else 2 - channel
+            colors[:, channel] = _column(message, packed.offset + place, "u1")
     if not message.is_dense:
         seen = np.isfinite(points).all(axis=1)
         points, colors = points[seen], None if colors is None else colors[seen]

@@ -22,7 +22,7 @@ from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, Unfinishe
 from grip_gui.project import ProjectFolder
 
 PATH = "tasks/tiny.yaml"
-EDITS = int(os.environ.get("GRIP_FUZZ_EDITS", "600"))
+EDITS = int(os.environ.get("GRIP_FUZZ_EDITS", "300"))
 IN_BROWSERS = int(os.environ.get("GRIP_FUZZ_BROWSER_EDITS", "60"))
 SEED = int(os.environ.get("GRIP_FUZZ_SEED", "0"))
 

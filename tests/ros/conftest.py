@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Iterator
 from functools import partial
@@ -24,8 +25,11 @@ def own_domain() -> Iterator[int]:
 
 @pytest.fixture(scope="session")
 def interface_cache(tmp_path_factory) -> Path:
-    """Return a folder in which interfaces are built once for all tests."""
-    return tmp_path_factory.mktemp("interfaces")
+    """Return a folder in which interfaces are built once for all tests, also where several processes share them."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "interfaces"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from grip_bt.commanders.steered_motion import SteeredMotion, velocity_of
 from grip_bt.commanders.steering import steered
 
 NAMES = ("a", "b", "c")
-MOTIONS = int(os.environ.get("GRIP_FUZZ_DELAYS", "300"))
+MOTIONS = int(os.environ.get("GRIP_FUZZ_DELAYS", "150"))
 BACK = 2e-3
 """What joints may move back at all [rad/s]; they are asked to move at up to 1 rad/s."""
 

@@ -31,7 +31,7 @@ from grip_bt.ros.client.goal import GoalEnd, Phase
 
 pytestmark = pytest.mark.ros
 WORK = "trial_interfaces/action/Work"
-RACES = int(os.environ.get("GRIP_FUZZ_GOALS", "200"))
+RACES = int(os.environ.get("GRIP_FUZZ_GOALS", "100"))
 
 
 def work(how="finish", seconds=0.05):

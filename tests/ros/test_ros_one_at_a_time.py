@@ -17,7 +17,7 @@ from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(3000)]
-ROUNDS = int(os.environ.get("GRIP_FUZZ_OVERLAPS", "12"))
+ROUNDS = int(os.environ.get("GRIP_FUZZ_OVERLAPS", "6"))
 FACE = Manifest(id="test/work", doc="Work for a while.", implementation="tests:Working")
 
 
