@@ -36,7 +36,13 @@ class PlanTo(KeepingLeaf):
     def start(self) -> Operation[Plan]:
         bound: JointState | Pose | None = self.read("goal")
         goal = self.params["state"] if bound is None else bound
-        return self.arm.plan(goal, start=self.read("start"), free=self.params["free"], constraint=self.constraint())
+        start: JointState | Pose | None = self.read("start")
+        if isinstance(start, Pose):  # the joints that would bring the arm there
+            return self.arm.plan(start).then(lambda way: self._plan(goal, way.trajectory.end()))
+        return self._plan(goal, start)
+
+    def _plan(self, goal: str | JointState | Pose, start: JointState | None) -> Operation[Plan]:
+        return self.arm.plan(goal, start=start, free=self.params["free"], constraint=self.constraint())
 
 
 class MakeConstraint(ArmLeaf):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from grip_bt.app.project.needs import robot_frames
 from grip_bt.app.wiring.parts import FakeState, Opening, Resources
 from grip_bt.base.errors import GripError, InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError, SensorError
+from grip_bt.base.message_store import STANDARD, Entry, LocalMessages
+from grip_bt.base.operation import Operation
 from grip_bt.base.types import VALUES, Type, parse_type
 from grip_bt.base.values import (
     CameraInfo,
@@ -236,7 +239,36 @@ def fake_ros(project: Project, sensors: Iterable[str]) -> tuple[FakeRos, dict[st
     What has no fake, a message whose package isn't there, is said when it is asked for. Frames are those of the robot
     that never move and of the sensors' mounts; every other one is where the frame is that it is looked up in.
     """
-    return FakeRos(value_of, _frames(project)), {n: FakeSensor([_moment(project.file.sensors[n])]) for n in sensors}
+    return FakeRos(_heard, _frames(project)), {n: FakeSensor([_moment(project.file.sensors[n])]) for n in sensors}
+
+
+def _heard(type_: str) -> Any:
+    return True if type_ == "bool" else value_of(type_)  # a signal says yes, as fakes do
+
+
+class FakeMessages(LocalMessages):
+    """A project's named messages; what an empty store is asked for, where its type is known, is a plausible value.
+
+    Args:
+        arms: where the first is stands for an unknown joint state.
+        tell: told of each value that was made up.
+    """
+
+    def __init__(self, local: LocalMessages, arms: Iterable[FakeArm], tell: Callable[[str, str], None]):
+        super().__init__(local.library, local.saved)
+        self._arm, self._tell = next(iter(arms), None), tell
+
+    def get(self, store: str, name: str) -> Operation[Entry[object]]:
+        """Return an entry, or what stands for it."""
+        try:
+            return Operation.finished(super().get(store, name).result())
+        except ExpectedError as error:
+            if store not in STANDARD or len(self.library.store(store)):
+                return Operation.failed(error)
+        at = self._arm.state() if store == "joint_states" and self._arm is not None else None
+        value = value_of(STANDARD[store]) if at is None else at
+        self._tell("messages", f"{store} is empty: a fake {name or 'value'}")
+        return Operation.finished(Entry(name, value, time.time(), "fake"))
 
 
 def _moment(sensor: SensorConfig) -> dict[str, Any] | ExpectedError:

@@ -18,7 +18,7 @@ from grip_bt.runtime import TreeRun
 from grip_bt.runtime.value_codec import decode, encode
 
 from ..project.folder import Project, find_project
-from .fake import fake_components, fake_ros
+from .fake import FakeMessages, fake_components, fake_ros
 from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_part
 
 BACKENDS = {
@@ -83,7 +83,11 @@ def open_resources(
                 servers=of_ros.servers,
             )
         if "messages" in asked or any(node.startswith("messages/") for node in needs):
-            parts = replace(parts, messages=_open_messages(opening, stack, server=robot != "fake"))
+            messages = _open_messages(opening, stack, server=robot != "fake")
+            if isinstance(messages, LocalMessages) and robot == "fake":
+                arms = parts.fakes.arms if parts.fakes is not None else {}
+                messages = FakeMessages(messages, arms.values(), opening.progress)
+            parts = replace(parts, messages=messages)
         yield parts
 
 

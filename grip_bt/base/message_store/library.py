@@ -128,7 +128,7 @@ class LocalMessages:
     """
 
     def __init__(self, library: MessageLibrary, saved: Callable[[], int] | None = None):
-        self.library, self._save = library, saved
+        self.library, self.saved = library, saved
 
     def put(self, store: str, name: str, value: object, provenance: str = "") -> Operation[None]:
         """Add or replace a value; without a name it goes to the end of the store's queue."""
@@ -160,9 +160,9 @@ class LocalMessages:
 
     def save(self) -> Operation[int]:
         """Keep everything for later runs; return how many entries there are."""
-        if self._save is None:
+        if self.saved is None:
             return Operation.failed(NoEntryError("messages can't be saved outside of a project"))
-        return _at_once(self._save)
+        return _at_once(self.saved)
 
     def watch(self, callback: Callable[[str, Change[object]], None]) -> Callable[[], None]:
         """Call `callback(store, change)` for each change, from the thread that makes it; return what ends that."""

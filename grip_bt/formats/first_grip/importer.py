@@ -14,11 +14,13 @@ from grip_bt.formats.imported import Imported, Issues, manifests_text
 from grip_bt.formats.names import free, key_of
 from grip_bt.task import FrozenDict, Meaning, Task
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
+from grip_bt.task.model import Leaf, walk
 
 from .project import MARK, MESSAGES, Configuration, add_files, outcome_count, project_texts, read_configuration
 from .settings import read_settings
-from .states import ImportContext, node_of
-from .tasks import GripContainer, GripState, graph_task, is_hand, name_of, outcome_meanings, text_task
+from .states import STATES, ImportContext, node_of
+from .tasks import GripContainer, GripState, graph_task, is_hand, name_of, outcome_meanings
+from .text import text_task
 
 
 def import_grip(path: Path) -> Imported:
@@ -49,7 +51,6 @@ def import_grip(path: Path) -> Imported:
     if not originals and not found.parts:
         said = "".join(f"\n  {issue}" for issue in found.issues)
         raise GripError(f"{path}: there is no task and no configuration of the first GRIP in it{said}")
-    texts = project_texts(found) if found.parts else {}
     copies = {found.scene.name: found.scene} if found.parts and found.scene is not None else {}
     tasks: dict[str, Task] = {}
     unknown: dict[str, GripState] = {}
@@ -60,10 +61,14 @@ def import_grip(path: Path) -> Imported:
             components={n: (key_of(n), outcome_count(said)) for n, said in found.part("components").items()},
             messages={kind: set(found.part(kind)) for kind in MESSAGES} if found.parts else {},
             unknown=unknown,
+            hand=next((key_of(group) for group in found.part("planners") if is_hand(group)), "hand"),
             issues=issues,
         )
         task = _task(root, context)
         tasks[free(key_of(task.name), tasks)] = task
+    used = {n.node.partition("/")[0] for task in tasks.values() for _, n in walk(task.root) if isinstance(n, Leaf)}
+    moving = used & {"arm", "hand", "scene"}
+    texts = project_texts(found, moving) if found.parts or moving else {}
     if unknown:
         texts |= _nodes(unknown)
     return Imported(tasks, (*found.issues, *issues), files=texts, copies=copies)
@@ -102,14 +107,14 @@ def _nodes(unknown: Mapping[str, GripState]) -> dict[str, str]:
         cls = "".join(word.capitalize() for word in id_.partition("/")[2].split("_"))
         outcomes = tuple(name_of(outcome) for outcome in state.outcomes) or ("success", "failure")
         slots = [key_of(slot) for slot in state.slots if slot != "output"]
-        ports = {"output": OutputPort(type="Any", on=outcomes)} if state.slots.get("output") else {}
+        ports = [*(["output"] if "output" in state.slots else []), *map(key_of, state.writes)]
         manifest = Manifest(
             id=id_,
             doc=f"{state.type or state.name}, a state of the first GRIP.",
             implementation=f"leaves.py:{cls}",
             parameters=FrozenDict({slot: Parameter(type="Any", default=None) for slot in slots}),
-            inputs=FrozenDict({slot: InputPort(type="Any", required=False) for slot in slots}),
-            outputs=FrozenDict(ports),
+            inputs=FrozenDict({n: InputPort(type="Any", required=False) for n in [*slots, *map(key_of, state.reads)]}),
+            outputs=FrozenDict({port: OutputPort(type="Any", on=outcomes) for port in ports}),
             outcomes=FrozenDict(outcome_meanings(outcomes)),
         )
         manifests.append(manifest)
@@ -138,8 +143,10 @@ def _task(root: GripContainer, context: ImportContext) -> Task:
     """
     for state in root.states():
         output, stored = state.slots.get("output"), state.slots.get("output_type")
-        if output and not stored:
+        if output and (not stored or state.type == "Select"):
             context.produced.add(name_of(str(output)))
+        if state.type not in STATES:
+            context.produced.update(map(name_of, state.writes))
         if state.type == "ComputePlan" and state.slots.get("plan_name"):
             context.produced.add(name_of(str(state.slots["plan_name"])))
     node = _container(root, context, root.name)
@@ -222,7 +229,9 @@ def _target(
         return names[str(target)]
     if target in found.outcomes:
         return name_of(str(target))
+    meanings = _outcomes(found)
+    bad = next((end for end in reversed(meanings) if meanings[end] == "failure"), name_of(found.outcomes[-1]))
     if outcome in child.outcomes:
-        text = f"{outcome!r} of {child.name!r} led to {target or 'nothing'}; it leads to {found.outcomes[-1]!r}"
+        text = f"{outcome!r} of {child.name!r} led to {target or 'nothing'}; it leads to {bad!r}"
         context.issues.add("incomplete", place, text)
-    return name_of(found.outcomes[-1])
+    return bad

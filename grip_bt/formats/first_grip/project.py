@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -193,9 +193,13 @@ MARK = generated_by("grip")
 MESSAGES = ("joint_states", "poses", "trajectories")
 
 
-def project_texts(found: Configuration) -> dict[str, str]:
-    """Return the files of a project folder by their path in it; what isn't as it was is noted in `found`."""
-    texts = {"grip.yaml": _yaml_text(_project(found))}
+def project_texts(found: Configuration, moving: Collection[str] = ()) -> dict[str, str]:
+    """Return the files of a project folder by their path in it; what isn't as it was is noted in `found`.
+
+    Args:
+        moving: `arm`, `hand`, `scene`: kinds of nodes that the tasks use.
+    """
+    texts = {"grip.yaml": _yaml_text(_project(found, moving))}
     for kind in MESSAGES:
         if found.part(kind):
             texts[f"messages/{kind}.yaml"] = _yaml_text(dict(found.part(kind)), flow=True)
@@ -213,9 +217,10 @@ def project_texts(found: Configuration) -> dict[str, str]:
     return texts
 
 
-def _project(found: Configuration) -> dict[str, Any]:
+def _project(found: Configuration, moving: Collection[str]) -> dict[str, Any]:
     made: dict[str, object] = {"grip": 1, "doc": "Imported from a configuration of the first GRIP."}
-    arms, hands = {}, {}
+    arms: dict[str, dict[str, object]] = {}
+    hands: dict[str, dict[str, object]] = {}
     for group, said in found.part("planners").items():
         if is_hand(group):
             hands[key_of(group)] = {"group": group}
@@ -223,6 +228,14 @@ def _project(found: Configuration) -> dict[str, Any]:
             found.issues.add("changed", group, text)
         else:
             arms[key_of(group)] = _arm(group, said, found.issues)
+    for part, there in (("arm", arms), ("hand", hands)):
+        if moving and not there:
+            there[part] = {"group": part}
+            found.issues.add(
+                "changed", "grip.yaml", f"no configuration names {part}s: `{part}` is assumed; name the robot"
+            )
+    if len(arms) == len(hands) == 1:
+        next(iter(arms.values()))["hand"] = next(iter(hands))
     sensors = {key_of(name): sensor_entry(name, said, found) for name, said in found.part("sensors").items()}
     for key, value in (("arms", arms), ("hands", hands), ("sensors", {k: v for k, v in sensors.items() if v})):
         if value:

@@ -17,7 +17,10 @@ STORES = {
     "pose": ("poses", "Pose"),
     "trajectory": ("trajectories", "Trajectory"),
     "plan": ("plans", "Plan"),
+    "grasp": ("grasps", "Grasp"),
 }
+_PARTS = {"pregrasp": "pre_grasp", "grasp": "pose", "postgrasp": "post_grasp"}
+"""Kind of a goal -> the part of a grasp that it is."""
 PLAIN = {"success": "success", "failure": "failure"}
 """Ends of most states."""
 
@@ -35,6 +38,7 @@ class ImportContext:
         sensors: name of a sensor -> its key in the project.
         components: name of a component -> (its key, how many outcomes it has).
         messages: names that the project's stores hold, by store.
+        hand: what a state that names no group takes for the hand.
         produced: userdata that some state writes.
         variables: variables of the task, with their types.
         unknown: states without an equal, by the name of their node.
@@ -45,15 +49,21 @@ class ImportContext:
     sensors: Mapping[str, str] = field(default_factory=dict)
     components: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     messages: Mapping[str, Collection[str]] = field(default_factory=dict)
+    hand: str = "*"
     produced: set[str] = field(default_factory=set)
     variables: dict[str, object] = field(default_factory=dict)
     unknown: dict[str, GripState] = field(default_factory=dict)
     issues: Issues = field(default_factory=Issues)
 
-    def variable(self, name: str, type_name: str = "Any") -> str:
-        """Return the variable of a name; it holds anything where it is written as more than one type."""
+    def variable(self, name: str, type_name: str = "") -> str:
+        """Return the variable of a name; it holds anything where it is written as more than one type.
+
+        Args:
+            type_name: what is written to it; empty where it is only read.
+        """
         name = name_of(name)
-        self.variables[name] = type_name if self.variables.get(name, type_name) == type_name else "Any"
+        known = self.variables.get(name, type_name or "Any")
+        self.variables[name] = known if type_name in ("", known) else "Any"
         return name
 
     def arm(self, group: object) -> dict[str, str]:
@@ -88,7 +98,11 @@ class StepBuilder:
 
     def value(self, name: str, kind: str, what: str) -> str:
         """Return the variable of a value, which may have to be got from a store first."""
-        store, type_name = STORES.get(kind, ("", "Any"))
+        store, type_name = _store(kind)
+        if not name and store:
+            variable = self.context.variable(f"{kind} of {self.state.name}".replace(" ", "_"), type_name)
+            self.add("take", "messages/take", with_={"store": store}, out={"value": variable})
+            return variable
         if not store and name_of(name) not in self.context.produced:
             found = [(s, t) for s, t in STORES.values() if name in self.context.messages.get(s, ())]
             store, type_name = found[0] if found else ("", "Any")
@@ -111,15 +125,30 @@ class StepBuilder:
         return {"kind": "sequence", "children": self.steps}
 
 
+def _store(kind: str) -> tuple[str, str]:
+    """Return the store of what a state names, and its type; empty and `Any` where it names the userdata."""
+    return STORES.get("grasp" if kind in _PARTS else kind.replace("_", " "), ("", "Any"))
+
+
+def _goal(steps: StepBuilder, which: str, what: str) -> str:
+    """Return the variable of a joint state or pose, which may have to be taken out of a grasp."""
+    kind = steps.slot(f"{which}_type")
+    variable = steps.value(steps.slot(f"{which}_name"), kind, what)
+    part = _PARTS.get(steps.slot(f"{which}_part") or kind)
+    if not part:
+        return variable
+    pose = steps.context.variable(f"{what.removeprefix('the ')}_of_{steps.state.name}", "Pose")
+    steps.add(
+        f"{which}_pose", "flow/compute", with_={"expression": f"a.{part}"}, in_={"a": variable}, out={"value": pose}
+    )
+    return pose
+
+
 def _compute_plan(steps: StepBuilder) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
-    given = {"goal": steps.value(steps.slot("target_name"), steps.slot("target_type"), "the target")}
-    if start := steps.slot("starting_name"):
-        if steps.slot("starting_type") == "pose":
-            text = f"a plan that begins at a pose ({start!r}): it begins where the arm is; bind `start`"
-            steps.note("incomplete", text)
-        else:
-            given["start"] = steps.value(start, steps.slot("starting_type"), "the start")
+    given = {"goal": _goal(steps, "target", "the target")}
+    if steps.slot("starting_name") or steps.slot("starting_type"):
+        given["start"] = _goal(steps, "starting", "the start")
     variable = steps.context.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
     steps.add("plan", "arm/plan", with_=steps.context.arm(group), in_=given, out={"plan": variable})
     return PLAIN
@@ -158,19 +187,57 @@ def _wait_for(steps: StepBuilder) -> dict[str, str]:
     return {"success": "success"}
 
 
+def _wait_for_signal(steps: StepBuilder) -> dict[str, str]:
+    """Wait for a truth value, which has to be true."""
+    ends = _wait_for(steps)
+    if ends is PLAIN:
+        signal = steps.context.variable(f"signal_of_{steps.state.name}", "bool")
+        wait: dict[str, Any] = steps.steps["wait"]
+        wait["with"] |= {"type": "std_msgs/msg/Bool", "value": "bool"}
+        wait["out"] = {"message": signal}
+        steps.add("is_true", "flow/wait_until", with_={"expression": "a", "timeout": 0.0}, in_={"a": signal})
+    return ends
+
+
 def _select(steps: StepBuilder) -> dict[str, str]:
-    output = steps.slot("output")
+    output, kind, names = steps.slot("output"), steps.slot("input_type"), steps.state.slots.get("names")
     if not output:
         steps.note("changed", "without `output` the value was dropped; it is only looked up")
-    store, type_name = STORES.get(steps.slot("input_type"), ("", "Any"))
+    store, type_name = _store(kind)
     target = {"value": steps.context.variable(output, type_name)} if output else {}
     name = steps.slot("input")
+    if store and isinstance(names, list):
+        return _select_in_turn(steps, store, [str(each) for each in names], target)
     if store:
-        steps.add("get", "messages/get", with_={"store": store, "name": name}, out=target)
+        what = {"store": store, **({"name": name} if name else {})}
+        steps.add("get", "messages/get" if name else "messages/take", with_=what, out=target)
         return PLAIN
     source = steps.value(name, "", "the input")
     steps.add("set", "flow/compute", with_={"expression": "a"}, in_={"a": source}, out=target)
     return {"success": "success", **({} if len(steps.steps) == 1 else {"failure": "failure"})}
+
+
+def _select_in_turn(steps: StepBuilder, store: str, names: list[str], target: dict[str, str]) -> dict[str, str]:
+    """Get one message after the other, one each time that the state is entered, and fail when all have been got."""
+    data, state = steps.context.variables, steps.state.name
+    count, every, name = (name_of(f"{what}_of_{state}") for what in ("turns", "names", "name"))
+    data[count], data[every], data[name] = {"type": "int", "value": -1}, {"type": "list[str]", "value": names}, "str"
+    steps.add("turn", "flow/count", in_={"count": count}, out={"count": count})
+    steps.add("choose", "flow/select", in_={"items": every, "index": count}, out={"item": name})
+    steps.add("get", "messages/select", with_={"store": store}, in_={"name": name}, out=target)
+    return PLAIN
+
+
+def _grasp(steps: StepBuilder) -> dict[str, str]:
+    """Take the fingers to what a grasp says of them before it, and in it."""
+    name = steps.slot("grasp_name")
+    produced = "selected_grasp" in steps.state.reads
+    variable = steps.value("selected_grasp", "", "the grasp") if produced else steps.value(name, "grasp", "the grasp")
+    node = "hand/open" if steps.slot("grasp_type") == "pregrasp" else "hand/close"
+    steps.add("move_fingers", node, in_={"grasp": variable})
+    if steps.slot("grasp_type") == "postgrasp":
+        steps.note("changed", "a grasp has no fingers of its own after the grasp: they go on closing")
+    return PLAIN
 
 
 def _counter(steps: StepBuilder) -> dict[str, str]:
@@ -200,7 +267,11 @@ def _reinitialise(steps: StepBuilder) -> dict[str, str]:
 
 
 def _allow(steps: StepBuilder) -> dict[str, str]:
-    arm = steps.context.arm(steps.slot("group_name")).get("arm", "*")
+    arm = steps.context.arm(steps.slot("group_name")).get("arm", steps.context.hand)
+    if "collision" in steps.state.slots and not steps.slot("collision"):
+        steps.note("changed", "it only asked which collisions are allowed, and changes none")
+        steps.add("allow", "flow/succeed")
+        return {"success": "success"}
     allowed = steps.slot("allow").lower() in ("true", "1", "")
     listed = steps.state.slots.get("objects") or []
     names = re.findall(r"[\w./-]+", listed) if isinstance(listed, str) else [str(each) for each in listed]
@@ -221,6 +292,8 @@ STATES: dict[str, Callable[[StepBuilder], dict[str, str]]] = {
     "Counter": _counter,
     "ReinitialiseManagers": _reinitialise,
     "AllowCollisions": _allow,
+    "Grasp": _grasp,
+    "WaitForSignal": _wait_for_signal,
 }
 """Type -> what adds its steps and returns its ends: outcome of the state -> outcome of the node."""
 
@@ -232,7 +305,7 @@ def node_of(state: GripState, context: ImportContext, place: str) -> Converted:
     moves_a_hand = state.type == "ExecuteTrajectory" and is_hand(str(state.slots.get("group_name") or ""))
     if state.type in STATES and not moves_a_hand:
         ends = STATES[state.type](steps)
-        return steps.node(), ends
+        return steps.node(), _by_place(ends, state.outcomes)
     if state.type in context.components:
         return _component(steps)
     if state.type in context.sensors:
@@ -241,6 +314,12 @@ def node_of(state: GripState, context: ImportContext, place: str) -> Converted:
         steps.add("look", f"sensor/{key}", out=out)
         return steps.node(), PLAIN
     return _unknown(steps)
+
+
+def _by_place(ends: dict[str, str], outcomes: list[str]) -> dict[str, str]:
+    """Return the ends by a state's own names: its first outcome is its success, its last the failure."""
+    own = {end: outcomes[place] for end, place in (("success", 0), ("failure", -1)) if outcomes and end not in outcomes}
+    return {own.get(outcome, outcome): end for outcome, end in ends.items()}
 
 
 def _component(steps: StepBuilder) -> Converted:
@@ -272,14 +351,20 @@ def _input(steps: StepBuilder) -> str:
 
 
 def _unknown(steps: StepBuilder) -> Converted:
-    """Return a node of the project's own whose class has to be filled in."""
+    """Return a node of the project's own whose class has to be filled in; all states of a type share it."""
     state, context = steps.state, steps.context
     id_ = f"original/{key_of(state.type or state.name)}"
-    context.unknown.setdefault(id_, state)
+    shared = context.unknown.setdefault(id_, GripState(state.name, state.type))
+    shared.slots |= state.slots
+    for of_all, own in ((shared.outcomes, state.outcomes), (shared.writes, state.writes)):
+        of_all += [name for name in own if name not in of_all]
     slots = {key_of(slot): value for slot, value in state.slots.items() if slot != "output"}
     read = {slot: name_of(str(value)) for slot, value in slots.items() if name_of(str(value)) in context.produced}
     given = {slot: value for slot, value in slots.items() if slot not in read and value not in (None, "")}
+    read |= {key_of(key): name_of(key) for key in state.reads if name_of(key) in context.produced}
+    shared.reads += [key for key in state.reads if key_of(key) in read and key not in shared.reads]
     out = {"output": context.variable(steps.slot("output"))} if steps.slot("output") else {}
+    out |= {key_of(key): context.variable(key) for key in state.writes}
     for name in read.values():
         context.variable(name)
     steps.add("do", id_, with_=given, in_=read, out=out)

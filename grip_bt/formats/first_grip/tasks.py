@@ -1,4 +1,4 @@
-"""Tasks of the first GRIP as they were meant: graphs of its editor in `.ini` files, and its older text form."""
+"""Tasks of the first GRIP as they were meant: the graphs of its editor, in `.ini` files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt, S
 
 from grip_bt.base.errors import GripError
 from grip_bt.formats.imported import Issues
-from grip_bt.formats.names import free, key_of, node_name
+from grip_bt.formats.names import free, node_name
 from grip_bt.task.model import Meaning
 
 from .settings import Key, Refused
@@ -21,6 +21,7 @@ class GripState:
     """One state; its type is a class, a component, a sensor or a state of the user's.
 
     The first of its outcomes is the good one, the last the bad one; each leads to a state or outcome of the container.
+    `reads` and `writes` are keys of the userdata, where the file names them.
     """
 
     name: str
@@ -28,6 +29,8 @@ class GripState:
     slots: dict[str, Any] = field(default_factory=dict)
     outcomes: list[str] = field(default_factory=list)
     leads: dict[str, str] = field(default_factory=dict)
+    reads: list[str] = field(default_factory=list)
+    writes: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -52,7 +55,8 @@ class GripContainer(GripState):
                 yield child
 
 
-_BAD = ("fail", "abort", "error", "none", "preempt")
+_GOOD = ("succ", "suces")
+_BAD = ("fail", "abort", "error", "none", "preempt", "quit", "unsucc")
 
 
 def name_of(label: str, taken: Collection[str] = ()) -> str:
@@ -61,12 +65,12 @@ def name_of(label: str, taken: Collection[str] = ()) -> str:
 
 
 def outcome_meanings(outcomes: Sequence[str]) -> dict[str, Meaning]:
-    """Return what outcomes mean: the first is good, the last of several bad, others by their names."""
+    """Return what outcomes mean: by their names; else the first is good, and the last of several bad."""
     found: dict[str, Meaning] = {}
     for number, outcome in enumerate(outcomes):
-        bad = any(word in outcome.lower() for word in _BAD)
-        last = number == len(outcomes) - 1
-        found[outcome] = "success" if number == 0 or not (bad or last) else "failure"
+        bad, good = (any(word in outcome.lower() for word in words) for words in (_BAD, _GOOD))
+        last = number == len(outcomes) - 1 and number > 0
+        found[outcome] = "failure" if bad or (last and not good) else "success"
     return found
 
 
@@ -77,7 +81,8 @@ def is_hand(group: str) -> bool:
 
 CONCURRENT = "ConcurrentStateMachine"
 _START = "Start"
-_DEEPEST = 30
+DEEPEST = 30
+"""Most containers that may lie in each other."""
 Role = tuple[str, str, str]
 """Of a socket: `start`, `end`, `in` or `out`; the state; the outcome."""
 Sockets = dict[int | str | None, Role]
@@ -149,8 +154,8 @@ class _Reader:
         self.issues = issues
 
     def container(self, name: str, kind: str, key: Key, depth: int) -> GripContainer:
-        if depth > _DEEPEST:
-            raise BrokenTaskError(f"{self.source}: containers lie in each other more than {_DEEPEST} deep")
+        if depth > DEEPEST:
+            raise BrokenTaskError(f"{self.source}: containers lie in each other more than {DEEPEST} deep")
         place = "/".join(key)
         try:
             graph = _Graph.model_validate(self.graphs[key])
@@ -252,66 +257,3 @@ def _usual(child: GripState, count: int) -> list[str]:
 def _id(said: object) -> int | str | None:
     found = said.get("id") if isinstance(said, dict) else said
     return found if isinstance(found, int | str) else None
-
-
-_CONTAINERS = {"state_machine": False, "concurrent_state_machine": True, "sm_base": False}
-_NAMED = ("ComputePlan", "Move", "Counter", "Select", "WaitFor", "ExecuteTrajectory", "AllowCollisions")
-_TYPES = {"plan": "ComputePlan", **{key_of(name): name for name in (*_NAMED, "ReinitialiseManagers")}}
-
-
-def text_task(data: object, source: str) -> GripContainer:
-    """Return the task that a nested dictionary holds.
-
-    Raises:
-        BrokenTaskError: it holds none, or is broken.
-    """
-    if not isinstance(data, Mapping) or "states" not in data:
-        raise BrokenTaskError(f"{source}: there is no task in it: `name`, `outcomes` and `states` are expected")
-    return _container(str(data.get("name") or "task"), data, source, 0)
-
-
-def _container(name: str, data: Mapping[str, Any], place: str, depth: int) -> GripContainer:
-    if depth > _DEEPEST:
-        raise BrokenTaskError(f"{place}: containers lie in each other more than {_DEEPEST} deep")
-    outcomes = data.get("outcomes") or list(data.get("transitions") or {}) or ["success", "fail"]
-    if not isinstance(outcomes, list) or not all(isinstance(each, str | int) for each in outcomes):
-        raise BrokenTaskError(f"{place}: `outcomes` is a list of names")
-    made = GripContainer(name, str(data.get("source", "")), outcomes=[str(each) for each in outcomes])
-    made.concurrent = _CONTAINERS.get(made.type, False)
-    states = data.get("states")
-    if not isinstance(states, list) or not states:
-        raise BrokenTaskError(f"{place}: `states` is a list of states and not empty")
-    for entry in states:
-        if not isinstance(entry, Mapping) or len(entry) != 1:
-            raise BrokenTaskError(f"{place}: a state is `NAME: {{source: ..., ...}}`, not {str(entry)[:60]}")
-        ((label, said),) = entry.items()
-        inside = f"{place}/{label}"
-        if not isinstance(said, Mapping):
-            raise BrokenTaskError(f"{inside}: a mapping with `source` is expected")
-        if str(label) in made.children:
-            raise BrokenTaskError(f"{inside}: two states have this name")
-        made.children[str(label)] = _child(str(label), said, inside, depth)
-    made.initial = str(data.get("initial") or next(iter(made.children)))
-    if made.concurrent:
-        made.default = str(data.get("default_outcome") or made.outcomes[-1])
-        said = data.get("outcome_map") or {}
-        if not isinstance(said, Mapping) or not all(isinstance(when, Mapping) for when in said.values()):
-            raise BrokenTaskError(f"{place}: `outcome_map` is outcome -> state -> outcome")
-        made.rules = {str(o): {str(child): [str(end)] for child, end in when.items()} for o, when in said.items()}
-    return made
-
-
-def _child(label: str, said: Mapping[str, Any], place: str, depth: int) -> GripState:
-    leads = said.get("transitions") or {}
-    if not isinstance(leads, Mapping):
-        raise BrokenTaskError(f"{place}: `transitions` is a mapping from outcomes to states")
-    source = str(said.get("source", ""))
-    if source in _CONTAINERS or "states" in said:
-        made: GripState = _container(label, said, place, depth + 1)
-    else:
-        kind = _TYPES.get(source, source)
-        rest = {str(k): v for k, v in said.items() if k not in ("source", "transitions", "outcomes")}
-        outcomes = said.get("outcomes") or list(leads) or OUTCOMES.get(kind, ["success", "failure"])
-        made = GripState(label, kind, rest, [str(each) for each in outcomes])
-    made.leads = {str(outcome): str(target) for outcome, target in leads.items()}
-    return made

@@ -173,6 +173,9 @@ def manifest_text(manifest: Manifest, header: str) -> str:
         header: a comment for its first lines, each with `#`.
     """
     dumped = manifest.model_dump(exclude_defaults=True)
+    for name, parameter in manifest.parameters.items():
+        if not parameter.required:
+            dumped["parameters"][name]["default"] = parameter.default  # null too: else it would have to be given
     keys = ("parameters", "inputs", "outputs", "outcomes", "codes", "moves", "settings")
     given = {key: dumped.get(key) for key in keys if key in dumped or key == "outcomes"}
     data = {"id": manifest.id, "doc": manifest.doc, "implementation": manifest.implementation, **given}

@@ -12,12 +12,14 @@ from original_files import Graph, pick_and_place, variant, write_configuration, 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.app.runs.mocks import scripted
 from grip_bt.base.errors import GripError
 from grip_bt.base.message_store.files import read_joint_states, read_poses, read_trajectories
 from grip_bt.cli.__main__ import main
 from grip_bt.compilers import to_machine, to_tree
 from grip_bt.formats.first_grip import import_grip
-from grip_bt.runtime import RunContext, Runner
+from grip_bt.formats.first_grip.text import text_task
+from grip_bt.runtime import JournalReader, RunContext, Runner
 from grip_bt.task import read
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.validation import validate
@@ -190,7 +192,7 @@ states:
         - First: {source: plan, target_type: joint state, target_name: home, plan_name: to_pregrasp}
         - Second: {source: reinitialise_managers}
   - Wait:
-      source: WaitForSignal
+      source: PressButton
       seconds: 3
       transitions: {success: success, failure: fail}
 """
@@ -200,7 +202,7 @@ def test_the_older_text_format_is_read_and_unknown_states_are_left_to_fill_in(tm
     (tmp_path / "hold.yaml").write_text(TEXT)
     out = tmp_path / "out"
     assert main(["import", str(tmp_path / "hold.yaml"), "--from", "grip", "-o", str(out)]) == 0
-    assert "WaitForSignal has no equivalent; write its class: nodes/original" in capsys.readouterr().out
+    assert "PressButton has no equivalent; write its class: nodes/original" in capsys.readouterr().out
     task = read(out / "tasks" / "pick_and_hold.yaml").task
     rules = task.root.children["ConcurrentPlan"].rules
     assert [(dict(rule.when), rule.then) for rule in rules] == [
@@ -208,8 +210,112 @@ def test_the_older_text_format_is_read_and_unknown_states_are_left_to_fill_in(tm
         ({}, "fail"),
     ]
     assert task.root.children["Wait"].with_ == {"seconds": 3}
-    assert "class WaitForSignal(Leaf):" in (out / "nodes" / "original" / "leaves.py").read_text()
+    assert "class PressButton(Leaf):" in (out / "nodes" / "original" / "leaves.py").read_text()
     assert errors_of(out, "pick_and_hold") == []
+
+
+PICK = """
+name: fetch
+source: framework_state_machine
+outcomes: [failed, fetched_successfully]
+params: {usual: [yes, no], of_arm: [commander]}
+states:
+  - Ready: {source: wait_for_signal, topic_name: go, outcomes: params.usual, transitions: {yes: Next, no: failed}}
+  - Next:
+      source: select
+      params: {message_type: grasp, message_names: [first, second], output_keys: [selected_grasp]}
+      transitions: {success: Think, fail: failed}
+  - Think:
+      source: concurrent_state_machine
+      params: {done: [success, fail]}
+      outcomes: [fail, success]
+      default_outcome: fail
+      outcome_map: {success: {Above: yes, Around: success, Away: success}}
+      transitions: {success: Allow, fail: Next}
+      states:
+        - Above:
+            source: plan
+            params: {target_state_type: pregrasp, target_state_name: userdata, outcomes: params.usual}
+            plan_name: above
+            io_keys: [selected_grasp]
+        - Around: {source: state_plan, target_state_type: grasp, target_state_name: userdata, plan_name: around,
+            starting_state_type: pregrasp, starting_state_name: userdata, outcomes: params.done}
+        - Away: {source: plan, target_state_type: joint_state, target_state_name: stability_pose, plan_name: away,
+            starting_state_type: grasp, starting_state_name: userdata, outcomes: params.done, io_keys: params.of_arm}
+  - Allow: {source: allow_manipulator_collisions, allow: True, collision_type: object-collision,
+      transitions: {success: GoAbove, fail: failed}}
+  - GoAbove: {source: move, plan_name: above, transitions: {success: Spread, fail: failed}}
+  - Spread:
+      {source: grasp, grasp_type: pregrasp, io_keys: [selected_grasp], transitions: {success: GoAround, fail: failed}}
+  - GoAround: {source: move, plan_name: around, transitions: {success: Close, fail: failed}}
+  - Close: {source: grasp, grasp_type: grasp, io_keys: [selected_grasp], transitions: {success: GoAway, fail: failed}}
+  - GoAway: {source: move, plan_name: away, transitions: {success: fetched_successfully, fail: failed}}
+"""
+PICK = PICK.replace("yes", "'yes'").replace("no,", "'no',").replace("no]", "'no']").replace("no:", "'no':")
+
+
+@pytest.fixture(scope="module")
+def fetch(tmp_path_factory):
+    """A project made of a task in the text form, and what the import printed of it."""
+    folder = tmp_path_factory.mktemp("fetch")
+    (folder / "fetch.yaml").write_text(PICK)
+    assert main(["import", str(folder / "fetch.yaml"), "--from", "grip", "-o", str(folder / "out")]) == 0
+    return folder / "out"
+
+
+@pytest.mark.parametrize("target", ["bt", "sm"])
+def test_a_task_in_the_text_form_runs_on_fakes_as_it_comes_in(fetch, target):
+    with open_session(fetch / "tasks" / "fetch.yaml", RunOptions(robot="fake", target=target)) as session:
+        result = session.runner.run()
+    assert (result.status, result.outcome, result.failure) == ("success", "fetched_successfully", None)
+
+
+def test_names_stay_literals_and_outcomes_mean_what_they_say(fetch):
+    task = read(fetch / "tasks" / "fetch.yaml").task
+    assert dict(task.outcomes) == {"failed": "failure", "fetched_successfully": "success"}
+    think = task.root.children["Think"]
+    assert dict(think.outcomes) == {"fail": "failure"}
+    assert dict(think.rules[0].when) == {"Above": ["success"], "Around": ["success"], "Away": ["success"]}
+    assert dict(think.on) == {"fail": "Next", "success": "Allow", "failure": "failed"}
+    assert think.children["Away"].children["get_stability_pose"].with_ == {
+        "store": "joint_states",
+        "name": "stability_pose",
+    }
+    assert task.data["selected_grasp"] == "Grasp"
+    assert task.root.children["Ready"].on == {"success": "Next", "failure": "failed"}
+
+
+def test_grasps_are_selected_one_after_the_other_until_there_is_none(fetch, tmp_path):
+    options = RunOptions(robot="fake", mocks=scripted({"Think/Above": "failure"}), journal=tmp_path / "j.sqlite")
+    with open_session(fetch / "tasks" / "fetch.yaml", options) as session:
+        result = session.runner.run()
+    with JournalReader(tmp_path / "j.sqlite") as reader:
+        turns = reader.value(reader.variables(session.runner.run_id)["turns_of_Next"])
+    assert (result.outcome, result.failure.code, turns) == ("failed", "no_item", 2)
+
+
+def flat(**keys):
+    """Return a task of one state that plans, whose parameters stand where the test wants them."""
+    return {"name": "t", "outcomes": ["good", "bad"], "states": [{"P": {"source": "plan", **keys}}]}
+
+
+WHAT = {"target_state_type": "joint_state", "target_state_name": "up", "plan_name": "p", "outcomes": ["good", "bad"]}
+
+
+@pytest.mark.parametrize(
+    "task",
+    [
+        flat(params=WHAT),
+        flat(params=WHAT | {"plan_name": "other"}, plan_name="p"),
+        flat(params={"kind": "joint_state"}, **WHAT | {"target_state_type": "params.kind"}),
+        flat(**{key: f"params.{key}" for key in WHAT}) | {"params": WHAT},
+        flat(**WHAT | {"outcomes": ["good", "params.last"]}) | {"params": {"last": "bad"}},
+    ],
+)
+def test_parameters_are_handed_down_wherever_they_are_said(task):
+    wanted, found = (text_task(each, "t.yaml").children["P"] for each in (flat(**WHAT), task))
+    assert {key: found.slots[key] for key in wanted.slots} == wanted.slots
+    assert (found.type, found.outcomes) == ("ComputePlan", ["good", "bad"])
 
 
 def test_an_import_overwrites_only_what_it_made(tmp_path, capsys):
@@ -230,6 +336,11 @@ def test_an_import_overwrites_only_what_it_made(tmp_path, capsys):
         ("name: x\nstates: [3]\n", "a state is `NAME: {source: ..., ...}`, not 3"),
         ("name: x\nstates: [{A: 3}]\n", "a mapping with `source` is expected"),
         ("name: x\nstates: [{A: {source: move}}, {A: {source: move}}]\n", "two states have this name"),
+        ("name: x\nparams: {abc: 1}\nstates: [{A: {plan_name: params.abd}}]\n", "has 'abd'; did you mean 'abc'?"),
+        (
+            "states: [{A: {source: concurrent_state_machine, outcomes: [a], default_outcome: b, states: [{B: {}}]}}]\n",
+            "it may end with 'b', which is none of its outcomes",
+        ),
         ("name: x\ninitial: B\nstates: [{A: {source: move}}]\n", "it begins with 'B', which isn't there"),
     ],
 )
