@@ -244,7 +244,7 @@ def load_legacy(path: Path, ros: bool = True) -> ModuleType:
     if there is not None and getattr(there, "__file__", None) == str(path):
         return there
     source = read_source(path)
-    smach_compat.install(ros=ros)
+    smach_compat.install(ros=ros, rospy=ros)
     workspace = workspace_of(path)
     top = path.parents[name.count(".")] if "." in name else path.parent
     for folder in (path.parent, top, *workspace.folders):

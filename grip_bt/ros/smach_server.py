@@ -40,7 +40,12 @@ class SimpleServer:
     """
 
     def __init__(
-        self, bus: Bus, name: str, type_: InterfaceType, execute: Callable[[Message], None], preempt: Callable[[], None]
+        self,
+        bus: Bus,
+        name: str,
+        type_: InterfaceType,
+        execute: Callable[[Message], object],
+        preempt: Callable[[], object],
     ):
         self._bus, self._name, self._type = bus, name, type_
         self._execute, self._preempt = execute, preempt
@@ -179,9 +184,10 @@ class Shutdown:
         for signal_number, previous in self._previous.items():
             signal.signal(signal_number, previous)
         # Hooks wait for machines, and the main thread may be what executes them.
-        threading.Thread(target=self._run_hooks, name="smach-shutdown").start()
+        threading.Thread(target=self.begin, name="smach-shutdown").start()
 
-    def _run_hooks(self) -> None:
+    def begin(self) -> None:
+        """Shut down, from now on."""
         try:
             for hook in self._hooks:
                 hook()

@@ -12,6 +12,7 @@ from types import ModuleType
 
 from grip_bt.base.errors import GripError
 
+from ._provided import Provided
 from ._settings import Settings, configure
 
 
@@ -27,11 +28,13 @@ def _modules(ros: bool = True) -> dict[str, ModuleType]:
     return modules
 
 
-def install(*, ros: bool = True, **changes: bool | str) -> None:
+def install(*, ros: bool = True, rospy: bool = False, **changes: bool | str) -> None:
     """Let `import smach`, `import smach_ros` and their modules find this package; harmless when it was done before.
 
     Args:
-        ros: whether `smach_ros` is meant too.
+        ros: whether `smach_ros` is meant too, and `smach_msgs`, where no other is installed.
+        rospy: whether `rospy`, `roslib`, `actionlib` and `tf` of ROS 1 are too, over ROS 2, where no others are:
+            neither installed nor put there by a unit test.
         **changes: settings, see `configure`.
 
     Raises:
@@ -47,6 +50,16 @@ def install(*, ros: bool = True, **changes: bool | str) -> None:
             )
     configure(**changes)
     sys.modules.update(modules)
+    if ros:
+        smach_msgs().begin()
+    if rospy:
+        importlib.import_module("grip_bt.smach_compat.ros1").begin()
+
+
+def smach_msgs() -> Provided:
+    """Return what provides `smach_msgs`; its messages are ROS's."""
+    provided: Provided = importlib.import_module("grip_bt.smach_compat.smach_ros._smach_msgs").PROVIDED
+    return provided
 
 
 def uninstall() -> None:
@@ -54,4 +67,7 @@ def uninstall() -> None:
     for name, module in _modules().items():
         if sys.modules.get(name) is module:
             del sys.modules[name]
+    smach_msgs().end()
+    if "grip_bt.smach_compat.ros1" in sys.modules:
+        sys.modules["grip_bt.smach_compat.ros1"].end()
     configure(**vars(Settings()))

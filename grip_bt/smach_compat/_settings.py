@@ -23,6 +23,8 @@ class Settings:
         honour_preempt_timeout: give a canceled goal up after `preempt_timeout` of its SimpleActionState; noetic waits
             for its server for ever, and so does the default. Profile `ros2` always gives up.
         unpickle_userdata: read pickled userdata that comes from the network (introspection). It may run any code.
+        rospy: number goals' ends as ROS 1 does; set where a program imports `rospy` of `install(rospy=True)`.
+        parameters: a YAML file of what `rospy.get_param` gives.
     """
 
     profile: str = "noetic"
@@ -30,6 +32,8 @@ class Settings:
     wrap_interrupts: bool = False
     honour_preempt_timeout: bool = False
     unpickle_userdata: bool = False
+    rospy: bool = False
+    parameters: str = ""
 
     def update(self, **changes: bool | str) -> None:
         """Change some settings, see docs/smach.md.

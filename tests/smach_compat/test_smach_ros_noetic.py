@@ -1,4 +1,4 @@
-"""Programs of ROS 1 run as they are on `smach_compat` and a ROS 1 stand-in; upstream's own tests too, where they are.
+"""Programs of ROS 1 run as they are on `smach_compat` with `rospy`; upstream's own tests too, where they are.
 
 GRIP_SMACH_UPSTREAM=/path/to/executive_smach (branch noetic-devel) gives the checkout.
 """
@@ -20,7 +20,7 @@ SUITES = ("state_machine", "sequence", "concurrence", "monitor", "services", "in
 def results(file):
     """Return test -> passed or failed, and what was said."""
     done = subprocess.run(
-        [sys.executable, str(HERE / "standin_run.py"), str(file)], capture_output=True, text=True, timeout=600
+        [sys.executable, str(HERE / "ros1_run.py"), str(file)], capture_output=True, text=True, timeout=600
     )
     return dict(re.findall(r"^(test_\w+) (passed|failed)$", done.stdout, re.MULTILINE)), done.stderr
 

@@ -1,16 +1,16 @@
-"""The package in the place of `smach_ros`: names, profiles, conditions, on the ROS 1 stand-in in this process."""
+"""The package in the place of `smach_ros`: names, profiles, conditions, on ROS within this process."""
 
 import subprocess
 import sys
 
 import pytest
-import standin_messages
-import standin_rospy
+import ros1_messages
 
 from grip_bt import smach_compat
-from grip_bt.ros.smach_rospy import connect
 from grip_bt.smach_compat import UserData, smach_ros
 from grip_bt.smach_compat.exceptions import InvalidStateError, InvalidUserCodeError
+from grip_bt.smach_compat.ros1 import rospy
+from grip_bt.smach_compat.smach_ros._port import Ros
 
 NOETIC = """
     set_preempt_handler ActionServerWrapper IntrospectionClient IntrospectionServer
@@ -20,9 +20,9 @@ NOETIC = """
 
 @pytest.fixture(autouse=True)
 def ros():
-    standin_rospy.master.reset()
-    smach_ros.use(connect(standin_messages.modules().__getitem__))
-    yield
+    connection = Ros()
+    smach_ros.use(connection)
+    yield connection
     smach_ros.use(None)
 
 
@@ -48,7 +48,7 @@ def test_sub_modules_are_found_under_upstreams_names_and_nothing_of_ros_is_loade
 def test_a_condition_is_checked_once_more_in_noetic(profile, checks):
     smach_compat.configure(profile=profile)
     seen = []
-    rate = 1000 if profile == "ros2" else standin_rospy.Duration(0.001)
+    rate = 1000 if profile == "ros2" else rospy.Duration(0.001)
     state = smach_ros.ConditionState(seen.append, poll_rate=rate, max_checks=3)
     assert (state.execute(UserData()), len(seen)) == ("false", checks)
 
@@ -75,19 +75,19 @@ def test_a_condition_ends_when_it_holds_is_preempted_runs_out_of_time_or_raises(
 )
 def test_wrong_arguments_of_an_action_state_are_refused_with_what_there_is(options, said):
     with pytest.raises(InvalidStateError, match=said):
-        smach_ros.SimpleActionState("a", standin_messages.TestAction, **options)
+        smach_ros.SimpleActionState("a", ros1_messages.TestAction, **options)
 
 
 def test_a_service_state_aborts_without_what_its_request_needs_and_when_the_server_fails():
-    standin_rospy.Service("/add", standin_messages.AddSrv, lambda request: 1 / 0)
-    assert smach_ros.ServiceState("add", standin_messages.AddSrv, request_key="r").execute(UserData()) == "aborted"
-    assert smach_ros.ServiceState("add", standin_messages.AddSrv).execute(UserData()) == "aborted"
-    unknown = smach_ros.ServiceState("add", standin_messages.AddSrv, request_cb=lambda ud, request: 1 / 0)
+    rospy.Service("/add", ros1_messages.AddSrv, lambda request: 1 / 0)
+    assert smach_ros.ServiceState("add", ros1_messages.AddSrv, request_key="r").execute(UserData()) == "aborted"
+    assert smach_ros.ServiceState("add", ros1_messages.AddSrv).execute(UserData()) == "aborted"
+    unknown = smach_ros.ServiceState("add", ros1_messages.AddSrv, request_cb=lambda ud, request: 1 / 0)
     assert unknown.execute(UserData()) == "aborted"
 
 
 def test_a_shutdown_of_ros_1_preempts_the_machine():
     machine = smach_compat.StateMachine(["done"])
     smach_ros.set_preempt_handler(machine)
-    standin_rospy.signal_shutdown("test")
+    rospy.signal_shutdown("test")
     assert machine.preempt_requested()

@@ -1,7 +1,6 @@
 """Which ROS this process uses, and what differs between ROS 1 and ROS 2 in durations, messages and signatures.
 
-It is what was given, else rospy where it can be imported, else rclpy. The connection is made by the first state or
-server that needs it, and not by importing this package.
+It is what was given, else rclpy. The first state or server that needs it connects, and not the import of this package.
 """
 
 from __future__ import annotations
@@ -9,19 +8,18 @@ from __future__ import annotations
 import copy
 import functools
 import importlib
-import importlib.util
 import threading
 from collections.abc import Callable
 from typing import Any
 
 from grip_bt.smach_compat import _settings
-from grip_bt.smach_compat._settings import hooks
+from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.log import set_loggers
 from grip_bt.smach_compat.util import set_shutdown_check
 
-from ._port import Ros
+from ._port import STATUS, Ros
 
-_ADAPTERS = {"rospy": "grip_bt.ros.smach_rospy", "rclpy": "grip_bt.ros.smach_rclpy"}
+_ADAPTER = "grip_bt.ros.smach_rclpy"
 _lock = threading.Lock()
 _ros: Ros | None = None
 
@@ -43,21 +41,22 @@ def ros() -> Ros:
     """Return the process's ROS, connecting to it at the first call.
 
     Raises:
-        MissingPartError: there is neither rospy nor rclpy; the message says what to install.
+        MissingPartError: there is no rclpy; the message says what to install.
     """
     global _ros
     with _lock:
         if _ros is None:
-            here = "rospy" if importlib.util.find_spec("rospy") else "rclpy"
             # By name: this room is below grip_bt.ros, and importing it must not load ROS.
-            _ros = importlib.import_module(_ADAPTERS[here]).connect()
+            _ros = importlib.import_module(_ADAPTER).connect()
             _install_hooks(_ros)
         return _ros
 
 
 def _install_hooks(ros: Ros) -> None:
     """Log by ROS and stop machines with it, as importing smach_ros does upstream; what the program has set stays."""
-    if all(getattr(hooks, name) is getattr(_settings, name) for name in ("loginfo", "logwarn", "logdebug", "logerr")):
+    if ros.loggers and all(
+        getattr(hooks, name) is getattr(_settings, name) for name in ("loginfo", "logwarn", "logdebug", "logerr")
+    ):
         set_loggers(*ros.loggers)
     if hooks.is_shutdown is _settings.is_shutdown:
         set_shutdown_check(ros.is_shutdown)
@@ -90,6 +89,16 @@ def new_feedback(action: Any) -> Any:
 def new_request(service: Any) -> Any:
     """Return an empty request of a service's type."""
     return service.Request() if hasattr(service, "Request") else service._request_class()
+
+
+def status_of(ending: str, status: int) -> int:
+    """Return the number of a goal's end: that of ROS 1 where the process has its modules."""
+    return STATUS[ending] if settings.rospy else status
+
+
+def stands_in(value: object) -> bool:
+    """Tell whether a value stands for what isn't here, as in a dry run: nothing is known of it."""
+    return hasattr(type(value), "_stand_in_name")  # the class is of a room above
 
 
 def fields(message: Any) -> tuple[str, ...]:

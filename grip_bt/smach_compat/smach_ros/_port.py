@@ -1,134 +1,391 @@
-"""What `smach_ros` asks of ROS: a small port with an adapter for rclpy and one for rospy (`grip_bt.ros.smach*`).
+"""What `smach_ros` and `rospy` ask of ROS, and ROS within one process, which needs no network.
 
-All callbacks come on threads of the adapter. Times are seconds of ROS time.
+`grip_bt.ros.smach_rclpy` derives from it. All callbacks come on threads of the adapter; times are seconds of ROS time.
 """
 
 from __future__ import annotations
 
+import queue
+import threading
+import time
+from collections import defaultdict
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
 
 Logger = Callable[[object], object]
+Callback = Callable[[Any], None]
+_PERIOD, _MOMENT = 0.05, 0.001
 
 
 class ServiceFailedError(Exception):
     """A service call ended without an answer."""
 
 
-class Closable(Protocol):
-    """A subscription or publisher."""
+class NoFrameError(Exception):
+    """A frame isn't known."""
+
+
+class End:
+    """One end of a topic, or a server: what somebody has and gives back."""
+
+    def __init__(self, close: Callable[[], Any], publish: Callback | None = None, listeners: Callable[[], int] = int):
+        self._close = close
+        self.publish = publish or (lambda message: None)
+        self.listeners = listeners
 
     def close(self) -> None:
-        """Leave the topic."""
+        """Leave."""
+        self._close()
 
 
-class Publisher(Closable, Protocol):
-    """Sends on one topic."""
-
-    def publish(self, message: object) -> None:
-        """Send a message to who is there."""
-
-
-class Service(Protocol):
+class Service:
     """The client of a service."""
 
+    def __init__(self, ros: Ros, name: str, type_: Any):
+        self._ros, self._name, self._type = ros, name, type_
+
     def wait(self, timeout: float) -> bool:
         """Tell whether there is a server within `timeout` [s]."""
+        return self._ros.wait_for_server(self._name, timeout)
 
-    def call(self, request: object) -> Any:
-        """Return the answer, or raise ServiceFailedError."""
+    def call(self, request: Any) -> Any:
+        """Return the answer.
+
+        Raises:
+            ServiceFailedError: there is none.
+        """
+        serve = self._ros.services.get(self._name)
+        if serve is None:
+            return self._ros.made_up(f"service {self._name}", response_of(self._type))
+        try:
+            answer = serve(request)
+        except Exception as error:
+            raise ServiceFailedError(f"service {self._name} responded with an error: {error}") from error
+        if answer is None:
+            raise ServiceFailedError(f"service {self._name} returned no response")
+        return answer
 
 
-class ActionClient(Protocol):
+class _Goal:
+    def __init__(self, message: Any, done: Callable[[str, int, Any], None], feedback: Callback):
+        self.message, self.done, self.feedback = message, done, feedback
+        self.canceled, self.over = False, False
+
+    def end(self, ending: str, result: object) -> None:
+        if not self.over:
+            self.over = True
+            self.done(ending, STATUS[ending], result)
+
+
+STATUS = {"preempted": 2, "succeeded": 3, "aborted": 4, "rejected": 5, "lost": 9}
+"""actionlib's numbers of goals that have ended."""
+
+
+class ActionClient:
     """The client of an action, one goal at a time."""
 
+    def __init__(self, ros: Ros, name: str, type_: Any):
+        self._ros, self._name, self._type = ros, name, type_
+        self._goal: _Goal | None = None
+
     def wait(self, timeout: float) -> bool:
         """Tell whether there is a server within `timeout` [s]."""
+        return self._ros.wait_for_server(self._name, timeout)
 
-    def send(self, goal: object, done: Callable[[str, int, object], None], feedback: Callable[[object], None]) -> None:
+    def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callback) -> None:
         """Send a goal and return at once; `done(ending, status, result)` is called once.
 
         `ending` is `succeeded`, `aborted`, `preempted`, `rejected` or `lost`, `status` this ROS's number for it.
         """
+        self._goal = sent = _Goal(goal, done, feedback)
+        server = self._ros.actions.get(self._name)
+        if server is not None:
+            server.take(sent)
+            return
+        result = self._ros.made_up(f"action {self._name}", result_of(self._type))
+        threading.Thread(target=sent.end, args=("succeeded", result), daemon=True).start()
 
     def cancel(self) -> None:
         """Ask the server to end the goal; harmless when there is none."""
+        server = self._ros.actions.get(self._name)
+        if self._goal is not None and not self._goal.over and server is not None:
+            self._goal.canceled = True
+            server.canceled(self._goal)
 
 
-class ActionServer(Protocol):
-    """A server of one action, one goal at a time: a new goal preempts the one that is being worked on."""
+class ActionServer:
+    """A server of one action, one goal at a time: a new goal preempts the one that is being worked on.
+
+    It calls `execute` with each goal on a thread of its own, which has to call `end`; and `preempt` when the goal being
+    worked on was canceled or another one came.
+    """
+
+    def __init__(self, ros: Ros, name: str, execute: Callback, preempt: Callable[[], None]):
+        self._ros, self._name, self._execute, self._preempt = ros, name, execute, preempt
+        self._goals: queue.SimpleQueue[_Goal] = queue.SimpleQueue()
+        self._current: _Goal | None = None
 
     def start(self) -> None:
         """Take goals from now on."""
+        self._ros.actions[self._name] = self
+        threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
+
+    def take(self, goal: _Goal) -> None:
+        """Work on a goal as soon as the one before it has ended."""
+        self._goals.put(goal)
+        if self._current is not None and not self._current.over:
+            self._preempt()
+
+    def canceled(self, goal: _Goal) -> None:
+        """Ask for the end of a goal."""
+        if goal is self._current:
+            self._preempt()
+
+    def _work(self) -> None:
+        while True:
+            self._current = goal = self._goals.get()
+            if goal.canceled or not self._goals.empty():
+                self._preempt()
+            try:
+                self._execute(goal.message)
+            finally:
+                self.end("aborted")  # nothing when it was ended, as it should be
 
     def feedback(self, message: object) -> None:
         """Send feedback on the goal being worked on; nothing when there is none."""
+        if self._current is not None and not self._current.over:
+            self._current.feedback(message)
 
     def end(self, ending: str, result: object = None) -> None:
         """End the goal being worked on as `succeeded`, `aborted` or `preempted`."""
+        if self._current is not None:
+            self._current.end(ending, result)
 
 
-class Introspection(Protocol):
-    """The messages of smach_msgs as this ROS has them."""
+class Ros:
+    """ROS within one process: what the program offers it finds, and what nobody does isn't there.
 
-    Status: Any
-    Structure: Any
-    Command: Any
+    For a dry run, `stand_in` gives values that stand for what isn't there: then services answer, actions succeed,
+    topics speak, parameters are set, and waiting takes no time.
 
-    def header(self) -> Any:
-        """Return a header with the time."""
+    Args:
+        stand_in: returns a stand-in of a name; None for no dry run.
+        tell: told of each service, action, topic, parameter and frame that was stood in for.
+    """
 
-    def packed(self, data: bytes) -> Any:
-        """Return bytes as the field `local_data` has them."""
+    def __init__(self, stand_in: Callable[[str], Any] | None = None, tell: Callable[[str], object] = lambda text: None):
+        self._stand_in, self._tell = stand_in, tell
+        self._told: set[str] = set()
+        self._hooks: list[Callable[[], None]] = []
+        self._over = threading.Event()
+        self._ahead = 0.0
+        self._subscribers: defaultdict[str, list[queue.SimpleQueue[Any]]] = defaultdict(list)
+        self._publishers: defaultdict[str, list[Any]] = defaultdict(list)
+        self.services: dict[str, Callable[[Any], Any]] = {}
+        self.actions: dict[str, ActionServer] = {}
+        self.loggers: Sequence[Logger] = ()
+        """Where info, warnings, debugging and errors go, in the order of `smach.set_loggers`; empty for nowhere new."""
 
-    def unpacked(self, local_data: object) -> bytes:
-        """Return the bytes of a field `local_data`."""
+    def made_up(self, what: str, type_: Any) -> Any:
+        """Return a value that stands for what nobody gives, and tell of it; what it says of truth is yes.
 
+        Raises:
+            ServiceFailedError: it is no dry run.
+        """
+        if self._stand_in is None:
+            raise ServiceFailedError(f"there is no {what}")
+        if what not in self._told:
+            self._told.add(what)
+            self._tell(what)
+        made = self._stand_in(what) if type_ is None else type_()
+        said = getattr(type_, "_fields_and_field_types", None)
+        for name, kind in said.items() if isinstance(said, dict) else ():
+            if kind == "boolean":
+                setattr(made, name, True)
+        return made
 
-class Ros(Protocol):
-    """One process's ROS."""
-
-    loggers: Sequence[Logger]
-    """Where info, warnings, debugging and errors go, in the order of `smach.set_loggers`."""
+    # --- the program ---
 
     def is_shutdown(self) -> bool:
         """Tell whether ROS is being shut down."""
+        return self._over.is_set()
 
     def on_shutdown(self, hook: Callable[[], None]) -> None:
         """Call `hook()` when a shutdown was asked for, while ROS still works."""
+        self._hooks.append(hook)
+
+    def shut_down(self, reason: str = "") -> None:
+        """Shut ROS down."""
+        for hook in self._hooks:
+            hook()
+        self._over.set()
+
+    def spin(self) -> None:
+        """Wait for the shutdown; not in a dry run, which nobody shuts down."""
+        if self._stand_in is None:
+            self._over.wait()
+
+    def close(self) -> None:
+        """Leave ROS."""
+        self._over.set()
 
     def now(self) -> float:
         """Return the time [s]."""
+        return time.time() + self._ahead
 
     def sleep(self, seconds: float) -> None:
         """Wait; less when ROS is shut down meanwhile."""
+        if self._stand_in is None:
+            self._over.wait(max(0.0, seconds))
+        else:
+            self._ahead += max(0.0, seconds)
+            time.sleep(_MOMENT)  # others have their turn
 
-    def subscribe(self, topic: str, type_: object, callback: Callable[[object], None]) -> Closable:
-        """Call `callback(message)` for each message."""
+    def parameter(self, name: str) -> Any:
+        """Return a parameter that isn't set.
 
-    def advertise(self, topic: str, type_: object) -> Publisher:
-        """Return a publisher."""
-
-    def topics_of(self, type_: object) -> list[str]:
-        """Return the names of the topics that somebody sends messages of a type on."""
-
-    def service(self, name: str, type_: object) -> Service:
-        """Return a client."""
-
-    def action_client(self, name: str, type_: object) -> ActionClient:
-        """Return a client."""
-
-    def action_server(
-        self, name: str, type_: object, execute: Callable[[object], None], preempt: Callable[[], None]
-    ) -> ActionServer:
-        """Return a server, not started.
-
-        It calls `execute` with each goal on a thread of its own, which has to call `end`; and `preempt` when the goal
-        being worked on was canceled or another one came.
+        Raises:
+            KeyError: it is no dry run.
         """
-
-    def introspection(self) -> Introspection:
-        """Return the messages of smach_msgs."""
+        if self._stand_in is None:
+            raise KeyError(f"{name}: set it, or give a file by GRIP_ROS_PARAMETERS or configure(parameters=...)")
+        return self.made_up(f"parameter {name}", None)
 
     def name_of(self, name: str, node: object) -> str:
         """Return the full name of a topic, service or action as a node of the user's would have it."""
+        return name if name.startswith("/") else f"/{name}"
+
+    # --- topics ---
+
+    def subscribe(self, topic: str, type_: Any, callback: Callback) -> End:
+        """Call `callback(message)` for each message."""
+        name, heard = self.name_of(topic, None), queue.SimpleQueue[Any]()
+        over = threading.Event()
+
+        def work() -> None:
+            while not over.is_set():
+                try:
+                    message = heard.get(timeout=None if self._stand_in is None else _PERIOD)
+                except queue.Empty:
+                    if self._publishers[name]:
+                        continue
+                    message = self.made_up(f"topic {name}", type_)
+                if not over.is_set():
+                    callback(message)
+
+        def close() -> None:
+            over.set()
+            if heard in self._subscribers[name]:
+                self._subscribers[name].remove(heard)
+            heard.put(None)
+
+        self._subscribers[name].append(heard)
+        threading.Thread(target=work, name=f"subscriber {name}", daemon=True).start()
+        return End(close)
+
+    def advertise(self, topic: str, type_: Any) -> End:
+        """Return a publisher."""
+        name = self.name_of(topic, None)
+        self._publishers[name].append(type_)
+
+        def publish(message: object) -> None:
+            for heard in list(self._subscribers[name]):
+                heard.put(message)
+
+        def listeners() -> int:
+            return len(self._subscribers[name]) or int(self._stand_in is not None)
+
+        return End(lambda: self._publishers[name].remove(type_), publish, listeners)
+
+    def topics_of(self, type_: Any) -> list[str]:
+        """Return the names of the topics that somebody sends messages of a type on."""
+        return [name for name, types in list(self._publishers.items()) if type_ in types]
+
+    def topics(self) -> list[tuple[str, str]]:
+        """Return the topics that somebody sends on, with a type."""
+        return [(name, getattr(types[0], "__name__", "")) for name, types in list(self._publishers.items()) if types]
+
+    # --- services and actions ---
+
+    def wait_for_server(self, name: str, timeout: float) -> bool:
+        """Tell whether somebody serves a service or an action of this name within `timeout` [s]."""
+        end = time.monotonic() + timeout
+        while name not in self.services and name not in self.actions and self._stand_in is None:
+            if time.monotonic() >= end or self._over.wait(_PERIOD / 10):
+                return False
+        return True
+
+    def service(self, name: str, type_: Any) -> Service:
+        """Return a client."""
+        return Service(self, self.name_of(name, None), type_)
+
+    def serve(self, name: str, type_: Any, answer: Callable[[Any], Any]) -> End:
+        """Answer requests by a function."""
+        full = self.name_of(name, None)
+        self.services[full] = answer
+        return End(partial(self.services.pop, full, None))
+
+    def action_client(self, name: str, type_: Any) -> ActionClient:
+        """Return a client."""
+        return ActionClient(self, self.name_of(name, None), type_)
+
+    def action_server(self, name: str, type_: Any, execute: Callback, preempt: Callable[[], None]) -> ActionServer:
+        """Return a server, not started."""
+        return ActionServer(self, self.name_of(name, None), execute, preempt)
+
+    # --- frames and smach_msgs ---
+
+    def transform(
+        self, target: str, source: str, at: float | None, timeout: float
+    ) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
+        """Return where a frame is in another: x, y, z [m], and x, y, z, w.
+
+        Args:
+            at: a time [s] of the frames' stamps; None for the last ones.
+
+        Raises:
+            NoFrameError: it isn't known within `timeout` [s].
+        """
+        if self._stand_in is None:
+            raise NoFrameError(f"{source!r} isn't known in {target!r}")
+        self.made_up(f"frame {source}", None)
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+
+    def broadcast(
+        self, parent: str, child: str, move: tuple[float, ...], turn: tuple[float, ...], stamp: float
+    ) -> None:
+        """Tell others where a frame is; nobody is there."""
+
+    def introspection(self) -> SimpleNamespace:
+        """Return the messages of smach_msgs as this ROS has them.
+
+        `Status`, `Structure`, `Command` are classes; `header()` is a header with the time; `packed` and `unpacked` turn
+        bytes into what the field `local_data` has, and back.
+        """
+        return _MESSAGES
+
+
+def _smach_message(name: str) -> type:
+    return type(name, (SimpleNamespace,), {})
+
+
+_MESSAGES = SimpleNamespace(
+    Status=_smach_message("SmachContainerStatus"),
+    Structure=_smach_message("SmachContainerStructure"),
+    Command=_smach_message("SmachContainerInitialStatusCmd"),
+    header=lambda: None,
+    packed=bytes,
+    unpacked=bytes,
+)
+
+
+def response_of(service: Any) -> Any:
+    """Return the class of a service's responses."""
+    return service.Response if hasattr(service, "Response") else service._response_class
+
+
+def result_of(action: Any) -> Any:
+    """Return what makes an action's result."""
+    return action.Result if hasattr(action, "Result") else lambda: action().action_result.result

@@ -7,7 +7,9 @@ comes from the network is unpickled only with the setting `unpickle_userdata`, s
 
 from __future__ import annotations
 
+import importlib
 import pickle
+import sys
 import threading
 import traceback
 from contextlib import suppress
@@ -39,7 +41,17 @@ _REFUSED = (
 )
 
 
-class IntrospectionClient:
+class _NodeInRos2:
+    """In profile `ros2`, a program that has called `rclpy.init` gets what is a node of rclpy too."""
+
+    def __new__(cls, *_: object, **__: object) -> Any:
+        rclpy = sys.modules.get("rclpy")
+        if settings.ros2 and cls.__module__ == __name__ and rclpy is not None and rclpy.ok():
+            cls = getattr(importlib.import_module("grip_bt.ros.smach_rclpy"), f"{cls.__name__}Node")
+        return super().__new__(cls)
+
+
+class IntrospectionClient(_NodeInRos2):
     """Finds servers and sets where their containers begin. A node's name or a node is accepted and not needed."""
 
     def __init__(self, *_names: object, **_options: object):
@@ -192,7 +204,7 @@ class ContainerProxy:
         self._publish_status("REMOTE_INIT")
 
 
-class IntrospectionServer:
+class IntrospectionServer(_NodeInRos2):
     """Puts a container, and those inside it, on the network."""
 
     @with_optional_node

@@ -13,7 +13,7 @@ from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
 from grip_bt.smach_compat.util import has_smach_interface
 
-from ._connection import fields, new_goal, new_result, ros, seconds, with_optional_node
+from ._connection import fields, new_goal, new_result, ros, seconds, stands_in, status_of, with_optional_node
 from ._user_code import BadAnswerError, answer_of, user_code
 from .ros_state import RosState
 
@@ -73,7 +73,7 @@ class SimpleActionState(RosState):
     ):
         State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
         self._action_name, self._action_spec = action_name, action_spec
-        if goal is not None and callable(goal):
+        if goal is not None and callable(goal) and not stands_in(goal):
             raise InvalidStateError(f"The goal of {action_name!r} is a function; give it as goal_cb")
         _check_slots("goal", goal_slots, new_goal(action_spec))
         _check_slots("result", result_slots, new_result(action_spec))
@@ -201,7 +201,7 @@ class SimpleActionState(RosState):
     def _goal_done_cb(self, ending: str, status: int, result: object) -> None:
         with self._done_cond:
             if self._status == self.ACTIVE:
-                self._ending, self._goal_status, self._goal_result = ending, status, result
+                self._ending, self._goal_status, self._goal_result = ending, status_of(ending, status), result
                 self._done_cond.notify_all()
 
     def _goal_feedback_cb(self, message: object) -> None:
@@ -253,6 +253,6 @@ class SimpleActionState(RosState):
 
 
 def _check_slots(what: str, slots: list[str], message: object) -> None:
-    unknown = [slot for slot in slots if slot not in fields(message)]
+    unknown = [slot for slot in slots if not stands_in(message) and slot not in fields(message)]
     if unknown:
         raise InvalidStateError(f"{what}_slots has {unknown}, but the {what} has {list(fields(message))}")

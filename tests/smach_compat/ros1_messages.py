@@ -1,9 +1,9 @@
-"""Message classes of the ROS 1 stand-in: slots and no `__dict__`, as those that genpy makes."""
+"""Messages as genpy makes them for ROS 1 (slots, no `__dict__`), and actionlib's server of any number of goals."""
 
-import threading
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
-import standin_rospy as rospy
+from grip_bt.smach_compat.ros1 import actionlib, rospy
+from grip_bt.smach_compat.smach_ros import _connection
 
 
 def message(type_, **defaults):
@@ -51,28 +51,55 @@ TestAction = message(
 for _class in (TestGoal, TestResult, TestFeedback, TestAction):
     _class.__test__ = False  # no test of pytest's, whatever their names
 
-SmachContainerStatus = message(
-    "smach_msgs/SmachContainerStatus",
-    header=Header,
-    path="",
-    initial_states=list,
-    active_states=list,
-    local_data="",
-    info="",
-)
-SmachContainerInitialStatusCmd = message(
-    "smach_msgs/SmachContainerInitialStatusCmd", path="", initial_states=list, local_data=""
-)
-SmachContainerStructure = message(
-    "smach_msgs/SmachContainerStructure",
-    header=Header,
-    path="",
-    children=list,
-    internal_outcomes=list,
-    outcomes_from=list,
-    outcomes_to=list,
-    container_outcomes=list,
-)
+
+class GoalHandle:
+    """One goal, as its server has it."""
+
+    def __init__(self, goal, result_class):
+        self._sent, self._result_class = goal, result_class
+
+    def get_goal(self):
+        return self._sent.message
+
+    def publish_feedback(self, feedback):
+        self._sent.feedback(feedback)
+
+    def set_accepted(self, text=""):
+        pass
+
+    def _end(self, ending, result):
+        self._sent.end(ending, self._result_class() if result is None else result)
+
+    def set_succeeded(self, result=None, text=""):
+        self._end("succeeded", result)
+
+    def set_aborted(self, result=None, text=""):
+        self._end("aborted", result)
+
+    def set_rejected(self, result=None, text=""):
+        self._end("rejected", result)
+
+    def set_canceled(self, result=None, text=""):
+        self._end("preempted", result)
+
+
+class ActionServer:
+    def __init__(self, ns, ActionSpec, goal_cb, cancel_cb=None, auto_start=True):
+        self._name, self._goal_cb, self._cancel_cb = rospy.resolve_name(ns), goal_cb, cancel_cb
+        self._result_class, self._handles = type(ActionSpec().action_result.result), {}
+        if auto_start:
+            self.start()
+
+    def start(self):
+        _connection.ros().actions[self._name] = SimpleNamespace(take=self._take, canceled=self._canceled)
+
+    def _take(self, goal):
+        self._handles[id(goal)] = GoalHandle(goal, self._result_class)
+        self._goal_cb(self._handles[id(goal)])
+
+    def _canceled(self, goal):
+        if self._cancel_cb is not None:
+            self._cancel_cb(self._handles[id(goal)])
 
 
 def _module(name, **names):
@@ -82,36 +109,17 @@ def _module(name, **names):
 
 
 def modules():
-    """Return the stand-in's modules under the names that ROS 1 has for them."""
-    import standin_actionlib as actionlib
-
-    smach_msgs = {
-        c.__name__: c for c in (SmachContainerStatus, SmachContainerInitialStatusCmd, SmachContainerStructure)
-    }
+    """Return the packages of messages that programs import, under the names that ROS 1 has for them."""
     test = {c.__name__: c for c in (TestAction, TestGoal, TestResult, TestFeedback)}
-    goal_status = actionlib.GoalStatus
-    client = {"SimpleActionClient": actionlib.SimpleActionClient, "GoalStatus": goal_status}
-    server = {"SimpleActionServer": actionlib.SimpleActionServer}
-    raw = {"ActionServer": actionlib.ActionServer}
-
-    def by_type(type_):
-        return sorted({p.name for p in rospy.master.publishers if p.type._type == type_})
-
+    actionlib.ActionServer = ActionServer
+    actionlib.__all__ += ["ActionServer"]
     return {
-        "rospy": rospy,
-        "roslib": _module("roslib", load_manifest=lambda package: None),
-        "rostopic": _module("rostopic", find_by_type=by_type),
         "std_msgs": _module("std_msgs"),
         "std_msgs.msg": _module("std_msgs.msg", Header=Header, Empty=Empty),
         "std_srvs": _module("std_srvs"),
         "std_srvs.srv": _module("std_srvs.srv", Empty=EmptySrv, EmptyRequest=EmptyRequest, EmptyResponse=EmptyResponse),
-        "smach_msgs": _module("smach_msgs"),
-        "smach_msgs.msg": _module("smach_msgs.msg", **smach_msgs),
         "executive_python_msgs": _module("executive_python_msgs"),
         "executive_python_msgs.msg": _module("executive_python_msgs.msg"),
-        "actionlib": _module("actionlib", threading=threading, **client, **server, **raw),
         "actionlib.msg": _module("actionlib.msg", **test),
-        "actionlib.simple_action_client": _module("actionlib.simple_action_client", **client),
-        "actionlib.simple_action_server": _module("actionlib.simple_action_server", **server),
-        "actionlib.action_server": _module("actionlib.action_server", **raw),
+        "actionlib.action_server": _module("actionlib.action_server", ActionServer=ActionServer),
     }

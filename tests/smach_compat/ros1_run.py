@@ -1,6 +1,6 @@
-"""Runs files written for ROS 1 as they are, in this process, on the stand-in, `smach_compat` and its `smach_ros`.
+"""Runs files written for ROS 1 as they are, in this process, on `smach_compat` with its `smach_ros` and `rospy`.
 
-    python standin_run.py FILE...
+    python ros1_run.py FILE...
 
 Each file is run as a program; its `rostest.rosrun(package, name, TestCase)` runs the tests. Prints a line a test. The
 reference action server that the tests expect is `ref_server.py` next to the file, where there is one.
@@ -12,10 +12,12 @@ import unittest
 from pathlib import Path
 from types import ModuleType
 
-import standin_messages
-import standin_rospy
+import ros1_messages
 
 from grip_bt import smach_compat
+from grip_bt.smach_compat import smach_ros
+from grip_bt.smach_compat.ros1 import rospy
+from grip_bt.smach_compat.smach_ros._port import Ros
 
 
 def _tell(result, suite):
@@ -35,19 +37,19 @@ def _rosrun(package, name, test_class):
 
 
 def main(files):
-    standin_rospy.spin = lambda: None  # programs that serve go on in threads
     rostest = ModuleType("rostest")
     rostest.rosrun = _rosrun
-    sys.modules.update(standin_messages.modules(), rostest=rostest)
+    sys.modules.update(ros1_messages.modules(), rostest=rostest)
+    rospy.spin = lambda: None  # programs that serve go on in threads
     # The network is this process: its pickles are ours.
-    smach_compat.install(unpickle_userdata=True)
+    smach_compat.install(rospy=True, unpickle_userdata=True)
     for file in map(Path, files):
-        standin_rospy.master.reset()
+        smach_ros.use(Ros())
         server = file.with_name("ref_server.py")
         if server.exists():
             runpy.run_path(str(server), run_name="__main__")
         runpy.run_path(str(file), run_name="__main__")
-        standin_rospy.master.shutdown.set()
+        rospy.signal_shutdown("the end")
 
 
 if __name__ == "__main__":

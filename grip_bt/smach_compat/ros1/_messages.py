@@ -1,0 +1,106 @@
+"""ROS 2's message modules under the names and with the constructors of ROS 1.
+
+`std_srvs.srv.EmptyRequest`, `nav_msgs.msg.SomethingGoal`, `Point(1, 2, 3)`: what ROS 2 has is found under these, from
+the import of a package's `msg` or `srv` on.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import sys
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec, PathFinder
+from types import ModuleType
+from typing import Any
+
+_PARTS = ("Goal", "Result", "Feedback")
+
+
+class Ros1Names(MetaPathFinder, Loader):
+    """Gives modules of messages their names of ROS 1 when they are imported; in `msg` are those of actions too."""
+
+    def find_spec(self, fullname: str, path: Any = None, target: object = None) -> ModuleSpec | None:
+        """Find a module `PACKAGE.msg` or `PACKAGE.srv` as Python does."""
+        package, _, kind = fullname.rpartition(".")
+        if kind not in ("msg", "srv") or not package or "." in package:
+            return None
+        spec = PathFinder.find_spec(fullname, path)
+        if spec is None and kind == "msg" and PathFinder.find_spec(f"{package}.action", path) is not None:
+            return ModuleSpec(fullname, self)
+        if spec is not None and spec.loader is not None and hasattr(spec.loader, "exec_module"):
+            execute = spec.loader.exec_module
+
+            def executed(module: ModuleType) -> None:
+                execute(module)
+                give_names(module)
+
+            spec.loader.exec_module = executed  # type: ignore[method-assign]
+        return spec
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Have the usual kind of module made, for a package that has no messages but those of its actions."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Give it the names."""
+        give_names(module)
+
+
+def begin() -> None:
+    """Have all messages their names of ROS 1, those that are imported already too."""
+    if not any(isinstance(finder, Ros1Names) for finder in sys.meta_path):
+        sys.meta_path.insert(0, Ros1Names())
+        for name, module in list(sys.modules.items()):
+            if name.count(".") == 1 and name.endswith((".msg", ".srv")) and isinstance(module, ModuleType):
+                give_names(module)
+
+
+def end() -> None:
+    """Give no more names; those that were given stay."""
+    sys.meta_path[:] = [finder for finder in sys.meta_path if not isinstance(finder, Ros1Names)]
+
+
+def give_names(module: ModuleType) -> None:
+    """Add the names of ROS 1 to a module of messages or services; nothing to any other."""
+    package, _, kind = module.__name__.rpartition(".")
+    for name, made in list(vars(module).items()):
+        if not isinstance(made, type):
+            continue
+        if hasattr(made, "get_fields_and_field_types"):
+            _by_position(made)
+        elif kind == "srv" and hasattr(made, "Request"):
+            for part in ("Request", "Response"):
+                setattr(module, f"{name}{part}", _by_position(getattr(made, part)))
+    if kind == "msg":
+        _give_actions(module, package)
+
+
+def _give_actions(module: ModuleType, package: str) -> None:
+    try:
+        actions = importlib.import_module(f"{package}.action")
+    except ImportError:
+        return
+    for name, made in list(vars(actions).items()):
+        if isinstance(made, type) and hasattr(made, "Goal"):
+            setattr(module, f"{name}Action", made)
+            for part in _PARTS:
+                setattr(module, f"{name}{part}", _by_position(getattr(made, part)))
+
+
+def _by_position(message: Any) -> Any:
+    """Let fields be given by position too, as ROS 1 does: all or none of them."""
+    begun = message.__init__
+    if hasattr(begun, "__wrapped__"):
+        return message  # done before, or a time
+
+    @functools.wraps(begun)
+    def init(self: Any, *values: Any, **fields: Any) -> None:
+        names = list(message.get_fields_and_field_types()) if values else []
+        if len(values) != len(names):
+            raise TypeError(
+                f"{message.__name__} takes {len(names)} fields by position or none, not {len(values)}: {names}"
+            )
+        begun(self, **dict(zip(names, values, strict=True)), **fields)
+
+    message.__init__ = init
+    return message
