@@ -188,11 +188,11 @@ class RclpyConnection(Ros):
         """Return a client."""
         return _ActionClient(self, self._bus, self.name_of(name, None), type_)
 
-    def action_server(  # type: ignore[override]  # a server of ROS 2 has another making
+    def action_server(
         self, name: str, type_: InterfaceType, execute: Callable[[Message], None], preempt: Callable[[], None]
     ) -> SimpleServer:
         """Return a server, not started."""
-        return SimpleServer(self._bus, self.name_of(name, None), type_, execute, preempt)
+        return SimpleServer(self, self._bus, self.name_of(name, None), type_, execute, preempt)
 
     def transform(
         self, target: str, source: str, at: float | None, timeout: float

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import queue
 import signal
 import threading
 from collections.abc import Callable
 from types import FrameType
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from action_msgs.msg import GoalStatus
-from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
+from rclpy.action.server import ActionServer as RclpyServer
+from rclpy.action.server import CancelResponse, GoalResponse, ServerGoalHandle
 from rclpy.task import Future
 from rclpy.utilities import get_default_context
 
 from grip_bt.base.operation import Operation
+from grip_bt.smach_compat.smach_ros._port import ActionServer, Goal, Ros
 
 from .client.bus import Bus
 from .client.types import InterfaceType, Message
@@ -28,77 +29,61 @@ def ended(operation: Operation[T]) -> T:
     return operation.result()
 
 
-class _Work(NamedTuple):
-    handle: ServerGoalHandle
-    future: Future
+class _Served(Goal):
+    """A goal of rclpy's; its result is handed over by a future."""
+
+    def __init__(self, bus: Bus, handle: ServerGoalHandle, empty: Callable[[], Message]):
+        super().__init__(handle.request, lambda ending, status, result: None, self._tell)
+        self._bus, self._handle, self._empty = bus, handle, empty
+        self.future = Future(executor=bus.node.executor)
+
+    def begin(self) -> None:
+        self.canceled = self._handle.is_cancel_requested
+        self._bus.ask(self._handle.execute)
+
+    def _tell(self, message: Message) -> None:
+        self._bus.post(lambda: self._handle.is_active and self._handle.publish_feedback(message))
+
+    def end(self, ending: str, result: Any) -> None:
+        """End it; `preempted` becomes `aborted` where its client hasn't canceled it."""
+        self._bus.ask(lambda: self._end(ending, result))
+
+    def _end(self, ending: str, result: Message | None) -> None:
+        if self.over:
+            return
+        self.over = True
+        if ending == "succeeded":
+            self._handle.succeed()
+        elif ending == "preempted" and self._handle.status == GoalStatus.STATUS_CANCELING:
+            self._handle.canceled()
+        else:
+            self._handle.abort()
+        self.future.set_result(self._empty() if result is None else result)
 
 
-class SimpleServer:
-    """Serves one action; see `grip_bt.smach_compat.smach_ros._port.ActionServer`.
-
-    A goal that comes while another is being worked on preempts that one, and waits for its end.
-    """
+class SimpleServer(ActionServer):
+    """Serves one action of rclpy, one goal at a time."""
 
     def __init__(
         self,
+        ros: Ros,
         bus: Bus,
         name: str,
         type_: InterfaceType,
-        execute: Callable[[Message], object],
-        preempt: Callable[[], object],
+        execute: Callable[[Message], None],
+        preempt: Callable[[], None],
     ):
-        self._bus, self._name, self._type = bus, name, type_
-        self._execute, self._preempt = execute, preempt
-        self._queue: queue.SimpleQueue[_Work] = queue.SimpleQueue()
-        self._current: _Work | None = None
-        self._server: ActionServer | None = None
-        self._lock = threading.Lock()
-
-    # --- from any thread ---
+        super().__init__(ros, name, execute, preempt)
+        self._bus, self._type = bus, type_
+        self._served: dict[bytes, _Served] = {}
 
     def start(self) -> None:
         """Take goals."""
         self._bus.ask(self._create)
-        threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
-
-    def feedback(self, message: Message) -> None:
-        """Send feedback on the goal being worked on."""
-        work = self._current
-        if work is not None:
-            self._bus.post(lambda: work.handle.is_active and work.handle.publish_feedback(message))
-
-    def end(self, ending: str, result: Message | None = None) -> None:
-        """End the goal being worked on; `preempted` becomes `aborted` where its client hasn't canceled it."""
-        work = self._current
-        if work is not None:
-            self._bus.ask(lambda: self._end(work, ending, result))
-
-    # --- the worker ---
-
-    def _work(self) -> None:
-        while not self._bus.closed:
-            work = self._queue.get()
-            with self._lock:
-                self._current = work
-                asked = work.handle.is_cancel_requested or not self._queue.empty()
-            self._bus.ask(work.handle.execute)
-            if asked:
-                self._ask()
-            try:
-                self._execute(work.handle.request)
-            finally:
-                self.end("aborted")  # nothing when it was ended, as it should be
-                with self._lock:
-                    self._current = None
-
-    def _ask(self) -> None:
-        """Ask for the end of the goal; not on the bus's thread, since a machine may take its time to hear it."""
-        threading.Thread(target=self._preempt, name=f"smach-preempt {self._name}", daemon=True).start()
-
-    # --- on the bus's thread ---
+        super().start()
 
     def _create(self) -> None:
-        self._server = ActionServer(
+        self._server = RclpyServer(
             self._bus.node,
             self._type,
             self._name,
@@ -107,42 +92,22 @@ class SimpleServer:
             handle_accepted_callback=self._accepted,
             cancel_callback=self._canceled,
         )
-        self._futures: dict[bytes, Future] = {}
 
     def _accepted(self, handle: ServerGoalHandle) -> None:
-        future = self._futures[bytes(handle.goal_id.uuid)] = Future(executor=self._bus.node.executor)
-        with self._lock:
-            self._queue.put(_Work(handle, future))
-            # A goal that has its result is over, though its thread may not have come back from telling it.
-            busy = self._current is not None and not self._current.future.done()
-        if busy:
-            self._ask()
+        served = self._served[bytes(handle.goal_id.uuid)] = _Served(self._bus, handle, self._type.Result)
+        self.take(served)
 
     def _canceled(self, handle: ServerGoalHandle) -> CancelResponse:
-        with self._lock:
-            current = self._current is not None and self._current.handle.goal_id == handle.goal_id
-        if current:
-            self._ask()
+        self.canceled(self._served[bytes(handle.goal_id.uuid)])
         return CancelResponse.ACCEPT
 
     async def _ended(self, handle: ServerGoalHandle) -> Message:
         """Hand rclpy the result when there is one; awaited, so that the bus goes on meanwhile."""
         key = bytes(handle.goal_id.uuid)
         try:
-            return await self._futures[key]
+            return await self._served[key].future
         finally:
-            del self._futures[key]
-
-    def _end(self, work: _Work, ending: str, result: Message | None) -> None:
-        if work.future.done():
-            return
-        if ending == "succeeded":
-            work.handle.succeed()
-        elif ending == "preempted" and work.handle.status == GoalStatus.STATUS_CANCELING:
-            work.handle.canceled()
-        else:
-            work.handle.abort()
-        work.future.set_result(self._type.Result() if result is None else result)
+            del self._served[key]
 
 
 class Shutdown:

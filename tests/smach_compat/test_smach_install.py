@@ -169,7 +169,9 @@ def test_times_and_durations_are_reckoned_with_as_in_ros_1(ros_1):
         assert Time(1) < Duration(2)
 
 
-def test_smach_msgs_is_found_and_a_star_import_gives_what_the_program_uses(ros_1):
+def test_smach_msgs_is_found_and_a_star_import_gives_what_the_program_uses(ros_1, monkeypatch):
+    for name in ("smach_msgs", "smach_msgs.msg"):  # though another may be there
+        monkeypatch.setitem(sys.modules, name, smach_compat._install.smach_msgs().makers[name]())
     used, unused = {"__name__": "program"}, {"__name__": "program"}
     exec("from smach_msgs.msg import *\nmessage = SmachContainerStatus(path='/SM')", used)
     exec("from smach_msgs.msg import *", unused)

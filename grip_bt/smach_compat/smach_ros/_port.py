@@ -68,15 +68,21 @@ class Service:
         return answer
 
 
-class _Goal:
+class Goal:
+    """A goal on its way; `done(ending, status, result)` is called once, at its end."""
+
     def __init__(self, message: Any, done: Callable[[str, int, Any], None], feedback: Callback):
-        self.message, self.done, self.feedback = message, done, feedback
-        self.canceled, self.over = False, False
+        self.message, self._done, self.feedback = message, done, feedback
+        self.canceled = self.over = False
+
+    def begin(self) -> None:
+        """Be worked on from now on."""
 
     def end(self, ending: str, result: object) -> None:
+        """End; nothing when it has."""
         if not self.over:
             self.over = True
-            self.done(ending, STATUS[ending], result)
+            self._done(ending, STATUS[ending], result)
 
 
 STATUS = {"preempted": 2, "succeeded": 3, "aborted": 4, "rejected": 5, "lost": 9}
@@ -88,7 +94,7 @@ class ActionClient:
 
     def __init__(self, ros: Ros, name: str, type_: Any):
         self._ros, self._name, self._type = ros, name, type_
-        self._goal: _Goal | None = None
+        self._goal: Goal | None = None
 
     def wait(self, timeout: float) -> bool:
         """Tell whether there is a server within `timeout` [s]."""
@@ -99,7 +105,7 @@ class ActionClient:
 
         `ending` is `succeeded`, `aborted`, `preempted`, `rejected` or `lost`, `status` this ROS's number for it.
         """
-        self._goal = sent = _Goal(goal, done, feedback)
+        self._goal = sent = Goal(goal, done, feedback)
         server = self._ros.actions.get(self._name)
         if server is not None:
             server.take(sent)
@@ -124,30 +130,44 @@ class ActionServer:
 
     def __init__(self, ros: Ros, name: str, execute: Callback, preempt: Callable[[], None]):
         self._ros, self._name, self._execute, self._preempt = ros, name, execute, preempt
-        self._goals: queue.SimpleQueue[_Goal] = queue.SimpleQueue()
-        self._current: _Goal | None = None
+        self._goals: queue.SimpleQueue[Goal] = queue.SimpleQueue()
+        self._current: Goal | None = None
+        self._lock = threading.Lock()
 
     def start(self) -> None:
         """Take goals from now on."""
         self._ros.actions[self._name] = self
         threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
 
-    def take(self, goal: _Goal) -> None:
+    def take(self, goal: Goal) -> None:
         """Work on a goal as soon as the one before it has ended."""
-        self._goals.put(goal)
-        if self._current is not None and not self._current.over:
-            self._preempt()
+        with self._lock:
+            self._goals.put(goal)
+            # A goal that has its result is over, though its thread may not have come back from telling it.
+            busy = self._current is not None and not self._current.over
+        if busy:
+            self._ask()
 
-    def canceled(self, goal: _Goal) -> None:
+    def canceled(self, goal: Goal) -> None:
         """Ask for the end of a goal."""
-        if goal is self._current:
-            self._preempt()
+        with self._lock:
+            current = goal is self._current
+        if current:
+            self._ask()
+
+    def _ask(self) -> None:
+        """Ask for the end of the goal; not on the caller's thread, since a machine may take its time to hear it."""
+        threading.Thread(target=self._preempt, name=f"smach-preempt {self._name}", daemon=True).start()
 
     def _work(self) -> None:
-        while True:
-            self._current = goal = self._goals.get()
-            if goal.canceled or not self._goals.empty():
-                self._preempt()
+        while not self._ros.is_shutdown():
+            goal = self._goals.get()
+            with self._lock:
+                self._current = goal
+                asked = goal.canceled or not self._goals.empty()
+            goal.begin()
+            if asked:
+                self._ask()
             try:
                 self._execute(goal.message)
             finally:
@@ -263,11 +283,12 @@ class Ros:
         """Call `callback(message)` for each message."""
         name, heard = self.name_of(topic, None), queue.SimpleQueue[Any]()
         over = threading.Event()
+        patience = None if self._stand_in is None or type_ in vars(_MESSAGES).values() else _PERIOD
 
         def work() -> None:
             while not over.is_set():
                 try:
-                    message = heard.get(timeout=None if self._stand_in is None else _PERIOD)
+                    message = heard.get(timeout=patience)
                 except queue.Empty:
                     if self._publishers[name]:
                         continue
