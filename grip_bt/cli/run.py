@@ -52,6 +52,12 @@ def add_run(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help=f"end a run whose node doesn't return for S seconds (default: {_WATCHDOG:g}; 0: never)",
     )
+    parser.add_argument(
+        "--stand-ins",
+        action="store_true",
+        help="dry run of an imported SMACH task: missing packages, services, actions, topics and parameters are stood"
+        " in for, and named; waiting takes no time",
+    )
     mocked = parser.add_argument_group("mocks")
     mocked.add_argument(
         "--mock", action="append", default=[], metavar="NODE=SCRIPT", help="script such as failure.no_ik,success"
@@ -153,6 +159,7 @@ def run(args: argparse.Namespace) -> int:
         mocks=read_mocks(args.mocks, args.mock),
         faults=read_faults(args.faults),
         durable=args.durable,
+        stand_ins=args.stand_ins,
     )
     if args.resume or args.fork:
         given = getattr(args, "given", frozenset()) | ({"mocks"} if options.mocks else frozenset())

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,13 +18,14 @@ from grip_bt.app.wiring.parts import Progress, silent
 from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import to_machine, to_tree
+from grip_bt.nodes.dry_run import stand_in_for_what_is_missing
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
 from grip_bt.runtime.observers import Durable
 from grip_bt.task import Document, Variable, read, read_text
-from grip_bt.task.model import type_of
+from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
 from grip_sim.faults import Fault
 
@@ -61,6 +63,7 @@ class RunOptions:
         video: where a film of the simulated world is written, 25 frames a second of its time; None for nowhere.
         picture: where a picture of its end is written, likewise.
         view: the world's camera that both are of, or six numbers `X,Y,Z,X,Y,Z` [m], from where to where.
+        stand_ins: whether legacy code gets stand-ins for packages that are missing, and for what ROS offers.
     """
 
     target: Target = "bt"
@@ -80,11 +83,12 @@ class RunOptions:
     video: Path | None = None
     picture: Path | None = None
     view: str = ""
+    stand_ins: bool = False
 
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target"}
+_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target", "stand_ins"}
 
 
 @dataclass
@@ -156,6 +160,9 @@ def open_session(
     if options.mocks:
         task, catalog, factory = apply_mocks(task, catalog, options.mocks)
     refuse(of_task(project, task, catalog, options.robot, options.mocks))
+    legacy = any(isinstance(node, Leaf) and node.node.startswith("smach/") for _, node in walk(task.root))
+    if options.stand_ins or (legacy and options.robot == "fake"):
+        stand_in_for_what_is_missing(partial(progress, "stand-in"))
     compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
     working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
     for point in options.breaks:

@@ -58,6 +58,8 @@ def _import(manifest: Manifest, where: str) -> ModuleType:
             reason = f"there is no module {error.name!r}; is its package installed?"
         else:
             reason = f"it needs {error.name!r}, which isn't installed here"
+            if manifest.id.startswith("smach/"):
+                reason += "; a dry run does without it: grip run --stand-ins"
         raise ImplementationError(manifest.id, manifest.implementation, reason) from error
     except FileNotFoundError as error:
         reason = "there is no such file; generate the node again, or correct the manifest"

@@ -1,0 +1,42 @@
+"""A dry run of legacy code: what isn't here is stood in for, and each thing is told once."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib.machinery import ModuleSpec
+
+from grip_bt import smach_compat
+from grip_bt.smach_compat import smach_ros
+from grip_bt.smach_compat.smach_ros._port import Ros
+
+from .stand_ins import StandInFinder, stand_in
+
+
+class _TellingFinder(StandInFinder):
+    def __init__(self, tell: Callable[[str], object]):
+        super().__init__()
+        self._tell = tell
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
+        """Stand in for a module that no finder has, of those that came later either; tell of its package once."""
+        for finder in sys.meta_path[sys.meta_path.index(self) + 1 :]:
+            if (found := finder.find_spec(fullname, path, target)) is not None:  # type: ignore[arg-type]
+                return found
+        known = len(self.packages)
+        found = super().find_spec(fullname, path, target)
+        for package in self.packages[known:]:
+            self._tell(f"package {package}")
+        return found
+
+
+def stand_in_for_what_is_missing(tell: Callable[[str], object]) -> None:
+    """Have packages that aren't installed, and what nobody offers over ROS, stood in for in this process from now on.
+
+    Args:
+        tell: told of each, such as `package moveit_commander` or `service /plan`.
+    """
+    smach_compat.install(rospy=True)
+    smach_ros.use(Ros(stand_in, tell))
+    if not any(isinstance(finder, StandInFinder) for finder in sys.meta_path):
+        sys.meta_path.append(_TellingFinder(tell))

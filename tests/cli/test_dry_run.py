@@ -1,0 +1,111 @@
+"""`grip run --stand-ins`: a legacy task runs where its packages, servers and parameters are missing, and names them."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+LEGACY = """
+import rospy
+import smach
+import smach_ros
+from robot_of_ours.arms import Arm
+from robot_of_ours.msg import LiftAction, LiftGoal
+from robot_of_ours.srv import Weigh
+
+
+class Weighed(smach.State):
+    def __init__(self):
+        smach.State.__init__(self, outcomes=["light", "heavy"], output_keys=["weight"])
+        self.arm = Arm(rospy.get_param("/arm/side"))
+        self.weigh = rospy.ServiceProxy("weigh", Weigh)
+
+    def execute(self, userdata):
+        rospy.wait_for_service("weigh")
+        rospy.sleep(1000.0)
+        userdata.weight = 3
+        return "light" if self.weigh(self.arm.name).ok else "heavy"
+
+
+def build():
+    sm = smach.StateMachine(outcomes=["succeeded", "aborted", "preempted"])
+    with sm:
+        smach.StateMachine.add("WEIGH", Weighed(), {"light": "LIFT", "heavy": "aborted"})
+        smach.StateMachine.add("LIFT", smach_ros.SimpleActionState("lift", LiftAction, goal=LiftGoal(speed=1)))
+    return sm
+"""
+LEAVES = """
+from pathlib import Path
+
+from grip_bt.nodes.smach_leaf import SmachLeaf
+from grip_bt.nodes.smach_source import load_legacy
+
+legacy = load_legacy(Path(__file__).parents[2] / "legacy.py")
+
+
+class Weigh(SmachLeaf):
+    def make(self):
+        return self.built(legacy.build)["WEIGH"]
+
+
+class Lift(SmachLeaf):
+    def make(self):
+        return self.built(legacy.build)["LIFT"]
+"""
+MANIFEST = """
+- id: smach/legacy/Weigh
+  doc: Weighs.
+  implementation: leaves.py:Weigh
+  outputs: {weight: {type: Any, on: [light, heavy]}}
+  outcomes: {light: success, heavy: failure}
+- id: smach/legacy/Lift
+  doc: Lifts.
+  implementation: leaves.py:Lift
+  outcomes: {succeeded: success, aborted: failure, preempted: failure}
+"""
+TASK = """
+grip: 1
+name: lift
+data: {weight: Any}
+outcomes: {succeeded: success, aborted: failure, preempted: failure}
+root:
+  kind: state_machine
+  initial: WEIGH
+  outcomes: {succeeded: success, aborted: failure, preempted: failure}
+  children:
+    WEIGH: {node: smach/legacy/Weigh, out: {weight: weight}, on: {light: LIFT, heavy: aborted}}
+    LIFT: {node: smach/legacy/Lift, on: {succeeded: succeeded, aborted: aborted, preempted: preempted}}
+"""
+STOOD_IN_FOR = ["action /lift", "package robot_of_ours", "parameter /arm/side", "service /weigh"]
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("dry")
+    (folder / "nodes" / "smach_legacy").mkdir(parents=True)
+    for name, text in {
+        "grip.yaml": "grip: 1\n",
+        "legacy.py": LEGACY,
+        "lift.yaml": TASK,
+        "nodes/smach_legacy/leaves.py": LEAVES,
+        "nodes/smach_legacy/manifest.yaml": MANIFEST,
+    }.items():
+        (folder / name).write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize("words", [["--stand-ins"], ["--robot", "fake", "--as", "sm"]], ids=" ".join)
+def test_a_legacy_task_runs_to_its_end_and_each_stand_in_is_named(project, words):
+    command = [sys.executable, "-m", "grip_bt.cli", "run", "lift.yaml", "--in-process", *words]
+    done = subprocess.run(command, cwd=project, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1].startswith("success: succeeded")
+    assert sorted(re.findall(r"^  stand-in +(.+)$", done.stderr, re.MULTILINE)) == STOOD_IN_FOR
+
+
+def test_without_it_the_run_says_which_package_is_missing(project):
+    command = [sys.executable, "-m", "grip_bt.cli", "run", "lift.yaml", "--in-process"]
+    done = subprocess.run(command, cwd=project, capture_output=True, text=True, timeout=600)
+    assert done.returncode != 0
+    assert "it needs 'robot_of_ours', which isn't installed here; a dry run does without it: grip run" in done.stderr
