@@ -14,7 +14,9 @@ from types import FrameType
 from typing import Any
 
 from grip_bt import smach_compat
-from grip_bt.nodes.smach_source import read_source
+from grip_bt.nodes.dry_run import StandInState
+from grip_bt.nodes.smach_source import prepare_imports, read_source
+from grip_bt.nodes.stand_ins import stands_in
 from grip_bt.smach_compat import Container, State
 
 CONTAINERS = (smach_compat.StateMachine, smach_compat.Sequence, smach_compat.Concurrence, smach_compat.Iterator)
@@ -85,6 +87,8 @@ class Construction:
 
     def given(self, label: Any, state: Any, *rest: Any, **named: Any) -> tuple[Any, ...]:
         """Return what is added, and how, in the place of what the code says."""
+        if stands_in(state):
+            state = StandInState(label, named.get("transitions", rest[0] if rest else None))
         return label, state, rest, named
 
     def _adding(self, add: Callable[..., Any]) -> Callable[..., Any]:
@@ -134,6 +138,7 @@ class Construction:
 
 def run_as_main(path: Path) -> Callable[[], None]:
     """Return what runs a file as Python does when it is started."""
+    path = path.resolve()
 
     def run() -> None:
         names = {"__name__": "__main__", "__file__": str(path)}
@@ -151,6 +156,7 @@ def built_in(path: Path, line: int, code: Callable[[], Any], number: int = 0) ->
     Raises:
         LookupError: it builds none there, this time.
     """
+    prepare_imports(path.resolve())
     construction = Construction()
     construction.run(code)
     found = construction.built_at(str(path.resolve()), line)

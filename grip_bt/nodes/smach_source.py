@@ -224,6 +224,22 @@ def module_name(path: Path) -> str:
 _finder = LegacyFinder(())
 
 
+def prepare_imports(path: Path, ros: bool = True) -> None:
+    """Have a legacy file find `smach`, `rospy`, its neighbours, and the packages of its workspace, after all others.
+
+    Args:
+        path: the file, resolved.
+        ros: see `load_legacy`.
+    """
+    smach_compat.install(ros=ros, rospy=ros)
+    top = path.parents[module_name(path).count(".")] if (path.parent / "__init__.py").is_file() else path.parent
+    for folder in (path.parent, top, *workspace_of(path).folders):
+        if folder not in _finder.folders:
+            _finder.folders.append(folder)
+    if _finder not in sys.meta_path:
+        sys.meta_path.append(_finder)
+
+
 def load_legacy(path: Path, ros: bool = True) -> ModuleType:
     """Import a legacy file, once per process, with `smach_compat` as its `smach` and `smach_ros`.
 
@@ -244,14 +260,7 @@ def load_legacy(path: Path, ros: bool = True) -> ModuleType:
     if there is not None and getattr(there, "__file__", None) == str(path):
         return there
     source = read_source(path)
-    smach_compat.install(ros=ros, rospy=ros)
-    workspace = workspace_of(path)
-    top = path.parents[name.count(".")] if "." in name else path.parent
-    for folder in (path.parent, top, *workspace.folders):
-        if folder not in _finder.folders:
-            _finder.folders.append(folder)
-    if _finder not in sys.meta_path:
-        sys.meta_path.append(_finder)
+    prepare_imports(path, ros)
     if "." in name:
         return importlib.import_module(name)
     module = ModuleType(name)

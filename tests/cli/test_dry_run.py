@@ -10,7 +10,7 @@ LEGACY = """
 import rospy
 import smach
 import smach_ros
-from robot_of_ours.arms import Arm
+from robot_of_ours.arms import Arm, Rest
 from robot_of_ours.msg import LiftAction, LiftGoal
 from robot_of_ours.srv import Weigh
 
@@ -31,6 +31,7 @@ class Weighed(smach.State):
 def build():
     sm = smach.StateMachine(outcomes=["succeeded", "aborted", "preempted"])
     with sm:
+        smach.StateMachine.add("REST", Rest(), {"failed": "aborted", "rested": "WEIGH"})
         smach.StateMachine.add("WEIGH", Weighed(), {"light": "LIFT", "heavy": "aborted"})
         smach.StateMachine.add("LIFT", smach_ros.SimpleActionState("lift", LiftAction, goal=LiftGoal(speed=1)))
     return sm
@@ -38,22 +39,38 @@ def build():
 LEAVES = """
 from pathlib import Path
 
+from grip_bt.nodes.smach_construction import built_in
 from grip_bt.nodes.smach_leaf import SmachLeaf
 from grip_bt.nodes.smach_source import load_legacy
 
-legacy = load_legacy(Path(__file__).parents[2] / "legacy.py")
+FILE = Path(__file__).parents[2] / "legacy.py"
+legacy = load_legacy(FILE)
+
+
+def machine():
+    return built_in(FILE, LINE, legacy.build)
+
+
+class Rest(SmachLeaf):
+    def make(self):
+        return self.built(machine)["REST"]
 
 
 class Weigh(SmachLeaf):
     def make(self):
-        return self.built(legacy.build)["WEIGH"]
+        return self.built(machine)["WEIGH"]
 
 
 class Lift(SmachLeaf):
     def make(self):
-        return self.built(legacy.build)["LIFT"]
+        return self.built(machine)["LIFT"]
 """
+LEAVES = LEAVES.replace("LINE", str(LEGACY[: LEGACY.index("sm = smach")].count("\n") + 1))
 MANIFEST = """
+- id: smach/legacy/Rest
+  doc: Rests.
+  implementation: leaves.py:Rest
+  outcomes: {failed: failure, rested: success}
 - id: smach/legacy/Weigh
   doc: Weighs.
   implementation: leaves.py:Weigh
@@ -71,9 +88,10 @@ data: {weight: Any}
 outcomes: {succeeded: success, aborted: failure, preempted: failure}
 root:
   kind: state_machine
-  initial: WEIGH
+  initial: REST
   outcomes: {succeeded: success, aborted: failure, preempted: failure}
   children:
+    REST: {node: smach/legacy/Rest, on: {failed: aborted, rested: WEIGH}}
     WEIGH: {node: smach/legacy/Weigh, out: {weight: weight}, on: {light: LIFT, heavy: aborted}}
     LIFT: {node: smach/legacy/Lift, on: {succeeded: succeeded, aborted: aborted, preempted: preempted}}
 """
