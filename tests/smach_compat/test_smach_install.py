@@ -200,3 +200,16 @@ def test_in_a_dry_run_what_nobody_offers_is_made_up_and_told_once(ros_1):
     assert rospy.wait_for_message("heard", dict) == {}
     assert rospy.get_param("/speed") == "<parameter /speed>"
     assert told == ["service /open", "action /go", "topic /heard", "parameter /speed"]
+
+
+def test_machines_outlive_a_connection_that_was_closed(monkeypatch):
+    monkeypatch.setattr(smach_compat, "is_shutdown", smach_compat._settings.is_shutdown)
+    connection = Ros()
+    smach_ros.use(connection)
+    assert smach_compat.is_shutdown == connection.is_shutdown
+    connection.close()
+    smach_ros.use(None)
+    machine = smach_compat.StateMachine(["ok"])
+    with machine:
+        smach_compat.StateMachine.add("A", smach_compat.CBState(lambda ud: "ok", outcomes=["ok"]))
+    assert machine.execute() == "ok"

@@ -32,6 +32,8 @@ def use(ros: Ros | None) -> None:
     """
     global _ros
     with _lock:
+        if _ros is not None:
+            _remove_hooks(_ros)
         _ros = ros
         if ros is not None:
             _install_hooks(ros)
@@ -60,6 +62,14 @@ def _install_hooks(ros: Ros) -> None:
         set_loggers(*ros.loggers)
     if hooks.is_shutdown is _settings.is_shutdown:
         set_shutdown_check(ros.is_shutdown)
+
+
+def _remove_hooks(ros: Ros) -> None:
+    """Take back what a connection that is used no more has set; one that is closed would end every machine."""
+    if hooks.is_shutdown == ros.is_shutdown:
+        set_shutdown_check(_settings.is_shutdown)
+    if ros.loggers and hooks.loginfo == ros.loggers[0]:
+        set_loggers(_settings.loginfo, _settings.logwarn, _settings.logdebug, _settings.logerr)
 
 
 def seconds(duration: Any) -> float:
