@@ -27,6 +27,7 @@ _HOME = {
     "Leaf": "grip_bt.nodes",
     "OperationLeaf": "grip_bt.nodes",
     "AsyncLeaf": "grip_bt.nodes.async_leaf",
+    "Control": "grip_bt.nodes.control",
     "leaf": "grip_bt.nodes.function",
     "End": "grip_bt.nodes.async_leaf",
     "Input": "grip_bt.nodes.function",

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from copy import deepcopy
+from functools import partial
 from importlib import import_module
 from typing import Any, Protocol, cast
 
@@ -52,6 +53,8 @@ def make_leaf(part: Part, factory: LeafFactory, scopes: Scopes) -> Leaf:
     leaf.name = part.name
     for port, variable in node.in_.items():
         leaf.readers[port] = scopes.reader(part.path, port, part.scope.cell(variable))
+    for port in set(leaf.watched) & set(node.in_):
+        part.scope.cell(node.in_[port]).watchers.append(partial(leaf.note_write, port))
     for port, variable in node.out.items():
         leaf.writers[port] = scopes.writer(part.path, port, part.scope.cell(variable))
     return leaf

@@ -20,7 +20,8 @@ from grip_bt.compilers.binding import (
 )
 from grip_bt.compilers.task_machine import enclose
 from grip_bt.nodes.condition import conditional
-from grip_bt.nodes.container import RunAnswers, container
+from grip_bt.nodes.container import KindNode, RunAnswers, container
+from grip_bt.nodes.control import ControlNode
 from grip_bt.nodes.foreign import Foreign
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
@@ -59,7 +60,8 @@ class TreeBuilder:
             return Foreign(part.name, part.path, part.meaning, self.adopt(part.path, part.name, kind))
         answers = RunAnswers(part.path, part.exits, part.edges)
         bind_answers(answers, part, kind, self.scopes)
-        node = container(part.name, part.meaning, kind, answers, children)
+        cls = ControlNode if isinstance(kind, model.Control) else KindNode
+        node = container(part.name, part.meaning, kind, answers, children, cls)
         node.enter, node.leave = variables_of(part, self.scopes)
         if kind.may_ask:
             for below in node.iterate():

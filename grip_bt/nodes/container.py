@@ -246,13 +246,13 @@ class RunAnswers(Answers):
 
 
 @cache
-def shown_as(kind: type[Kind]) -> type[KindNode]:
+def shown_as(kind: type[Kind], node: Value = KindNode) -> type[KindNode]:
     """Return the class of a kind's behaviours: where py_trees has the composite, people and tools see that one."""
     base = getattr(decorators if kind.shown == "Decorator" else composites, kind.shown)
     attributes: dict[str, Value] = {"__doc__": kind.__doc__, "__module__": __name__}
     if "memory" in kind.model_fields:
         attributes["memory"] = property(_memory, _set_memory)
-    return type(kind.__name__, (KindNode, base), attributes)
+    return type(kind.__name__, (node, base), attributes)
 
 
 def _memory(node: KindNode) -> bool:
@@ -270,9 +270,10 @@ def container(
     kind: Kind,
     answers: RunAnswers,
     children: Sequence[Behaviour],
+    cls: Value = KindNode,
 ) -> KindNode:
-    """Return the behaviour of a container."""
-    cls = shown_as(type(kind))
+    """Return the behaviour of a container, of a class that is made of `cls`."""
+    cls = shown_as(type(kind), cls)
     node: KindNode = cls.__new__(cls)
     node.kind = kind
     arguments: dict[str, Value] = {"children": list(children)}

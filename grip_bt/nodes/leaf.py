@@ -41,11 +41,13 @@ class Leaf(Node):
         context: what the run offers; set before `prepare`.
         inputs_read: port -> value, what this activation has read.
         waits: whether `still_to_stop` tells of anything; as `Manifest.may_move` where it is None.
+        watched: input ports whose variables' writes are counted in `writes`.
     """
 
     context: Context
     resumable: ClassVar[bool] = False
     waits: ClassVar[bool | None] = None
+    watched: ClassVar[tuple[str, ...]] = ()
     _since: float | None = None
     _left: Operation[Value] | None = None
 
@@ -56,6 +58,7 @@ class Leaf(Node):
         self.path, self.manifest, self.params = path, manifest, dict(params)
         self.meaning = {**manifest.outcomes, **meaning} if meaning else manifest.outcomes
         self.inputs_read: dict[str, Value] = {}
+        self.writes = dict.fromkeys(self.watched, 0)
         self.askers: list[Asker] = []
         self.readers: dict[str, Callable[[], Any]] = {}
         self.writers: dict[str, Callable[[Any], None]] = {}
@@ -77,6 +80,10 @@ class Leaf(Node):
         value = None if reader is None else reader()
         self.inputs_read[port] = value
         return value
+
+    def note_write(self, port: str) -> None:
+        """Count a write to the variable at a port."""
+        self.writes[port] += 1
 
     def running(self, message: str = "") -> Status:
         """Say that the work goes on; `message` is shown to people."""

@@ -17,6 +17,7 @@ from grip_bt.task.kinds.base import Decorator as Decorator
 from grip_bt.task.kinds.base import Kind as Kind
 from grip_bt.task.kinds.base import Leaf as Leaf
 from grip_bt.task.kinds.base import Node as Node
+from grip_bt.task.kinds.control import Control as Control
 from grip_bt.task.kinds.cooldown import Cooldown as Cooldown
 from grip_bt.task.kinds.for_each import ForEach as ForEach
 from grip_bt.task.kinds.force import Force as Force

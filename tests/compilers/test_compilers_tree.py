@@ -90,6 +90,7 @@ def every_kind() -> dict[str, Any]:
             "invert": {"kind": "invert", "child": {"c": leaf()}},
             "force": {"kind": "force", "as": "success", "child": {"c": leaf()}},
             "round_robin": {"kind": "round_robin", "children": {"c": leaf()}},
+            "control": {"kind": "control", "children": {"by": leaf(), "c": leaf()}},
         },
     }
 
@@ -98,6 +99,7 @@ def test_every_kind_becomes_the_class_of_py_trees_that_it_is() -> None:
     tree = compiled(every_kind())
     assert {type(tree.by_path[k]).__name__ for k in KINDS if k != "sequence"} == {
         "Fallback",
+        "Control",
         "Parallel",
         "StateMachine",
         "Retry",

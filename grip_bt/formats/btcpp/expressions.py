@@ -7,12 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from grip_bt.formats.btcpp.drafts import Board
+from grip_bt.nodes.btcpp import script as s
+from grip_bt.nodes.btcpp.script import EPSILON
 
-from . import script as s
 from .drafts import NodeDraft, container, failing, sequence_of, set_variable, switch
 
-EPSILON = 1.1920928955078125e-07
-"""Of a single float: numbers that are no further apart are equal to BT.CPP."""
 LARGEST = 2**53
 NUMBERS = ("int", "float")
 _OR, _AND, _NOT, _COMPARE, _SUM, _PRODUCT, _SIGN, _ATOM = range(8)

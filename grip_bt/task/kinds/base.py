@@ -17,6 +17,7 @@ whoever resumes a run may ask twice.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import or_
@@ -365,7 +366,12 @@ else:
                 Annotated[Leaf, Tag("leaf")],
                 *(Annotated[made, Tag(made.kind_name())] for made in every_kind()),
             )
-            return handler.generate_schema(Annotated[reduce(or_, nodes), Discriminator(_tag)])
+            before = sys.getrecursionlimit()
+            sys.setrecursionlimit(before + 100)  # pydantic makes the schema of each kind within that of another
+            try:
+                return handler.generate_schema(Annotated[reduce(or_, nodes), Discriminator(_tag)])
+            finally:
+                sys.setrecursionlimit(before)
 
     Node = Annotated[Any, _AnyKind]
 

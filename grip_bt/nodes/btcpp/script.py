@@ -8,8 +8,13 @@ without parentheses.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
+from operator import add, and_, eq, ge, gt, le, lt, mul, ne, or_, sub, truediv, xor
+from typing import Any
 
+EPSILON = 1.1920928955078125e-07
+"""Of a single float: numbers that are no further apart are equal to BT.CPP."""
 LONGEST, DEEPEST = 4000, 40
 _TOKEN = re.compile(
     r"\s*(?:(?P<real>\d+(?:\.\d+(?:[eE][+-]?\d+)?|[eE][+-]?\d+)(?![\w.]))|(?P<hex>0[xX][0-9a-fA-F]+(?![\w.]))"
@@ -231,3 +236,98 @@ class _Parser:
             case "name":
                 return Literal(text == "true") if text in ("true", "false") else Name(text)
         raise ScriptError(f"{text!r} stands where a value is missing")
+
+
+class Run:
+    """Computes scripts as BehaviorTree.CPP does: numbers are doubles, truth is 1.0, texts are converted where needed.
+
+    Args:
+        get: the value of an entry by its name.
+        put: writes one.
+    """
+
+    def __init__(self, get: Callable[[str], Any], put: Callable[[str, Any], None]):
+        self.get, self.put = get, put
+
+    def script(self, text: str) -> Any:
+        """Run the statements of a script; return the value of the last one.
+
+        Raises:
+            ScriptError: it isn't one.
+            ValueError, TypeError: values don't fit.
+        """
+        value: Any = None
+        for statement in parse_script(text):
+            value = self.value(statement)
+        return value
+
+    def value(self, script: Script) -> Any:
+        """Return what a part of a script comes to."""
+        match script:
+            case Literal(value=value):
+                return value
+            case Name(name=name):
+                return self.get(name)
+            case Unary(sign=sign, operand=operand):
+                number = _number(self.value(operand))
+                return -number if sign == "-" else float(~int(number)) if sign == "~" else not number
+            case Binary(left=left, sign=sign, right=right):
+                return _binary(self.value(left), sign, self.value(right))
+            case Comparison(operands=operands, signs=signs):
+                left = self.value(operands[0])
+                for sign, operand in zip(signs, operands[1:], strict=True):
+                    right = self.value(operand)
+                    if not _compared(left, sign, right):
+                        return False
+                    left = right
+                return True
+            case Ternary(condition=condition, then=then, otherwise=otherwise):
+                return self.value(then if self.value(condition) else otherwise)
+            case Assignment(target=target, sign=sign, value=value):
+                made = self.value(value)
+                made = made if sign in (":=", "=") else _binary(self.get(target), sign[0], made)
+                self.put(target, _like(self.get(target), made))
+                return made
+
+
+def _like(old: Any, new: Any) -> Any:
+    """Return a value as what stood there before, as an entry keeps its type."""
+    if isinstance(old, bool) and not isinstance(new, str):
+        return bool(new)
+    if isinstance(old, int) and isinstance(new, float) and new == int(new):
+        return int(new)
+    return new
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, str):
+        return {"true": 1.0, "false": 0.0}[value] if value in ("true", "false") else float(value)
+    return float(value)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(int(value))
+    return f"{value:f}" if isinstance(value, float) else str(value)
+
+
+def _binary(left: Any, sign: str, right: Any) -> Any:
+    if sign == ".." or (sign == "+" and isinstance(left, str) and isinstance(right, str)):
+        return _text(left) + _text(right)
+    if isinstance(left, str) or isinstance(right, str):
+        raise TypeError(f"`{sign}` between {left!r} and {right!r}")
+    if sign in ("&&", "||"):
+        return bool(left) and bool(right) if sign == "&&" else bool(left) or bool(right)
+    if sign in "&|^":
+        return float({"&": and_, "|": or_, "^": xor}[sign](int(left), int(right)))
+    whole = isinstance(left, int) and isinstance(right, int) and sign != "/"
+    made = {"+": add, "-": sub, "*": mul, "/": truediv}[sign](float(left), float(right))
+    return int(made) if whole else made
+
+
+def _compared(left: Any, sign: str, right: Any) -> bool:
+    if not (isinstance(left, str) and isinstance(right, str)):
+        left, right = _number(left), _number(right)
+        if sign in ("==", "!="):
+            return bool(abs(left - right) <= EPSILON) == (sign == "==")
+    return bool({"==": eq, "!=": ne, "<": lt, ">": gt, "<=": le, ">=": ge}[sign](left, right))
