@@ -78,7 +78,11 @@ class Control(Leaf):
 
     def update(self) -> Status:
         end = self.decide()
-        return self.running() if end == "running" else self.end(end)
+        if end == "running":
+            return self.running()
+        if self.meaning.get(end) == "failure":  # for the reason of whoever has failed
+            self.failure = next((each.node.failure for each in reversed(self.below) if each.node.failure), None)
+        return self.end(end)
 
     def terminate(self, new_status: Status) -> None:
         if new_status is Status.INVALID and self.status is Status.RUNNING:

@@ -127,7 +127,7 @@ def test_every_kind_becomes_the_class_of_py_trees_that_it_is() -> None:
 def test_the_tree_has_the_documents_names_and_order_and_py_trees_draws_it() -> None:
     tree = compiled(every_kind())
     assert [child.name for child in tree.root.children] == list(every_kind()["children"])
-    assert list(tree.leaves) == [path for path in tree.by_path if path.endswith(("/c", "/s", "subtask/"))]
+    assert list(tree.leaves) == [path for path in tree.by_path if path.endswith(("/c", "/s", "/by", "subtask/"))]
     drawn = py_trees.display.unicode_tree(tree.root)
     assert drawn.splitlines()[0].strip().endswith("tested")
     assert len(drawn.splitlines()) == len(tree.by_path) + 1  # what the foreign node holds

@@ -10,6 +10,7 @@ import pytest
 
 from grip_bt.base.types import check_value, parse_type
 from grip_bt.nodes import Leaf, OperationLeaf
+from grip_bt.nodes.control import Control
 from grip_bt.task import load
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.catalog.catalog import load_implementation
@@ -21,9 +22,21 @@ ROOT = Path(__file__).parents[2]
 MANIFESTS = [*Catalog.builtin(), sensor_manifest("overhead")]
 
 
-@pytest.fixture(params=MANIFESTS, ids=lambda m: m.id)
+CONTROLS = [m for m in MANIFESTS if issubclass(load_implementation(m), Control)]
+
+
+@pytest.fixture(params=[m for m in MANIFESTS if m not in CONTROLS], ids=lambda m: m.id)
 def manifest(request):
     return request.param
+
+
+@pytest.mark.parametrize("control", CONTROLS, ids=lambda m: m.id)
+def test_a_control_node_names_each_of_its_ports_and_settings(control):
+    text = source_of(control).replace('f"case_{i + 1}"', " ".join(f'"case_{i}"' for i in range(1, 7)))
+    named = {p for p in (*control.parameters, *control.inputs, *control.outputs) if len(p) > 1}  # `a` to `h`: scripts
+    named -= set(control.settings.values())
+    assert {port for port in named if f'"{port}"' not in text and f"{port}=" not in text} == set()
+    assert {s for s in control.settings if f'settings["{s}"]' not in text} == set()
 
 
 def source_of(manifest):
