@@ -42,7 +42,7 @@ class _Importer:
 
 
 _IMPORTERS = {
-    "btcpp": _Importer("btcpp", ("machine",), one=True),
+    "btcpp": _Importer("btcpp", ("machine", "more"), one=True),
     "grip": _Importer("first_grip", project=True),
     "pytrees": _Importer("pytrees", ("execute",), one=True),
     "smach": _Importer("smach", ("machine", "execute", "arguments", "success")),
@@ -56,8 +56,10 @@ def add_import(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="PATH",
         help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute;"
-        " btcpp: an XML file of version 4; grip: a task or configuration of the first GRIP (.ini, .yaml), or a folder",
+        " btcpp: an XML file of version 4, several, or a folder; grip: a task or configuration of the first GRIP (.ini,"
+        " .yaml), or a folder",
     )
+    parser.add_argument("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
     parser.add_argument("--from", dest="source", required=True, choices=sorted(_IMPORTERS), help="format of the source")
     parser.add_argument(
         "-o",
@@ -107,6 +109,7 @@ def run(args: argparse.Namespace) -> int:
             arguments=_arguments(args.arguments),
             success=tuple(args.success or ()),
             progress=_progress,
+            more=tuple(args.more),
         )
     )
     if args.report or args.output is not None or not importer.one:
@@ -119,9 +122,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _check_options(args: argparse.Namespace, importer: _Importer) -> None:
-    for option in ("machine", "execute", "arguments", "success"):
+    for option in ("machine", "execute", "arguments", "success", "more"):
         if getattr(args, option) and option not in importer.options:
-            args.usage_error(f"--{option} isn't for --from {args.source}")
+            what = f"--{option} isn't" if option != "more" else "several paths aren't"
+            args.usage_error(f"{what} for --from {args.source}")
     if args.arguments is not None and not args.execute:
         args.usage_error("--arguments are for --execute")
     if args.execute and args.source == "pytrees" and ":" not in str(args.path):

@@ -42,6 +42,7 @@ class Request:
 
     Attributes:
         path: a file, a folder, or `module:factory`.
+        more: further files or folders of the same project.
         catalog: gives the nodes of the project that the tasks are for.
         nodes: that project's folder of nodes.
         bound: the folder that files which it includes have to lie in; its own by default.
@@ -61,6 +62,7 @@ class Request:
     arguments: Mapping[str, Mapping[str, JsonValue]] = field(default_factory=dict)
     success: tuple[str, ...] = ()
     progress: Callable[[int, int, str], None] = lambda done, all, name: None
+    more: tuple[Path, ...] = ()
 
 
 class Issues:

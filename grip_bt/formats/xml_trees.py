@@ -5,17 +5,20 @@ Reading takes XML of anybody: no entities, no document types, bounded in size an
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from xml.parsers import expat
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import escape, quoteattr, unescape
 
 from grip_bt.base.errors import DocumentError, NotExpressibleError, listing
 from grip_bt.compilers.resolve import Part
 from grip_bt.task import model
 
-LARGEST, DEEPEST = 4_000_000, 120
+LARGEST, DEEPEST, MOST_FILES = 4_000_000, 120, 100_000
 MOST_NODES = 20_000
 """Of one task; sub-trees within sub-trees could make any number of a small file."""
 
@@ -50,8 +53,40 @@ class Element:
         return self.children[0]
 
 
-def read_elements(text: str, source: str) -> Element:
+_ATTRIBUTE = re.compile(r"""(=\s*)("[^"]*"|'[^']*')""")
+_MARKUP = re.compile(
+    r"<!--.*?-->|<\?.*?\?>|<!\[CDATA\[.*?\]\]>|<!DOCTYPE|</?[A-Za-z_](?:\"[^\"]*\"|'[^']*'|[^'\">])*>", re.S
+)
+_NO_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\d+|#x[0-9a-fA-F]+);)")
+
+
+def mended(text: str) -> str:
+    """Return a document as TinyXML2 reads it: `&` and `<` in values are text, what is around the root is nothing."""
+
+    def value(found: re.Match[str]) -> str:
+        return found.group(1) + _NO_ENTITY.sub("&amp;", found.group(2)).replace("<", "&lt;")
+
+    parts, at, depth = [], 0, 0
+    for found in _MARKUP.finditer(text):
+        between, tag = text[at : found.start()], found.group()
+        parts.append(_NO_ENTITY.sub("&amp;", between).replace("<", "&lt;") if depth else "\n" * between.count("\n"))
+        opens = tag[1] not in "!?/"
+        if (depth and not tag.startswith("<!--")) or opens or tag.startswith("<!DOCTYPE"):
+            parts.append(_ATTRIBUTE.sub(value, tag) if opens else tag)
+        else:
+            parts.append("\n" * tag.count("\n"))
+        depth += opens - tag.startswith("</") - (opens and tag.endswith("/>"))
+        at = found.end()
+        if not depth and tag.startswith("</"):
+            break
+    return "".join(parts)
+
+
+def read_elements(text: str, source: str, lenient: bool = False) -> Element:
     """Return the root element of a document.
+
+    Args:
+        lenient: whether it is read as TinyXML2 does where it isn't well-formed.
 
     Raises:
         DocumentError: it isn't well-formed, has a document type, or is too large or too deep.
@@ -84,6 +119,8 @@ def read_elements(text: str, source: str) -> Element:
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
+        if lenient and (again := mended(text)) != text:
+            return read_elements(again, source)
         message = f"not well-formed XML: {expat.ErrorString(error.code)}"
         raise DocumentError(message, source, error.lineno, error.offset + 1) from None
     return top.children[0]
@@ -99,9 +136,10 @@ class TreeFiles:
 
     include_tags: tuple[str, ...] = ("include", "import")
     path_attributes: tuple[str, ...] = ("src", "file")
+    lenient = False
 
-    def __init__(self, source: str, folder: Path | None, bound: Path | None = None):
-        self.source, self.folder, self.bound = source, folder, bound or folder
+    def __init__(self, source: str, folder: Path | None, bound: Path | None = None, library: Library | None = None):
+        self.source, self.folder, self.bound, self.library = source, folder, bound or folder, library
         self.trees: dict[str, Element] = {}
         self._seen: set[Path] = set()
 
@@ -111,17 +149,49 @@ class TreeFiles:
         Raises:
             DocumentError: a file can't be read, or there is no main tree.
         """
-        root = read_elements(text, self.source)
+        root = self.take_text(text)
+        mains = self.mains(root)
+        if len(mains) != 1:
+            raise root.error(f"no `main_tree_to_execute`, and several could be it (available: {listing(mains)})")
+        return mains[0]
+
+    def take_text(self, text: str) -> Element:
+        """Take in the trees of a file; return its root element."""
+        root = read_elements(text, self.source, self.lenient)
         self._take(root, self.folder)
+        return root
+
+    def mains(self, root: Element) -> list[str]:
+        """Return the ID of the main tree; where the file doesn't say it, of each that no other one holds.
+
+        Raises:
+            DocumentError: there is none.
+        """
         if not self.trees:
             raise root.error("there is no <BehaviorTree>")
         main = root.attributes.get("main_tree_to_execute")
-        if main is None and len(self.trees) == 1:
-            main = next(iter(self.trees))
-        if main is None or main not in self.trees:
-            what = "no `main_tree_to_execute`" if main is None else f"no <BehaviorTree ID={main!r}>"
-            raise root.error(f"{what} (available: {listing(self.trees)})")
-        return main
+        if main is not None and main not in self.trees:
+            raise root.error(f"no <BehaviorTree ID={main!r}> (available: {listing(self.trees)})")
+        own = [self.name_of(each) for each in root.children if each.tag == "BehaviorTree"]
+        used = {name for tree in self.trees.values() for name in subtrees_of(tree)}
+        return [main] if main is not None else [n for n in own if n in self.trees and n not in used] or list(self.trees)
+
+    def tree(self, name: str, user: Element) -> Element | None:
+        """Return a tree by its ID, also where only another file beside those that were read has it."""
+        if name not in self.trees and self.library is not None:
+            near = Path(user.source) if user.source else None
+            files = self.library.files(name, near)
+            for file in files[:1]:
+                self.found(name, file, len(files) - 1)
+                self._take(read_elements(self.library.text(file), str(file), self.lenient), file.parent, ours=False)
+        return self.trees.get(name)
+
+    def found(self, name: str, path: Path, others: int) -> None:
+        """Take note of a tree that no file includes."""
+
+    def stray(self, element: Element) -> None:
+        """Refuse an element that doesn't belong there."""
+        raise element.error("isn't <BehaviorTree>, <TreeNodesModel> or <include>")
 
     def check_root(self, root: Element) -> None:
         """Refuse a file of another format."""
@@ -133,28 +203,29 @@ class TreeFiles:
         """Return the ID of a tree; empty where it has none."""
         return tree.attributes.get("ID", "")
 
-    def _take(self, root: Element, folder: Path | None) -> None:
+    def _take(self, root: Element, folder: Path | None, ours: bool = True) -> None:
         self.check_root(root)
         for element in root.children:
             if element.tag == "BehaviorTree":
                 name = self.name_of(element)
-                if not name or name in self.trees:
+                if ours and (not name or name in self.trees):
                     raise element.error("needs an `ID` of its own")
-                self.trees[name] = element
+                element.attributes["ID"] = name
+                self.trees.setdefault(name, element)
             elif element.tag == "TreeNodesModel":
                 for entry in element.children:
                     self.take_model(entry)
             elif element.tag.lower() in self.include_tags:
                 self._include(element, folder)
             else:
-                raise element.error("isn't <BehaviorTree>, <TreeNodesModel> or <include>")
+                self.stray(element)
 
     def _include(self, element: Element, folder: Path | None) -> None:
         if package := element.attributes.get("ros_pkg"):
-            raise element.error(
-                f"ROS packages are not searched for included files ({package!r}); copy the file next to this one and"
-                " remove `ros_pkg`"
-            )
+            home = self.library.package(package) if self.library is not None else None
+            if home is None:
+                raise element.error(f"there is no package {package!r} in the workspace (a folder with a package.xml)")
+            folder = home
         said = next((element.attributes[name] for name in self.path_attributes if name in element.attributes), "")
         file = (folder / said).resolve() if folder is not None else None
         inside = file is not None and self.bound is not None and file.is_relative_to(self.bound.resolve())
@@ -169,7 +240,87 @@ class TreeFiles:
             text = file.read_text(encoding="utf-8", errors="replace")
         except OSError as error:
             raise element.error(f"{said!r} can't be read: {error.strerror or error}") from error
-        self._take(read_elements(text, str(file)), file.parent)
+        self._take(read_elements(text, str(file), self.lenient), file.parent)
+
+
+_ID = re.compile(r"""<BehaviorTree\s[^>]*?\bID\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+_PACKAGE = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+
+
+def subtrees_of(tree: Element) -> Iterator[str]:
+    """Yield the IDs of the trees that a tree holds."""
+    stack = [tree]
+    while stack:
+        element = stack.pop()
+        if element.tag == "SubTree":
+            yield element.attributes.get("ID", "")
+        stack.extend(element.children)
+
+
+def workspace_of(path: Path) -> Path:
+    """Return the outermost folder that a path belongs to: a repository, the packages of a workspace, or its own."""
+    folder = path if path.is_dir() else path.parent
+    around = [folder, *folder.parents]
+    for home in around:
+        if (home / ".git").exists():
+            return home
+    packages = [home for home in around if (home / "package.xml").is_file()]
+    return packages[-1].parent if packages else folder
+
+
+class Library:
+    """The trees and packages of a workspace, read when a file names one that it doesn't have."""
+
+    def __init__(self, root: Path):
+        self.root = root
+
+    @cached_property
+    def _index(self) -> tuple[dict[str, list[Path]], dict[str, Path]]:
+        trees: dict[str, list[Path]] = {}
+        packages: dict[str, Path] = {}
+        for path in xml_files(self.root):
+            text = self.text(path)
+            if path.name == "package.xml":
+                named = _PACKAGE.search(text)
+                packages.setdefault(named.group(1) if named else path.parent.name, path.parent)
+            for found in _ID.finditer(text):
+                name = unescape(found.group(1) or found.group(2) or "")
+                trees.setdefault(name, []).append(path)
+        return trees, packages
+
+    def files(self, name: str, near: Path | None) -> list[Path]:
+        """Return the files that have a tree, the nearest to a file first."""
+        there = dict.fromkeys(self._index[0].get(name, ()))
+        parts = near.resolve().parts if near is not None else ()
+        return sorted(there, key=lambda path: (-_shared(path.parts, parts), len(path.parts), str(path)))
+
+    def package(self, name: str) -> Path | None:
+        """Return the folder of a ROS package."""
+        return self._index[1].get(name)
+
+    def text(self, path: Path) -> str:
+        """Return the text of a file; nothing where it can't be read, or is too large."""
+        try:
+            return "" if path.stat().st_size > LARGEST else path.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return ""
+
+
+def xml_files(folder: Path) -> list[Path]:
+    """Return the XML files of a folder and below it, in order, but for what is hidden or was built."""
+    found: list[Path] = []
+    seen = 0
+    for home, folders, names in os.walk(folder):
+        folders[:] = sorted(n for n in folders if n not in ("build", "install", "node_modules") and n[0] != ".")
+        seen += len(names)
+        found += [Path(home, name) for name in sorted(names) if name.lower().endswith(".xml")]
+        if seen > MOST_FILES:
+            break
+    return found
+
+
+def _shared(one: tuple[str, ...], other: tuple[str, ...]) -> int:
+    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 def comment(text: str, depth: int) -> list[str]:

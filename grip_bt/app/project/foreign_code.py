@@ -44,7 +44,9 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
         if isinstance(part.node, Foreign):
             if catalog.code.is_third_party(part.node.behaviour):
                 yield f"{part.path}: imports {part.node.behaviour}"
-        elif part.manifest is not None and part.manifest.implementation and part.path not in mocked:
+        elif (
+            part.manifest is not None and part.manifest.implementation and not {part.path, part.manifest.id} & {*mocked}
+        ):
             where = part.manifest.implementation.rpartition(":")[0]
             if where.endswith(".py") or where.partition(".")[0] not in _OURS:
                 yield f"{part.path}: imports {where}"

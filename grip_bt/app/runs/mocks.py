@@ -68,7 +68,7 @@ def _steps(script: Script) -> list[MockStep]:
 def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple[Task, Catalog, LeafFactory]:
     """Return what to compile in place of a task so that its mocked nodes play their scripts.
 
-    A leaf is replaced as it is, ports and all. A container or subtask becomes one leaf with its outcomes; the outputs
+    A script is a node's, or that of every leaf of a type. A leaf is replaced as it is, ports and all. A container or subtask becomes one leaf with its outcomes; the outputs
     of its script are variables around it.
 
     Raises:
@@ -76,7 +76,13 @@ def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple
         DocumentError: a step isn't one.
     """
     parts = {part.path: part for part in resolve(task, catalog).root.walk()}
-    steps = {path: _checked(path, parts, script) for path, script in mocks.items()}
+    steps: dict[str, list[MockStep]] = {}
+    for name, script in sorted(
+        mocks.items(), key=lambda said: said[0] in parts
+    ):  # a node's own script is the last word
+        of_type = [p for p, part in parts.items() if isinstance(part.node, Leaf) and part.node.node == name]
+        if name in parts or of_type or name not in catalog:
+            steps |= {path: _checked(path, parts, script) for path in ([name] if name in parts else of_type or [name])}
     faces: list[Manifest] = []
     root = _replaced("/", task.root, parts, steps, faces)
 

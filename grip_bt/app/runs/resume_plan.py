@@ -111,7 +111,9 @@ def _questions(
 ) -> list[Question]:
     """Return what a person has to agree to; `anew` has why parts beside the task can't be brought back."""
     found = []
-    leaves = {p: part.manifest for p, part in parts.items() if part.manifest is not None and p not in options.mocks}
+    mocked = {*options.mocks}
+    faces = {p: part.manifest for p, part in parts.items() if part.manifest is not None}
+    leaves = {p: face for p, face in faces.items() if not {p, face.id} & mocked}
     for path in Recording(events, leaves).under_way:
         manifest = leaves[path]
         if path not in resume.results and policy_of(manifest) == "ask":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from grip_bt.formats.btcpp.drafts import key_of
@@ -68,13 +67,14 @@ def _async(kind: str) -> Reader:
         goes_on, ends = ("success", "failure") if kind == "sequence" else ("failure", "success")
         children = here.children(meaning=goes_on)
         if all(child.skips for child in children):
-            here.refuse("all of its children may be skipped; use it without `Async`, or add one")
+            here.unequal("all of its children may be skipped")
         for child in children:
             child.name = f"{child.name}_" if child.name in ("success", "failure") else child.name
         by_name = named(children)
         names = list(by_name)
         for name, after in zip(names, [*names[1:], goes_on], strict=True):
             on = {goes_on: after, ends: ends, **({SKIPPED: after} if by_name[name].skips else {})}
+            on = {end: target for end, target in on.items() if by_name[name].may(end)}
             by_name[name].keys = {**by_name[name].keys, "on": on}
         keys = {"kind": "state_machine", "initial": names[0], "outcomes": {"success": "success", "failure": "failure"}}
         return NodeDraft({**keys, "children": {name: child.keys for name, child in by_name.items()}})
@@ -83,21 +83,8 @@ def _async(kind: str) -> Reader:
 
 
 def _with_memory(here: ElementReader) -> NodeDraft:
-    """SequenceWithMemory: a variable keeps the place over a failure and over a halt."""
-    children = here.children(meaning="success")
-    if all(child.skips for child in children):
-        here.refuse("all of its children may be skipped; add one that may not")
-    place = here.variable(f"{here.attributes.get('name', 'sequence')}_at", "int", 0)
-    steps = []
-    for number, child in enumerate(children, 1):
-        step = container("sequence", {"do": child, "next": set_variable(place, number)})
-        ways = {"step": step, "done": NodeDraft(dict(SUCCEED), instant=True)}
-        made = switch(f"{place} < {number}", {"step": True}, ways, "success", default="done")
-        made.name = child.name
-        steps.append(made)
-    begin = set_variable(place, 0)
-    begin.name = "from the beginning"
-    return sequence_of([*steps, begin], here.element.tag) if children else NodeDraft(dict(SUCCEED))
+    here.children()
+    here.unequal("")
 
 
 def _parallel(here: ElementReader) -> NodeDraft:
@@ -126,8 +113,7 @@ def _unskipped(here: ElementReader) -> list[NodeDraft]:
     children = here.children()
     for child, below in zip(children, here.element.children, strict=True):
         if child.skips:
-            why = f"may be skipped; inside <{here.element.tag}> BehaviorTree.CPP would evaluate it again on every tick"
-            here.refuse(why, below)
+            here.unequal(f"{below} may be skipped, and is asked again on every tick")
     return children
 
 
@@ -135,7 +121,7 @@ def _threshold(here: ElementReader, port: str, default: str, count: int) -> int:
     said = here.number(port, default)
     number = said if said >= 0 else max(count + said + 1, 0)
     if not 1 <= number <= count:
-        here.refuse(f"`{port}` is {said}, and there are {count} children; it has to be 1 to {count}, or negative")
+        here.unequal(f"`{port}` is {said}, and there are {count} children")
     return number
 
 
@@ -143,7 +129,7 @@ def _if_then_else(here: ElementReader) -> NodeDraft:
     children = here.children(2, 3)
     condition, then = children[0], children[1]
     if condition.skips:
-        here.refuse("a condition that may be skipped is an error in BT.CPP", here.element.children[0])
+        here.unequal("its condition may be skipped, which is an error in BT.CPP")
     parts = dict(list(named(children).items())[:2])
     inner = container("sequence", parts, here.meaning)
     if len(children) == 2:
@@ -161,7 +147,7 @@ def _while_do_else(here: ElementReader) -> NodeDraft:
     children = here.children(2, 3)
     condition = children[0]
     if condition.skips:
-        here.refuse("a condition that may be skipped is no condition", here.element.children[0])
+        here.unequal("its condition may be skipped")
     if not condition.instant:
         here.note("changed", "its condition is assumed to end in the tick in which it begins")
     if len(children) == 2:
@@ -192,7 +178,10 @@ def _switch(cases: int) -> Reader:
             if said in taken:
                 here.refuse(f"`case_{number}` is {said!r} again")
             taken.append(said)
-            literals[name] = here.exact(partial(_case, said, entry.type))
+            try:
+                literals[name] = _case(said, entry.type)
+            except ValueError as error:
+                here.unequal(str(error))
         return switch(variable, literals, parts, here.meaning, default=list(parts)[-1], memory=False)
 
     return read
@@ -214,13 +203,12 @@ def _case(text: str, kind: str) -> Any:
 
 
 def _try_catch(here: ElementReader) -> NodeDraft:
-    if here.attributes.get("catch_on_halt", "false") not in ("false", "0"):
-        here.refuse("`catch_on_halt` runs a node while everything is halted; nothing here does")
-    count = len(here.element.children)
     children = here.children(2, meaning="success")
     tried = children[:-1]
+    if here.attributes.get("catch_on_halt", "false") not in ("false", "0"):
+        here.unequal("`catch_on_halt` runs a node while everything is halted")
     if all(child.skips for child in tried):
-        here.refuse(f"all of the first {count - 1} children may be skipped; add one that may not")
+        here.unequal("all of its children but the last may be skipped")
     return container("fallback", {"try": sequence_of(tried, "try"), "catch": failing("do", children[-1])})
 
 
@@ -232,6 +220,7 @@ CONTROLS: dict[str, tuple[Reader, tuple[str, ...]]] = {
     "AsyncSequence": (_async("sequence"), ()),
     "AsyncFallback": (_async("fallback"), ()),
     "SequenceWithMemory": (_with_memory, ()),
+    "SequenceStar": (_with_memory, ()),
     "Parallel": (_parallel, ("success_count", "failure_count")),
     "ParallelAll": (_parallel_all, ("max_failures",)),
     "IfThenElse": (_if_then_else, ()),

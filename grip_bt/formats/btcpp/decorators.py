@@ -46,14 +46,13 @@ def _unskipped(here: ElementReader) -> NodeDraft:
     child = here.only()
     if child.skips:
         kept = "clock" if here.element.tag == "Timeout" else "count"
-        why = f"may be skipped inside of <{here.element.tag}>, whose {kept} BT.CPP then keeps for the next time"
-        here.refuse(why, here.element.children[0])
+        here.unequal(f"{here.element.children[0]} may be skipped, and its {kept} is kept for the next time then")
     return child
 
 
 def _counted(here: ElementReader, port: str) -> tuple[int, NodeDraft]:
-    times = here.number(port)
     child = _unskipped(here)
+    times = here.number(port)
     if times == 0 or times < -1:
         here.refuse(f"`{port}` is {times}; write 1 or more, or -1 for ever")
     return times, child
@@ -92,9 +91,16 @@ def _delay(here: ElementReader) -> NodeDraft:
 
 def _precondition(here: ElementReader) -> NodeDraft:
     child = here.only()
-    condition = here.exact(lambda: here.scripts.condition(here.literal("if")))
+    asked = here.exact(lambda: here.scripts.condition(here.literal("if")))
+    if here.literal("else", "FAILURE") == "RUNNING":
+        wait = asked.before(NodeDraft({**SUCCEED, "precondition": asked.text}, instant=True), "success")
+        again = decorator("invert", NodeDraft(wait.keys, name="holds"), "")
+        until = decorator("repeat", NodeDraft(again.keys, name="not yet"), "")
+        waited = decorator("invert", NodeDraft(until.keys, name="until"), "")
+        return container("sequence", {"wait": waited, "do": child}, here.meaning)
     other = here.exact(lambda: end(here.literal("else", "FAILURE")))
-    return switch(condition, {"do": True}, {"do": child, "else": other}, here.meaning, default="else")
+    made = switch(asked.text, {"do": True}, {"do": child, "else": other}, here.meaning, default="else")
+    return asked.before(made, here.meaning)
 
 
 def _run_once(here: ElementReader) -> NodeDraft:
@@ -113,10 +119,7 @@ def _run_once(here: ElementReader) -> NodeDraft:
 def _loop(type_name: str) -> Reader:
     def read(here: ElementReader) -> NodeDraft:
         child = _unskipped(here)
-        text = here.attributes.get("queue", "")
-        if key_of(text, "queue") is not None:
-            why = "is consumed on the blackboard item by item; write it as a literal, or use `for_each` over a list"
-            here.refuse(f"the queue {text} {why}")
+        text = here.literal("queue", "")
         key = key_of(here.attributes.get("value", "{=}"), "value")
         if key is None:
             here.refuse("`value` has to be a key in braces")
@@ -137,7 +140,13 @@ def _loop(type_name: str) -> Reader:
     return read
 
 
+def _by_its_rules(here: ElementReader) -> NodeDraft:
+    here.unequal("")
+
+
 DECORATORS: dict[str, tuple[Reader, tuple[str, ...]]] = {
+    "SkipUnlessUpdated": (_by_its_rules, ("entry",)),
+    "WaitValueUpdate": (_by_its_rules, ("entry",)),
     "Inverter": (_around("invert"), ()),
     "ForceSuccess": (_around("force", **{"as": "success"}), ()),
     "ForceFailure": (_around("force", **{"as": "failure"}), ()),
@@ -158,17 +167,23 @@ DECORATORS: dict[str, tuple[Reader, tuple[str, ...]]] = {
 
 _DECIDED = {"_failureIf": ("fails", "FAILURE"), "_successIf": ("succeeds", "SUCCESS"), "_skipIf": ("skip", "SKIPPED")}
 _CONDITIONS = (*_DECIDED, "_while")
-_SCRIPTS = ("_onSuccess", "_onFailure", "_post")
-_NO_MATTER = ("_uid", "_fullpath", "_autoremap", "_description")
-"""Groot's own notes, and what sub-trees read."""
+_SCRIPTS = ("_onSuccess", "_onFailure", "_post", "_onHalted")
+_NO_MATTER = (
+    "_uid",
+    "_fullpath",
+    "_autoremap",
+    "_description",
+    "_collapsed",
+    "_favorite",
+    "_subtreeOnly",
+    "_hardcoded",
+)
+"""Editors' own notes, and what sub-trees read."""
 
 
 def check_attributes(here: ElementReader) -> None:
-    """Refuse attributes that have no equivalent."""
+    """Name the attributes that have no meaning."""
     for name in here.attributes:
-        if name == "_onHalted":
-            why = "runs a script when the node is halted; nothing of a task does: use a leaf of your own"
-            here.refuse(f"`_onHalted` {why}")
         if name.startswith("_") and name not in (*_CONDITIONS, *_SCRIPTS, *_NO_MATTER):
             here.note("left-out", f"the attribute `{name}`, which BT.CPP gives no meaning, was left out")
 
@@ -183,6 +198,8 @@ def with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
 
     def read() -> NodeDraft:
         made = node
+        if "_onHalted" in said:
+            made = scripts.on_halted(said["_onHalted"], made, here.meaning)
         for name in reversed(_CONDITIONS):
             if name in said:
                 made = _condition_before(name, said[name], scripts, made, here.meaning)
@@ -200,14 +217,17 @@ def with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
 
 
 def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, meaning: str) -> NodeDraft:
-    if name == "_failureIf" and "precondition" not in node.keys:
-        holds = scripts.condition(f"!({text})")
-        return NodeDraft({**node.keys, "precondition": holds}, node.skips, node.name, node.instant)
-    condition = scripts.condition(text)
-    if name == "_while":
-        return switch(condition, {"do": True}, {"do": node, "skip": skip()}, meaning, default="skip", memory=False)
-    way, status = _DECIDED[name]
-    return switch(condition, {way: True}, {way: end(status), "do": node}, meaning, default="do")
+    asked = scripts.condition(text, negated=name == "_failureIf" and "precondition" not in node.keys)
+    if asked.negated:
+        made = NodeDraft({**node.keys, "precondition": asked.text}, node.skips, node.name, node.instant)
+    elif name == "_while":
+        ways = {"do": node, "skip": skip()}
+        made = switch(asked.text, {"do": True}, ways, meaning, default="skip", memory=False)
+        return asked.before(made, meaning, memory=False)
+    else:
+        way, status = _DECIDED[name]
+        made = switch(asked.text, {way: True}, {way: end(status), "do": node}, meaning, default="do")
+    return asked.before(made, meaning)
 
 
 def _script(here: ElementReader) -> NodeDraft:
@@ -216,8 +236,16 @@ def _script(here: ElementReader) -> NodeDraft:
 
 
 def _script_condition(here: ElementReader) -> NodeDraft:
-    condition = here.exact(lambda: here.scripts.condition(here.literal("code")))
-    return NodeDraft({**SUCCEED, "precondition": condition}, instant=True)
+    asked = here.exact(lambda: here.scripts.condition(here.literal("code")))
+    return asked.before(NodeDraft({**SUCCEED, "precondition": asked.text}, instant=True), here.meaning)
+
+
+def _unset(here: ElementReader) -> NodeDraft:
+    text = here.attributes.get("key", "")
+    variable = here.board.variable(key_of(text, "key") or text)
+    here.board.variables.every[variable].written.append("Any")
+    here.note("changed", f"{variable!r} is null from then on; where it is read, BT.CPP ends with an error")
+    return set_variable(variable, None)
 
 
 def _set_blackboard(here: ElementReader) -> NodeDraft:
@@ -247,26 +275,15 @@ ACTIONS: dict[str, tuple[Reader, tuple[str, ...]]] = {
     "Script": (_script, ("code",)),
     "ScriptCondition": (_script_condition, ("code",)),
     "SetBlackboard": (_set_blackboard, ("value", "output_key")),
+    "UnsetBlackboard": (_unset, ("key",)),
 }
 """Tag -> its reader and its ports."""
 
 REFUSED = {
     **dict.fromkeys(
-        ("SkipUnlessUpdated", "WaitValueUpdate", "EntryUpdated", "WasEntryUpdated", "WaitEntryUpdated")
-        + ("SkipUnlessEntryUpdated",),
-        "counts the writes of a blackboard entry; use a leaf of your own that remembers what it has seen",
-    ),
-    **dict.fromkeys(
         ("BlackboardCheckInt", "BlackboardCheckDouble", "BlackboardCheckString", "BlackboardCheckBool"),
         "belongs to BehaviorTree.CPP 3; write `_skipIf` or <Precondition>",
     ),
-    **dict.fromkeys(("ConsumeQueue", "PopFromQueue"), "consumes a queue on the blackboard; use `for_each` over a list"),
-    "ManualSelector": "asks the user at a terminal which child to tick; use a `switch` over a variable",
-    "UnsetBlackboard": "takes a variable away; give it a value that means nothing",
-    "QueueSize": "asks for the length of a queue on the blackboard; use `len(...)` of a list",
-    "TestNode": "is BT.CPP's stand-in for tests",
-    "AlwaysRunning": "never ends",
-    "SequenceStar": "belongs to BehaviorTree.CPP 3; use <SequenceWithMemory>",
     "RetryUntilSuccesful": "belongs to BehaviorTree.CPP 3; use <RetryUntilSuccessful>",
     "SubTreePlus": 'belongs to BehaviorTree.CPP 3; use <SubTree _autoremap="true">',
 }

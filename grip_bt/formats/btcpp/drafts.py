@@ -34,15 +34,19 @@ class NodeDraft:
 
     @property
     def can_fail(self) -> bool:
-        """Whether it has the outcome `failure`: each does but for some leaves of GRIP's own."""
-        node = self.keys.get("node", "")
-        return "precondition" in self.keys or not _never_fails(str(node))
+        """Whether it has the outcome `failure`."""
+        return self.may("failure")
+
+    def may(self, outcome: str) -> bool:
+        """Tell whether it has an outcome of BT.CPP's: each does but for some leaves of GRIP's own."""
+        node = str(self.keys.get("node", ""))
+        return (outcome == "failure" and "precondition" in self.keys) or outcome not in _lacking(node)
 
 
 @cache
-def _never_fails(node: str) -> bool:
+def _lacking(node: str) -> frozenset[str]:
     builtin = Catalog.builtin()
-    return node in builtin and "failure" not in builtin.get(node).outcomes
+    return frozenset({"success", "failure"} - builtin.get(node).outcomes.keys() if node in builtin else ())
 
 
 def _handing_up(keys: Keys, children: Mapping[str, NodeDraft], meaning: str) -> NodeDraft:
@@ -64,6 +68,14 @@ def container(kind: str, children: Mapping[str, NodeDraft], meaning: str = "", *
     """Return a composite that hands up `skipped`, which means `meaning`; without one its children's own counts."""
     keys = {"kind": kind, **more, "children": {name: child.keys for name, child in children.items()}}
     return _handing_up(keys, children, meaning)
+
+
+def controlled(decider: NodeDraft, children: list[NodeDraft], meaning: str) -> NodeDraft:
+    """Return a control node; the leaf that decides is skipped where a child may be, or where it may be anyway."""
+    parts = [NodeDraft(child.keys, False, child.name) for child in children]
+    skips = decider.skips or any(child.skips for child in children)
+    decides = NodeDraft(decider.keys, skips, "decide")
+    return container("control", named([decides, *parts]), meaning or "success")
 
 
 def failing(name: str, child: NodeDraft) -> NodeDraft:

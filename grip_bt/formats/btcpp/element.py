@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from grip_bt.base.errors import ExpressionError
 from grip_bt.formats.btcpp.drafts import Board, key_of
@@ -18,7 +18,15 @@ Value = TypeVar("Value")
 
 
 class Refused(Exception):
-    """Ends the reading of one element; the refusal is noted already."""
+    """Ends the reading of one element, about which or below which something is said."""
+
+    def __init__(self, why: str, element: Element):
+        super().__init__(why)
+        self.element = element
+
+
+class Unequal(Refused):
+    """No kind is equal to a node of BehaviorTree.CPP's own; a control node that follows its rules may be there."""
 
 
 @dataclass
@@ -35,7 +43,8 @@ class Reading:
 class ElementReader:
     """One element as its reader sees it.
 
-    `board` and `inside`: blackboard and sub-trees around it; `meaning`: what `skipped` means to the node around.
+    `board` and `inside`: blackboard and sub-trees around it; `meaning`: what `skipped` means to the node around;
+    `read`: its children, once they were read.
     """
 
     reading: Reading
@@ -43,6 +52,7 @@ class ElementReader:
     board: Board
     inside: tuple[str, ...]
     meaning: str = "success"
+    read: list[NodeDraft] = field(default_factory=list, compare=False)
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -59,20 +69,32 @@ class ElementReader:
         self.reading.seen.add(id(self.element))
         try:
             return self.reading.child(self)
-        except Refused:
+        except Refused as refused:
+            self.note("no-equivalent", str(refused), refused.element)
             for below in self.element.children:
                 if id(below) not in self.reading.seen:
-                    replace(self, element=below).attempt()
+                    self.at(below).attempt()
             return NodeDraft(dict(SUCCEED), name=self.element.tag)
 
+    def at(self, element: Element, **more: Any) -> ElementReader:
+        """Return the reader of another element in the same place."""
+        return replace(self, element=element, read=[], **more)
+
     def refuse(self, why: str, element: Element | None = None) -> NoReturn:
-        """Note a refusal of this element or one below, and end the reading of this one.
+        """Refuse this element or one below, and end the reading of this one.
 
         Raises:
             Refused: always.
         """
-        self.note("no-equivalent", why, element)
-        raise Refused
+        raise Refused(why, element or self.element)
+
+    def unequal(self, why: str, element: Element | None = None) -> NoReturn:
+        """Say that no kind is equal to this element.
+
+        Raises:
+            Unequal: always.
+        """
+        raise Unequal(why, element or self.element)
 
     def note(self, code: str, text: str, element: Element | None = None) -> None:
         """Note what to know about it, or about one below."""
@@ -92,8 +114,9 @@ class ElementReader:
         if not least <= count <= most:
             wanted = f"{least}" if least == most else f"{least} to {most}" if most < 10_000 else f"at least {least}"
             self.refuse(f"has {count} children and needs {wanted}")
-        around = self if meaning is None else replace(self, meaning=meaning)
-        return [replace(around, element=below).attempt() for below in self.element.children]
+        more = {} if meaning is None else {"meaning": meaning}
+        self.read[:] = [self.at(below, **more).attempt() for below in self.element.children]
+        return list(self.read)
 
     def only(self) -> NodeDraft:
         """Return the one child of a decorator."""
@@ -110,7 +133,7 @@ class ElementReader:
         entry = self.board.variables.every[self.board.variable(key)]
         if entry.constant:
             return str(entry.initial)
-        self.refuse(f"`{port}` comes from the blackboard ({text}); write the value itself")
+        self.unequal(f"`{port}` comes from the blackboard ({text}); write the value itself")
 
     def number(self, port: str, default: str | None = None) -> int:
         """Return a whole number."""

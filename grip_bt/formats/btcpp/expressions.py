@@ -10,7 +10,7 @@ from grip_bt.formats.btcpp.drafts import Board
 from grip_bt.nodes.btcpp import script as s
 from grip_bt.nodes.btcpp.script import EPSILON
 
-from .drafts import NodeDraft, container, failing, sequence_of, set_variable, switch
+from .drafts import NodeDraft, container, controlled, failing, named, sequence_of, set_variable, switch
 
 LARGEST = 2**53
 NUMBERS = ("int", "float")
@@ -180,37 +180,82 @@ def literal(value: bool | int | float | str) -> Value:
 _INPUTS = "abcdefgh"
 
 
+@dataclass(frozen=True)
+class Asked:
+    """A condition: what is done first, and the expression; `negated`: it holds where the script doesn't."""
+
+    first: list[NodeDraft]
+    text: str
+    negated: bool = False
+
+    def before(self, node: NodeDraft, meaning: str, **more: object) -> NodeDraft:
+        """Return a node with what is done before its condition is asked."""
+        if not self.first:
+            return node
+        made = container("sequence", named([*self.first, NodeDraft(node.keys, node.skips, "do")]), meaning, **more)
+        made.instant = node.instant
+        return made
+
+
 class Scripts:
     """The scripts of one sub-tree; `note` takes what to know about one."""
 
     def __init__(self, board: Board, note: Callable[[str], None]):
         self.board, self.note = board, note
 
-    def condition(self, text: str) -> str:
-        """Return a script's value as a condition.
+    def condition(self, text: str, negated: bool = False) -> Asked:
+        """Return what holds where a script's last value does, or where it doesn't.
 
         Raises:
             ScriptError: it isn't a script.
-            Inexact: it has no exact equivalent.
         """
-        statements = s.parse_script(text)
-        if len(statements) != 1:
-            raise Inexact(f"{len(statements)} statements where one condition is wanted")
-        return self._translated(lambda translator: translator.condition(statements[0])).text
+        *first, last = s.parse_script(text) or [s.Literal(False)]
+        try:
+            made = [self._statement(statement) for statement in first]
+            asked = s.Unary("!", last) if negated else last
+            return Asked(made, self._translated(lambda translator: translator.condition(asked)).text, negated)
+        except Inexact:
+            holds = self.board.variables.new("holds")
+            self.board.variables.every[holds].written.append("bool")
+            return Asked([self._as_it_is(text, holds)], f"not {holds}" if negated else holds, negated)
 
     def assignments(self, text: str) -> list[NodeDraft]:
-        """Return a node for each assignment of a script, in order.
+        """Return a node for each assignment of a script, in order, or one for all.
 
         Raises:
             ScriptError: it isn't a script.
-            Inexact: it has no exact equivalent.
         """
-        made = []
-        for statement in s.parse_script(text):
-            if not isinstance(statement, s.Assignment):
-                raise Inexact("a statement that assigns nothing")
-            made.append(self._assignment(statement.target, statement.sign, statement.value))
-        return made
+        try:
+            return [self._statement(statement) for statement in s.parse_script(text)]
+        except Inexact:
+            return [self._as_it_is(text)]
+
+    def on_halted(self, text: str, node: NodeDraft, meaning: str) -> NodeDraft:
+        """Return a node after whose interruption a script is run.
+
+        Raises:
+            ScriptError: it isn't a script.
+        """
+        return controlled(self._as_it_is(text, node="btcpp/OnHalted"), [node], meaning)
+
+    def _as_it_is(self, text: str, holds: str = "", node: str = "btcpp/Script") -> NodeDraft:
+        """Return a leaf that runs a script by BT.CPP's own rules."""
+        names, assigned, read = s.names_of(s.parse_script(text))
+        if len(names) > len(_INPUTS):
+            raise Inexact(f"more than {len(_INPUTS)} variables in one script")
+        letters = dict(zip(names, _INPUTS, strict=False))
+        bound = {letters[name]: self._read(name) for name in names}
+        for name in assigned:
+            self.board.variables.every[self.board.variable(name)].written.append("Any")
+        keys = {"node": node, "with": {"code": s.renamed(text, letters)}}
+        keys["in"] = {letters[name]: bound[letters[name]] for name in names if name in read}
+        keys["out"] = {**{letters[n]: bound[letters[n]] for n in assigned}, **({"value": holds} if holds else {})}
+        return NodeDraft({k: v for k, v in keys.items() if v}, name="script", instant=True)
+
+    def _statement(self, statement: s.Script) -> NodeDraft:
+        if not isinstance(statement, s.Assignment):
+            raise Inexact("a statement that assigns nothing")
+        return self._assignment(statement.target, statement.sign, statement.value)
 
     def _assignment(self, key: str, sign: str, value: s.Script) -> NodeDraft:
         if isinstance(value, s.Ternary):

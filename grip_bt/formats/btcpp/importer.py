@@ -6,8 +6,6 @@ with that known, to write the task.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +14,6 @@ from pydantic import ValidationError
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.issue import Issue
 from grip_bt.formats.btcpp.drafts import Board, Variables, key_of
 from grip_bt.formats.btcpp.leaves import Document, Model
 from grip_bt.formats.imported import Imported, Issues
@@ -25,16 +22,20 @@ from grip_bt.formats.xml_trees import MOST_NODES
 from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
+from grip_bt.task.validation.analysis import TaskAnalysis
+from grip_bt.task.validation.dataflow import DataFlow
 
 from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
-from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft
-from .element import ElementReader, Reading, Refused
+from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft, controlled
+from .element import ElementReader, Reading, Refused, Unequal
 from .leaves import Leaves, value_of_text
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
 _MOST_READINGS = 5
+_FAMILY = {"SequenceStar": "SequenceWithMemory", **{f"Switch{n}": "Switch" for n in range(2, 7)}}
+"""Tag -> the control node that follows its rules, where that is called otherwise."""
 
 
 def from_xml(
@@ -55,25 +56,18 @@ def from_xml(
         ImportRefusedError: parts of it have no exact equivalent; it lists all of them.
     """
     document = Document(source, folder, bound)
-    main = document.load(text)
-    if tree and tree not in document.trees:
-        raise DocumentError(
-            f"there is no tree {tree!r}{nearest(tree, document.trees)} (available: {listing(document.trees)})", source
-        )
-    importer = _Importer(document, catalog)
-    for _ in range(_MOST_READINGS):
-        before = importer.state()
-        made = importer.read(tree or main)
-        if importer.state() == before:
-            break
-    importer.reading.issues.raise_if_refused(source or "<text>")
-    return importer.result(made, tree or main)
+    main = document.load(text) if not tree else document.wanted(document.take_text(text), tree)
+    importer = Importer(document, Leaves(catalog, document.models), main)
+    importer.settle()
+    return importer.result()
 
 
-class _Importer:
-    def __init__(self, document: Document, catalog: Catalog):
-        self.document = document
-        self.leaves = Leaves(catalog, document.models)
+class Importer:
+    """Makes the task of one tree of a document; `leaves` may be shared with others."""
+
+    def __init__(self, document: Document, leaves: Leaves, tree: str):
+        self.document, self.leaves, self.name = document, leaves, tree
+        self.made = NodeDraft(dict(SUCCEED))
         self.variables = Variables()
         self.used: set[str] = set()
         self.reading = Reading(self.node)
@@ -83,24 +77,36 @@ class _Importer:
         types = {name: (v.type, v.has_initial, v.constant) for name, v in self.variables.every.items()}
         return types, dict(self.leaves.settled)
 
-    def read(self, tree: str) -> NodeDraft:
+    def settle(self) -> None:
+        """Read the tree until nothing new is learned.
+
+        Raises:
+            ImportRefusedError: parts of it have no exact equivalent.
+        """
+        for _ in range(_MOST_READINGS):
+            before = self.state()
+            self.read()
+            if self.state() == before:
+                break
+        self.reading.issues.raise_if_refused(self.document.source or "<text>")
+
+    def read(self) -> None:
         """Read the tree once, with what was learned before."""
         self.variables = Variables(before=self.variables.every)
         self.reading = Reading(self.node)
-        self.used = {tree}
-        root = self.document.trees[tree]
+        self.used = {self.name}
+        root = self.document.trees[self.name]
         try:
-            made = self._root(ElementReader(self.reading, root, Board(self.variables), (tree,)))
-        except Refused:
-            made = NodeDraft(dict(SUCCEED))
+            self.made = self._root(ElementReader(self.reading, root, Board(self.variables), (self.name,)))
+        except Refused as refused:
+            self.reading.issues.add("no-equivalent", str(refused.element), str(refused), root.source, root.line)
         self.leaves.settle()
-        return made
 
     def _root(self, tree: ElementReader) -> NodeDraft:
         below = tree.element.children
         if len(below) != 1:
             tree.refuse(f"needs one node inside, and has {len(below)}")
-        return replace(tree, element=below[0]).attempt()
+        return tree.at(below[0]).attempt()
 
     def node(self, here: ElementReader) -> NodeDraft:
         """Read a node, and all below it."""
@@ -118,7 +124,10 @@ class _Importer:
             reader, ports = _KNOWN[name]
             if wrong := [name for name in _ports(here) if name not in ports]:
                 here.refuse(f"has no port {wrong[0]!r}{nearest(wrong[0], ports)} (available: {listing(ports)})")
-            made = reader(here)
+            try:
+                made = reader(here)
+            except Unequal as why:
+                made = self._by_its_rules(here, name, why)
         else:
             made = self._leaf(here, name)
         made.name = here.attributes.get("name") or name
@@ -127,15 +136,29 @@ class _Importer:
     def _leaf(self, here: ElementReader, name: str) -> NodeDraft:
         tag = here.element.tag
         said = self.document.models.get(name, Model(tag if tag in _EXPLICIT else "Action"))
-        if here.element.children or said.kind in ("Control", "Decorator"):
-            kind = said.kind if said.kind in ("Control", "Decorator") else "node with children"
-            here.refuse(f"is a {kind} of your own C++ code; say what it does with BT.CPP's own nodes")
-        keys = here.exact(lambda: self.leaves.leaf(name, _ports(here), here.board))
-        return NodeDraft(keys, instant=said.kind == "Condition")
+        controls = bool(here.element.children)
+        if said.kind in ("Control", "Decorator") and not controls:
+            here.refuse(f"is a {said.kind} and has no children")
+        keys = here.exact(lambda: self.leaves.leaf(name, _ports(here), here.board, controls))
+        if not controls:
+            return NodeDraft(keys, instant=said.kind == "Condition")
+        return controlled(NodeDraft(keys), here.children(), here.meaning)
+
+    def _by_its_rules(self, here: ElementReader, name: str, why: Unequal) -> NodeDraft:
+        """Return a control node that follows BT.CPP's rules of a node where no kind does."""
+        id_ = f"btcpp/{_FAMILY.get(name, name)}"
+        if id_ not in self.leaves.catalog:
+            raise why
+        if str(why):
+            here.note("changed", f"{why}; it became a `control` that follows BehaviorTree.CPP's own rules")
+        children = list(here.read) or here.children()
+        keys = here.exact(lambda: self.leaves.made(self.leaves.catalog.get(id_), _ports(here), here.board))
+        skips = "SKIPPED" in here.attributes.get("if_empty", "") or name == "SkipUnlessUpdated"
+        return controlled(NodeDraft(keys, skips), children, here.meaning)
 
     def _sub_tree(self, here: ElementReader, name: str) -> NodeDraft:
         trees = self.document.trees
-        if name not in trees:
+        if self.document.tree(name, here.element) is None:
             here.refuse(f"there is no tree {name!r}{nearest(name, trees)} (available: {listing(trees)})")
         inside = (*here.inside, name)
         if name in here.inside:
@@ -152,12 +175,17 @@ class _Importer:
             else:
                 board.names[key] = self.variables.new(f"{board.space}_{key}")
                 self.variables.every[board.names[key]].initial = text
-        return self._root(replace(here, element=trees[name], board=board, inside=inside))
+        return self._root(here.at(trees[name], board=board, inside=inside))
 
     # --- the task ---
 
-    def result(self, made: NodeDraft, tree: str) -> Imported:
-        """Return the task of the last reading."""
+    def result(self) -> Imported:
+        """Return the task of the last reading.
+
+        Raises:
+            DocumentError: its task can't be written as a file.
+        """
+        made, tree = self.made, self.name
         inputs, data = self._declared(_mentioned(made.keys))
         task: dict[str, Any] = {"grip": model.FORMAT_VERSION, "name": node_name(tree)}
         if made.skips:
@@ -175,14 +203,17 @@ class _Importer:
         for name in (t for t in self.document.trees if t not in self.used):
             issues.add("left-out", f"<BehaviorTree> {name!r}", f"isn't used by {tree!r}, and isn't imported")
         for name in early:
-            issues.add("null-at-first", name, "may be read before it is written; it is null until then")
+            text = "may be read before it is written, where BT.CPP ends with an error; it is null until then"
+            issues.add("null-at-first", name, text)
         for name in inputs:
             issues.add("changed", name, "is read and never written; it is an input of the task")
         used = {node.node for _, node in model.walk(read.root) if isinstance(node, model.Leaf)}
-        manifests = tuple(m for m in self.leaves.settled.values() if m.id in used)
+        known = self.leaves.catalog
+        settled = [m for m in self.leaves.settled.values() if m.id in used]
+        manifests = tuple(m for m in settled if m.id not in known or known.get(m.id) != m)
         for face in self.leaves.faces.values():
             unknown = [port for port, use in face.uses.items() if use.bound and not use.declared]
-            if unknown:
+            if unknown and face.id in used:
                 text = f"no <TreeNodesModel> declares the direction of {listing(map(repr, unknown))}"
                 issues.add("incomplete", face.name, f"{text}; treated as input and output")
         return Imported({read.name: read}, tuple(issues), manifests=manifests)
@@ -214,7 +245,10 @@ class _Importer:
 
 
 def _ports(here: ElementReader) -> dict[str, str]:
-    return {k: v for k, v in here.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
+    said = {k: v for k, v in here.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
+    if here.element.tag in ("SkipUnlessUpdated", "WaitValueUpdate", "WasEntryUpdated") and "entry" in said:
+        said["entry"] = "{" + said["entry"].strip("{}") + "}"  # a key needs no braces there
+    return said
 
 
 def _mentioned(root: Keys) -> set[str]:
@@ -231,17 +265,13 @@ def _mentioned(root: Keys) -> set[str]:
 
 
 def with_nulls(task: model.Task, catalog: Catalog) -> tuple[model.Task, list[str]]:
-    """Return the task with null in the variables that only ports and Switches read too early, and their names."""
-    issues = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
-    nodes = dict(model.walk(task.root))
-    patient, strict = set[str](), set[str]()
-    for issue in issues:
-        names, mild = _read(nodes[issue.path], issue)
-        (patient if mild else strict).update(names)
-    early = [name for name in task.data if name in patient - strict]
-    null = model.Variable(type="Any", value=None)
-    data = {name: null if name in early else variable for name, variable in task.data.items()}
-    return (task.model_copy(update={"data": FrozenDict(data)}) if early else task), early
+    """Return the task with null in the variables that are read too early, and their names."""
+    null, early = model.Variable(type="Any", value=None), dict[str, None]()
+    while new := {n for n in DataFlow(TaskAnalysis(task, catalog)).missing.values() if n in task.data} - early.keys():
+        early |= dict.fromkeys(name for name in task.data if name in new)
+        data = {name: null if name in new else variable for name, variable in task.data.items()}
+        task = task.model_copy(update={"data": FrozenDict(data)})
+    return task, list(early)
 
 
 def in_order(task: dict[str, Any], catalog: Catalog) -> dict[str, Any]:
@@ -253,13 +283,3 @@ def in_order(task: dict[str, Any], catalog: Catalog) -> dict[str, Any]:
                 keys = keys.get("children", keys.get("child"))[name]
             keys["order"] = "declared"
     return task
-
-
-def _read(node: model.AnyNode, issue: Issue) -> tuple[Iterable[str], bool]:
-    """Return the variables that an issue is about, and whether their reader takes null for nothing."""
-    key = issue.key[0] if issue.key else ""
-    if isinstance(node, model.Leaf) and key == "in":
-        return [node.in_[str(issue.key[1])]], node.node != "flow/compute"
-    texts = dict(model.expressions_of(node))
-    names = parse_expression(texts[str(key)]).names if key in texts else ()
-    return names, key == "on_value" and texts["on_value"] in names

@@ -8,7 +8,7 @@ without parentheses.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from operator import add, and_, eq, ge, gt, le, lt, mul, ne, or_, sub, truediv, xor
 from typing import Any
@@ -105,6 +105,44 @@ def parse_script(text: str) -> list[Script]:
         if not parser.at_end():
             parser.expect(";")
     return statements
+
+
+def names_of(statements: list[Script]) -> tuple[list[str], list[str], set[str]]:
+    """Return the entries that a script names, each once, those that it assigns, and those that it may read."""
+    names: dict[str, None] = {}
+    assigned: dict[str, None] = {}
+    read: set[str] = set()
+
+    def look(part: object) -> None:
+        match part:
+            case Name(name=name):
+                names[name] = None
+                read.add(name)
+            case Assignment(target=target, sign=sign, value=value):
+                look(value)
+                names[target] = assigned[target] = None
+                if sign != ":=":
+                    read.add(target)
+            case Unary() | Binary() | Comparison() | Ternary():
+                for below in vars(part).values():
+                    for each in below if isinstance(below, tuple) else (below,):
+                        look(each)
+
+    for statement in statements:
+        look(statement)
+    return list(names), list(assigned), read
+
+
+def renamed(text: str, names: Mapping[str, str]) -> str:
+    """Return a script with other names for its entries."""
+    parts, at = [], 0
+    while not _SPACE.match(text, at):
+        found = _TOKEN.match(text, at)
+        assert found is not None, "it was parsed before"
+        kind, said = str(found.lastgroup), found.group(str(found.lastgroup))
+        parts.append(names.get(said, said) if kind == "name" else said)
+        at = found.end()
+    return " ".join(parts)
 
 
 def _tokens(text: str) -> list[tuple[str, str]]:

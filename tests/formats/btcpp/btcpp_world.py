@@ -93,7 +93,7 @@ class World:
         self.engine = TickEngine(self.tree.root) if by_engine else None
 
     def _make(self, path: str, node: Any, manifest: Manifest) -> Leaf:
-        if manifest.id.startswith("flow/"):
+        if manifest.implementation.startswith("grip_bt."):
             return implementation_of(path, node, manifest)
         made = Scripted(path, path, manifest, dict(node.with_), dict(node.meaning))
         made.type_name = manifest.id.partition("/")[2]

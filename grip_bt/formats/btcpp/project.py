@@ -1,0 +1,209 @@
+"""Files of a project of BehaviorTree.CPP -> tasks, and what has to be written for them: manifests, code, mocks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.yaml.tree import read_file
+from grip_bt.formats.imported import Imported, Issues, Item, Request, generated_by
+from grip_bt.formats.names import free
+from grip_bt.formats.xml_trees import Library, subtrees_of, workspace_of, xml_files
+from grip_bt.task import Task
+from grip_bt.task.catalog import Manifest
+from grip_bt.task.catalog.manifest import manifest_text
+
+from .importer import Importer
+from .leaves import Document, Leaves
+
+_MOST_READINGS = 5
+_HEADER = f"""\
+# {generated_by("btcpp")} from {{origin}}, once; it is yours to edit. Another import adds ports that it lacks.
+# The file says which ports this node has; what it does stands in leaf.py beside it, or should.
+"""
+_LEAF = '''\
+"""{name} of BehaviorTree.CPP: its code is still to be written."""
+
+import grip_bt as grip
+
+
+class {name}(grip.Leaf):
+    """{ports}"""
+
+    def initialise(self):
+        """Begin an activation, as onStart does."""
+
+    def update(self):
+        """Return `self.running()`, `self.end("success", PORT=VALUE)` or `self.fail("code", "why")`; never block."""
+        # self.params["PORT"] is a literal, self.read("PORT") the value of a variable
+        raise NotImplementedError("write the code of {name} in leaf.py")
+
+    def terminate(self, new_status):
+        """Stop what update has begun, as onHalted does, when new_status is INVALID."""
+'''
+_CONTROL = '''\
+"""{name} of BehaviorTree.CPP: what it does with its children is still to be written."""
+
+import grip_bt as grip
+
+
+class {name}(grip.Control):
+    """{ports}"""
+
+    def decide(self):
+        """Tick children: each `tick()` says running, success, failure or skipped; return one of these."""
+        # self.get("PORT") is a literal or the value of a variable, self.put("PORT", value) writes one
+        raise NotImplementedError("write the code of {name} in leaf.py")
+'''
+
+
+def read(request: Request) -> Imported:
+    """Return the tasks of an XML file, of several, or of all in a folder, with what is still to be written for them.
+
+    Raises:
+        GripError: one file can't be read, or parts of it have no exact equivalent; of several, none has a tree.
+    """
+    project = Project(request)
+    if [request.path] == project.files:
+        made = project.one(project.files[0])
+    else:
+        made = project.all()
+    return replace(made, **project.to_write(made.manifests))
+
+
+class Project:
+    """The files of one import, whose node types are known to all of them."""
+
+    def __init__(self, request: Request):
+        self.request, self.catalog = request, request.catalog()
+        paths = [request.path, *request.more]
+        found = (file for path in paths for file in (xml_files(path) if path.is_dir() else [path]))
+        self.files = list(dict.fromkeys(found))
+        self.leaves = Leaves(self.catalog, {})
+        home = request.path.resolve()
+        self.library = Library(workspace_of(home))
+        around = [self.library.root, *([request.bound] if request.bound is not None else ())]
+        self.bound = min(around, key=lambda folder: len(folder.parts))
+        if self.bound == home.parent:  # nothing says where it ends: `../common/parts.xml` belongs to it too
+            self.bound = home.parent.parent
+
+    def one(self, file: Path) -> Imported:
+        """Return the task of a file, or those of its trees that no other one holds.
+
+        Raises:
+            GripError: it can't be read, or parts of it have no exact equivalent.
+        """
+        document = self._document(file)
+        root = document.take_text(read_file(file))
+        for beside in sorted(file.resolve().parent.glob("*.xml")):
+            text = self.library.text(beside)
+            if "<TreeNodesModel" in text and "<BehaviorTree" not in text:
+                document.take_models(text, beside)
+        select = self.request.select
+        mains = [document.wanted(root, select)] if select else document.mains(root)
+        importers = self._settled([Importer(document, self.leaves, main) for main in mains])
+        for importer in importers:
+            importer.reading.issues.raise_if_refused(document.source)
+        return _together([importer.result() for importer in importers])
+
+    def all(self) -> Imported:
+        """Return the tasks of all files: one for each main tree, or for each tree that no other one holds.
+
+        Raises:
+            GripError: there is none.
+        """
+        items: list[Item] = []
+        importers: list[Importer] = []
+        documents = []
+        for file in self.files:
+            text = self.library.text(file)
+            if "<BehaviorTree" in text or "<TreeNodesModel" in text:
+                document = self._document(file)
+                try:
+                    documents.append((document, document.take_text(text)))
+                except GripError as error:
+                    items.append(_failed(file.stem, document.source, error))
+        used = {name for document, _ in documents for tree in document.trees.values() for name in subtrees_of(tree)}
+        select = self.request.select
+        for document, root in documents:
+            said = "main_tree_to_execute" in root.attributes
+            for main in document.mains(root) if document.trees else ():
+                if main == select if select else said or main not in used:
+                    importers.append(Importer(document, self.leaves, main))
+        if not importers and not items:
+            raise GripError(f"{self.request.path}: no XML file with a <BehaviorTree> to import")
+        made = []
+        for importer in self._settled(importers):
+            name, source = importer.name, importer.document.source
+            line, issues = importer.document.trees[name].line, importer.reading.issues.errors
+            if not issues:
+                try:
+                    result = importer.result()
+                    issues = result.issues
+                    made.append(replace(result, issues=()))
+                except DocumentError as error:
+                    issues = _failed(name, source, error).issues
+            items.append(Item(name, source, line, issues))
+        return replace(_together(made), items=tuple(sorted(items, key=lambda item: item.source)))
+
+    def to_write(self, manifests: Iterable[Manifest]) -> dict[str, Any]:
+        """Return the files that go with the tasks, and what somebody has to do."""
+        origin, stem, files, mocks, new = self.request.path.name, self.request.path.stem, {}, "", []
+        for each in manifests:
+            where, _, name = each.implementation.rpartition(":")
+            face = each.model_copy(update={"implementation": f"{Path(where).name}:{name}"})
+            files[f"nodes/{each.id}/manifest.yaml"] = manifest_text(face, _HEADER.format(origin=origin))
+            if each.id not in self.catalog:
+                controls = "skipped" in each.outcomes
+                ports = ", ".join(dict.fromkeys((*each.parameters, *each.inputs, *each.outputs)))
+                text = _CONTROL if controls else _LEAF
+                if not (self.request.nodes / each.id / "leaf.py").exists():
+                    said = f"Ports: {ports}." if ports else "It has no ports."
+                    files[f"nodes/{each.id}/leaf.py"] = text.format(name=name, ports=said)
+                mocks += "" if controls else f"  {each.id}: {_mock(each)}\n"
+                new.append(each.id)
+        advice = [f"write the code of {', '.join(new)}: leaf.py beside the manifest"] if new else []
+        if mocks:
+            head = f"# {generated_by('btcpp')} from {origin}: what nodes without code may do, by their type.\n"
+            files[f"mocks/{stem}.yaml"] = f"{head}mocks:\n{mocks}"
+            advice.append(f"until then: grip run TASK --mocks mocks/{stem}.yaml")
+        return {"files": files, "advice": tuple(advice)}
+
+    def _document(self, file: Path) -> Document:
+        document = Document(str(file), file.resolve().parent, self.bound, self.library)
+        document.models = self.leaves.models
+        return document
+
+    def _settled(self, importers: list[Importer]) -> list[Importer]:
+        for _ in range(_MOST_READINGS):
+            before = [importer.state() for importer in importers]
+            for importer in importers:
+                importer.read()
+            if [importer.state() for importer in importers] == before:
+                break
+        return importers
+
+
+def _mock(manifest: Manifest) -> str:
+    """Return a script that succeeds, with an empty value for each output."""
+    empty = {"int": "0", "float": "0.0", "bool": "false", "str": '""'}
+    outputs = ", ".join(f"{port}: {empty.get(out.type, 'null')}" for port, out in manifest.outputs.items())
+    return f"{{outcome: success, outputs: {{{outputs}}}}}" if outputs else "success"
+
+
+def _failed(name: str, source: str, error: GripError) -> Item:
+    issues = Issues(source)
+    issues.add("unreadable", name, str(error))
+    return Item(name, source, 1, tuple(issues))
+
+
+def _together(made: list[Imported]) -> Imported:
+    tasks: dict[str, Task] = {}
+    manifests = {each.id: each for one in made for each in one.manifests}
+    for one in made:
+        tasks |= {free(name, tasks): task for name, task in one.tasks.items()}
+    issues = tuple(dict.fromkeys(issue for one in made for issue in one.issues))
+    return Imported(tasks, issues, manifests=tuple(manifests.values()))
