@@ -68,8 +68,8 @@ def _steps(script: Script) -> list[MockStep]:
 def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple[Task, Catalog, LeafFactory]:
     """Return what to compile in place of a task so that its mocked nodes play their scripts.
 
-    A script is a node's, or that of every leaf of a type. A leaf is replaced as it is, ports and all. A container or subtask becomes one leaf with its outcomes; the outputs
-    of its script are variables around it.
+    A script is a node's, or that of every leaf of a type. A leaf is replaced as it is, ports and all. A container or
+    subtask becomes one leaf with its outcomes; the outputs of its script are variables around it.
 
     Raises:
         UnknownNameError: there is no such node, outcome, code, output or variable; it lists those that there are.
