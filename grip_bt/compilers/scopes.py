@@ -37,6 +37,11 @@ class Cell:
         self.watchers: list[Callable[[], None]] = []
         self.reset()
 
+    @property
+    def initial(self) -> Any:
+        """The value that it has when its container is entered; `UNSET` for none."""
+        return self._initial
+
     def reset(self) -> None:
         """Take the initial value again, or become unwritten."""
         self.value = self._initial if self._initial is UNSET else deepcopy(self._initial)

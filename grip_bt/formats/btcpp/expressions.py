@@ -225,10 +225,13 @@ class Scripts:
         Raises:
             ScriptError: it isn't a script.
         """
-        try:
-            return [self._statement(statement) for statement in s.parse_script(text)]
-        except Inexact:
-            return [self._as_it_is(text)]
+        made = []
+        for part, statement in zip(s.parts_of(text), s.parse_script(text), strict=True):
+            try:
+                made.append(self._statement(statement))
+            except Inexact:
+                made.append(self._as_it_is(part))
+        return made
 
     def on_halted(self, text: str, node: NodeDraft, meaning: str) -> NodeDraft:
         """Return a node after whose interruption a script is run.

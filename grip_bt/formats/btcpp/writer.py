@@ -22,10 +22,12 @@ from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import from_xml
+from .lowered import TARGET, lines, milliseconds, tag_of, tells
+from .lowering import document
 from .script_text import attribute_text, script_of
 
-TARGET = "BehaviorTree.CPP's XML"
 _CPP = {"int": "int", "float": "double", "bool": "bool", "str": "std::string", "Any": "BT::AnyTypeAllowed"}
+_TOLD = {"outcome": "the label of the end", "code": "why it failed; empty where it didn't"}
 _COMMON = {"doc", "precondition", "kind", "children", "child"}
 _KEYS: dict[type, set[str]] = {
     model.Leaf: {"node", "with_", "in_", "out"},
@@ -54,20 +56,27 @@ def to_xml(task: model.Task, catalog: Catalog) -> str:
         NotExpressibleError: the XML has no words for a part of it.
     """
     resolved = resolve(task, catalog)
+    try:
+        return _as_it_is(resolved, catalog)
+    except NotExpressibleError:
+        used: dict[str, Manifest] = {}
+        body = list(lines(document(resolved, used), 2))
+        return _file(task, body, used, lowered=True)
+
+
+def _file(task: model.Task, body: list[str], used: dict[str, Manifest], lowered: bool = False) -> str:
+    name = quoteattr(task.name)
+    head = ['<?xml version="1.0" encoding="UTF-8"?>', f'<root BTCPP_format="4" main_tree_to_execute={name}>']
+    tree = [*comment(task.doc, 1), f"  <BehaviorTree ID={name}>", *body, "  </BehaviorTree>"]
+    return "\n".join([*head, *tree, *_models(used, lowered), "</root>"]) + "\n"
+
+
+def _as_it_is(resolved: Resolved, catalog: Catalog) -> str:
+    """Return the file whose elements are the nodes of the task, which comes back as it was."""
+    task = resolved.task
     _check_task(resolved)
     used: dict[str, Manifest] = {}
-    body = list(element_lines(resolved.root, 2, lambda part: _described(part, used)))
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<root BTCPP_format="4" main_tree_to_execute={quoteattr(task.name)}>',
-        *comment(task.doc, 1),
-        f"  <BehaviorTree ID={quoteattr(task.name)}>",
-        *body,
-        "  </BehaviorTree>",
-        *_models(used),
-        "</root>",
-    ]
-    text = "\n".join(lines) + "\n"
+    text = _file(task, list(element_lines(resolved.root, 2, lambda part: _described(part, used))), used)
     try:
         back = from_xml(text, catalog, "the file that was written").task
     except (DocumentError, ImportRefusedError) as error:
@@ -86,7 +95,7 @@ def _check_task(resolved: Resolved) -> None:
     if task.outputs:
         raise NotExpressibleError("/", "outputs of a task", TARGET)
     for name, variable in (*task.inputs.items(), *task.data.items()):
-        if not isinstance(variable, str) and variable.has_value:
+        if not isinstance(variable, str) and variable.has_value and variable.value is not None:
             what = f"the initial value of the variable {name!r} (give it by `flow/set`)"
             raise NotExpressibleError("/", what, TARGET)
 
@@ -193,7 +202,7 @@ def _element(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]
         case model.Repeat(times=times):
             return "Repeat", {"num_cycles": str(-1 if times is None else times)}
         case model.Timeout(seconds=seconds):
-            return "Timeout", {"msec": _milliseconds(part, seconds)}
+            return "Timeout", {"msec": milliseconds(part, seconds)}
         case model.Switch():
             return _switch(part, node)
         case model.Invert():
@@ -230,13 +239,6 @@ def _switch(part: Part, node: model.Switch) -> tuple[str, dict[str, str]]:
     return f"Switch{len(cases)}", said
 
 
-def _milliseconds(part: Part, seconds: float) -> str:
-    milliseconds = round(seconds * 1000)
-    if milliseconds / 1000 != seconds:
-        raise NotExpressibleError(part.path, f"{seconds} s, which isn't a whole number of milliseconds,", TARGET)
-    return str(milliseconds)
-
-
 def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
     manifest = part.manifest
     assert manifest is not None, "resolved leaves have a manifest"
@@ -247,7 +249,7 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
     if node.node == "flow/fail" and not node.with_:
         return "AlwaysFailure", {}
     if node.node == "flow/wait":
-        return "Sleep", {"msec": _milliseconds(part, node.with_["seconds"])}
+        return "Sleep", {"msec": milliseconds(part, node.with_["seconds"])}
     if node.node == "flow/set" and node.out and isinstance(node.with_["value"], bool | int | float | str):
         return "Script", {"code": f"{node.out['value']} := {_script(part, repr(node.with_['value']))}"}
     if node.node == "flow/compute" and (code := _computed(part, node)) is not None:
@@ -261,12 +263,7 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
     return tag_of(manifest), said
 
 
-def tag_of(manifest: Manifest) -> str:
-    """Return the element that stands for a node of the catalogue."""
-    return manifest.id.replace("/", "__")
-
-
-def _models(used: dict[str, Manifest]) -> Iterator[str]:
+def _models(used: dict[str, Manifest], lowered: bool) -> Iterator[str]:
     if not used:
         return
     yield "  <TreeNodesModel>"
@@ -285,6 +282,8 @@ def _models(used: dict[str, Manifest]) -> Iterator[str]:
         for name, output in manifest.outputs.items():
             if name not in manifest.inputs:
                 yield _port("output_port", name, output.type, output.doc)
+        for name in ("outcome", "code") if lowered and tells(manifest) else ():
+            yield _port("output_port", name, "str", _TOLD[name])
         yield "    </Action>"
     yield "  </TreeNodesModel>"
 

@@ -133,16 +133,17 @@ def names_of(statements: list[Script]) -> tuple[list[str], list[str], set[str]]:
     return list(names), list(assigned), read
 
 
+def parts_of(text: str) -> list[str]:
+    """Return the texts of the statements of a script, which can be parsed."""
+    parts: list[list[str]] = [[]]
+    for _, said in _tokens(text):
+        parts.append([]) if said == ";" else parts[-1].append(said)
+    return [" ".join(part) for part in parts if part]
+
+
 def renamed(text: str, names: Mapping[str, str]) -> str:
     """Return a script with other names for its entries."""
-    parts, at = [], 0
-    while not _SPACE.match(text, at):
-        found = _TOKEN.match(text, at)
-        assert found is not None, "it was parsed before"
-        kind, said = str(found.lastgroup), found.group(str(found.lastgroup))
-        parts.append(names.get(said, said) if kind == "name" else said)
-        at = found.end()
-    return " ".join(parts)
+    return " ".join(names.get(said, said) if kind == "name" else said for kind, said in _tokens(text))
 
 
 def _tokens(text: str) -> list[tuple[str, str]]:
