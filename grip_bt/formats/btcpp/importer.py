@@ -18,7 +18,7 @@ from grip_bt.formats.btcpp.drafts import Board, Variables, key_of
 from grip_bt.formats.btcpp.leaves import Document, Model
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import MOST_NODES
+from grip_bt.formats.xml_trees import MOST_NODES, Element
 from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
@@ -34,6 +34,8 @@ from .leaves import Leaves, value_of_text
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
 _MOST_READINGS = 5
+_LATE = ("RetryUntilSuccessful", "Repeat", "AsyncSequence", "AsyncFallback")
+_ASKS_AGAIN = ("ReactiveSequence", "ReactiveFallback", "WhileDoElse", "Parallel", "ParallelAll", "PipelineSequence")
 _FAMILY = {"SequenceStar": "SequenceWithMemory", **{f"Switch{n}": "Switch" for n in range(2, 7)}}
 """Tag -> the control node that follows its rules, where that is called otherwise."""
 
@@ -130,8 +132,25 @@ class Importer:
                 made = self._by_its_rules(here, name, why)
         else:
             made = self._leaf(here, name)
+        if name in _ASKS_AGAIN and (late := self._late(here.element)):
+            text = "after attempts of several ticks the next one begins in the next tick, in BT.CPP in the same one"
+            here.note("changed", f"{late} is below: {text}; what is around it may be asked once more in between")
         made.name = here.attributes.get("name") or name
         return with_conditions(here, made)
+
+    def _late(self, element: Element) -> str:
+        """Return the tag of a node below that takes a tick more than BT.CPP's, or nothing."""
+        stack, seen = list(element.children), set[str]()
+        while stack:
+            below = stack.pop()
+            name = below.attributes.get("ID", "") if below.tag in (*_EXPLICIT, "SubTree") else below.tag
+            if name in _LATE:
+                return f"<{name}>"
+            if below.tag == "SubTree" and name not in seen and (tree := self.document.tree(name, below)) is not None:
+                seen.add(name)
+                stack += tree.children
+            stack += below.children
+        return ""
 
     def _leaf(self, here: ElementReader, name: str) -> NodeDraft:
         tag = here.element.tag

@@ -60,35 +60,6 @@ class PipelineSequence(Control):
         return SKIPPED if skips == len(self.below) else "success"
 
 
-class NonblockingSequence(Control):
-    """All children on every tick, in order, until one fails or all succeed in the same tick."""
-
-    def decide(self) -> str:
-        ends = []
-        for child in self.below:
-            ends.append(child.tick())
-            if ends[-1] == "failure":
-                return "failure"
-        return "running" if "running" in ends else "success"
-
-
-class PersistentSequence(Control):
-    """A sequence whose place is a variable."""
-
-    def decide(self) -> str:
-        at = int(self.get("current_child_idx"))
-        while at < len(self.below):
-            end = self.below[at].tick()
-            if end == "running":
-                return end
-            at = 0 if end == "failure" else at + 1
-            self.put("current_child_idx", at)
-            if end == "failure":
-                return end
-        self.put("current_child_idx", 0)
-        return "success"
-
-
 class RoundRobin(Control):
     """One child after the other, each time it is entered the next; it fails when all have failed."""
 
@@ -134,22 +105,6 @@ class RateController(Control):
         end = child.tick()
         if end == "success":
             self.since = now
-        return end
-
-
-class SingleTrigger(Control):
-    """The child once, until this node is reset; it fails after that."""
-
-    spent = False
-
-    def initialise(self) -> None:
-        self.spent = self.kept and self.spent
-
-    def decide(self) -> str:
-        if self.spent:
-            return "failure"
-        end = self.below[0].tick()
-        self.spent = end in ("success", "failure")
         return end
 
 

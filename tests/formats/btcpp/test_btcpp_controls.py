@@ -327,3 +327,11 @@ def test_a_port_is_taken_as_both_only_where_no_model_says_what_it_is() -> None:
     assert not any("treated as input and output" in text for text in said)
     said = [str(issue) for issue in imported("<A p='{x}'/>").issues]
     assert sum("'p'" in text and "treated as input and output" in text for text in said) == 1
+
+
+def test_an_import_says_where_a_condition_may_be_asked_once_more() -> None:
+    body = "<ReactiveSequence><A/>\n<SubTree ID='T'/></ReactiveSequence>"
+    tree = "<BehaviorTree ID='T'><RetryUntilSuccessful num_attempts='3'><B/></RetryUntilSuccessful></BehaviorTree>"
+    said = [issue for issue in imported(body, tree).issues if "asked once more" in issue.message]
+    assert [(issue.path, issue.line) for issue in said] == [("<ReactiveSequence>", 1)]
+    assert said[0].message.startswith("<RetryUntilSuccessful> is below")
