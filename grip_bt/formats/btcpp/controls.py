@@ -149,7 +149,7 @@ def _while_do_else(here: ElementReader) -> NodeDraft:
     if condition.skips:
         here.unequal("its condition may be skipped")
     if not condition.instant:
-        here.note("changed", "its condition is assumed to end in the tick in which it begins")
+        here.unequal("its condition may take several ticks, in which the running child isn't ticked")
     if len(children) == 2:
         return container("sequence", named(children), here.meaning, memory=False)
     holds = here.variable("holds", "bool", False)

@@ -68,10 +68,8 @@ class _Writer:
             case ast.Constant(value=int() | float() as value):
                 return repr(value)
             case ast.Constant(value=str() as value) if value.isascii() and value.isprintable():
-                if "'" not in value:
+                if "'" not in value:  # there is no other quote, and no escape
                     return f"'{value}'"
-                if '"' not in value:
-                    return f'"{value}"'
             case ast.Name(id=name) if isinstance(CONSTANTS.get(name), bool):
                 return name
             case ast.Name(id=name) if name not in CONSTANTS:
