@@ -26,6 +26,8 @@ export const GROUPS: Record<string, string> = {
   component: "External components",
   messages: "Named messages",
   ros: "ROS topics, frames, parameters",
+  btcpp: "BehaviorTree.CPP",
+  nav2: "Nav2",
   tasks: "Tasks of the project",
 };
 

@@ -20,6 +20,8 @@ export const GROUP_SHAPES: Record<string, JSX.Element> = {
   component: <path d="M5.5 1.5v4M10.5 1.5v4M3.5 5.5h9V8a4.5 4.5 0 0 1-9 0zM8 12.5V15" />,
   messages: <path d="M2 3.500h12v9H2zM2 4l6 5 6-5" />,
   ros: <path d="M3 3.500v.01M3 8v.01M3 12.500v.01M8 3.500v.01M8 8v.01M8 12.500v.01M13 3.500v.01M13 8v.01M13 12.500v.01" strokeWidth="3" strokeLinecap="round" />,
+  btcpp: <path d="M6.5 2h3v3h-3zM2 11h3v3H2zM11 11h3v3h-3zM8 5v3M3.500 11V8h9v3" />,
+  nav2: <path d="M8 1.500l5 12.500-5-3-5 3z" />,
 };
 
 /** A kind as the server draws it; a leaf by its group. */
