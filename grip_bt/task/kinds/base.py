@@ -315,7 +315,7 @@ class Kind(BaseNode):
     def expressions(self) -> Iterator[tuple[str, str]]:
         """Yield the key and text of each expression over the variables that it sees, its own among them."""
         for field in (*self.conditions, *self.values):
-            if getattr(self, field):
+            if getattr(self, field) or type(self).model_fields[field].is_required():
                 yield field.rstrip("_"), getattr(self, field)
 
     def taken(self) -> Iterator[tuple[str, str, str]]:

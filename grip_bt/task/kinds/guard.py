@@ -20,7 +20,7 @@ class Guard(Decorator):
     codes: ClassVar[tuple[str, ...]] = ("guard",)
     conditions: ClassVar[tuple[str, ...]] = ("if_",)
     kind: Literal["guard"]
-    if_: str = Field(alias="if", min_length=1)
+    if_: str = Field(alias="if")
     """An expression over variables."""
 
     @property

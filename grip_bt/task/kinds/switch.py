@@ -26,7 +26,7 @@ class Switch(Composite):
     codes: ClassVar[tuple[str, ...]] = ("no_case",)
     values: ClassVar[tuple[str, ...]] = ("on_value",)
     kind: Literal["switch"]
-    on_value: str = Field(min_length=1)
+    on_value: str
     """An expression over variables."""
     cases: FrozenDict[str, Case | list[Case]]
     """Child -> the literal, or one of the literals, for which it is taken."""
