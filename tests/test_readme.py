@@ -15,8 +15,8 @@ TEXT = (ROOT / "README.md").read_text()
 COMMANDS = [line for line in re.findall(r"^(?:\.venv/bin/)?grip .*", TEXT, re.MULTILINE)]
 
 
-def test_it_has_at_most_500_words():
-    assert len(TEXT.split()) <= 500
+def test_it_has_at_most_400_words():
+    assert len(TEXT.split()) <= 400
 
 
 @pytest.mark.parametrize("line", COMMANDS)
