@@ -15,7 +15,7 @@ for (const colorScheme of ["light", "dark"]) {
       await pick("machine");
       for (const view of ["Flow", "Split", "Text"]) {
         await button(view).click();
-        await page.locator({ Flow: ".flow .ports", Split: ".react-flow", Text: ".cm-content" }[view]).first().waitFor();
+        await page.locator({ Flow: ".flow .port", Split: ".react-flow", Text: ".cm-content" }[view]).first().waitFor();
         await check(page, `${colorScheme}, ${view}`);
       }
       // The panel that looks for words in the text has the page's colours: what it says can be read.

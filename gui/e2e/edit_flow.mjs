@@ -41,6 +41,7 @@ await onPage(url, async (page, { answer, button, choose, dragUntil, fileIs, item
   await port("machine/a", "success").dragTo(box("machine/fail").locator(".react-flow__handle-left"));
   await page.waitForFunction(() => document.querySelector('.flow .react-flow__edge[data-id="machine/a.success"]')?.getAttribute("aria-label")?.includes("machine/fail") ?? false);
   await page.keyboard.press("Control+z");
+  await page.waitForFunction(() => document.querySelector('.flow .react-flow__edge[data-id="machine/a.success"]')?.getAttribute("aria-label")?.includes("machine/b") ?? false);
 
   // The start, by dragging its mark.
   await page.locator(".flow .start-node .react-flow__handle").dragTo(box("machine/b").locator(".react-flow__handle-left"));

@@ -64,7 +64,7 @@ await onPage(url, async (page, { answer, button, choose, fileIs, pick }) => {
   const options = page.locator(".bar summary");
   await options.click();
   await page.getByLabel("Seed").fill("7");
-  await page.getByLabel("As").selectOption("sm");
+  await choose("As", "sm");
   await check(page, "options of a run");
   await page.keyboard.press("Escape");
   await options.getByText("machine, seed 7").waitFor();

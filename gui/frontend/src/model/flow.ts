@@ -102,12 +102,13 @@ export function subtitleOf(node: NodeView): string {
   return node.children.length > 0 ? `${kind}: ${node.children.length} inside` : kind;
 }
 
+/** An outcome that leads nowhere has its name in the box: it is what one drags. */
+export const freeWidth = (ports: readonly Port[]): number => Math.max(0, ...ports.filter((port) => !port.led).map((port) => textWidth(port.outcome, 12) + 30));
+
 function sizeOf(node: NodeView, ports: readonly Port[]): { width: number; height: number } {
   const head = textWidth(node.name, 13) + (node.children.length > 0 ? 96 : 74);
   const wide = Math.min(WIDEST, Math.max(132, head, textWidth(subtitleOf(node), 12) + 40));
-  // An outcome that leads nowhere has its name in the box: it is what one drags.
-  const free = Math.max(0, ...ports.filter((port) => !port.led).map((port) => textWidth(port.outcome, 12) + 30));
-  return { width: wide + free, height: Math.max(FLOW_HEAD + 2, LEAD + (ports.length - 1) * PORT_HEIGHT + 17) };
+  return { width: wide + freeWidth(ports), height: Math.max(FLOW_HEAD + 2, LEAD + (ports.length - 1) * PORT_HEIGHT + 17) };
 }
 
 /** @param without whether what is around has no edges, so that no outcome waits for one. */

@@ -53,6 +53,7 @@ export function Foot(): JSX.Element {
             </button>
           ))}
         </div>
+        {foot === "problems" && problems === 0 && <span className="hint none">No problems.</span>}
         <output className="said" aria-live="polite" aria-label="What was done" title={said}>
           {said}
         </output>
@@ -62,7 +63,6 @@ export function Foot(): JSX.Element {
       </div>
       <div id="foot-panel" role="tabpanel" aria-labelledby={`tab-${foot}`} className={`foot-panel foot-${foot}`}>
         {foot === "problems" && problems > 0 && !hidden && <Problems />}
-        {foot === "problems" && problems === 0 && <h2 className="hidden">Problems: no errors, no warnings</h2>}
         {foot === "run" && !hidden && (
           <>
             <TimeLine />

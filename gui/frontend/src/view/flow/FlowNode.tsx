@@ -2,7 +2,7 @@
 import { BaseEdge, EdgeLabelRenderer, type EdgeProps, getSmoothStepPath, Handle, type NodeProps, Position } from "@xyflow/react";
 import type { JSX } from "react";
 
-import { type FlowItem, LEAD, PORT_HEIGHT, subtitleOf } from "../../model/flow";
+import { type FlowItem, freeWidth, LEAD, PORT_HEIGHT, subtitleOf } from "../../model/flow";
 import type { Point } from "../../model/layout";
 import { statusText } from "../../model/words";
 import { IDLE } from "../../model/status";
@@ -41,7 +41,7 @@ export function FlowNode({ data }: NodeProps): JSX.Element {
         {lensMark(node, lens)}
         {form && !form.both && <span className="form-badge" title={form.reason}>~</span>}
       </div>
-      <div className="flow-sub">
+      <div className="flow-sub" style={{ paddingInlineEnd: freeWidth(item.ports) }}>
         <NodeSub node={node} what={subtitleOf(node)} />
         <span className={`badge phase-${status.phase}`}>
           <PhaseIcon phase={status.phase} />
