@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from math import isfinite
 from typing import Any, TypeAlias
 
 from grip_bt.base.errors import listing, nearest
@@ -161,6 +162,8 @@ _PYTHON: dict[str, tuple[type, ...]] = {
 def _reason(type_: Type, value: Any, where: str) -> str | None:
     if type_.name == "Any" or (value is None and (type_.optional or type_.name == "None")):
         return None
+    if type_.name == "Pose" and isinstance(value, Mapping):
+        return _reason_of_pose(value, where)
     if not _is_a(type_.name, value):
         shown = repr(value)
         shown = shown if len(shown) <= 40 else shown[:37] + "..."
@@ -176,6 +179,33 @@ def _reason(type_: Type, value: Any, where: str) -> str | None:
                 return f"the key {key!r} of {where or 'it'} is a {type(key).__name__}, not a str"
         pairs = ((f"{where}[{key!r}]", item) for key, item in value.items())
     return next((r for at, item in pairs if (r := _reason(type_.item, item, at))), None)
+
+
+_POSE = {"position": 3, "quaternion": 4}
+"""What a pose is written as, besides its `frame`: numbers of each."""
+
+
+def _reason_of_pose(value: Mapping[str, Any], where: str) -> str | None:
+    """Return why a mapping isn't a pose: `{position: [x, y, z], quaternion: [w, x, y, z], frame: world}`."""
+    for key, given in value.items():
+        at = f"{where}.{key}" if where else f"{key!r} of it"
+        if key == "frame" and not isinstance(given, str):
+            return f"{at} is {given!r}, not the name of a frame"
+        if key not in ("frame", *_POSE):
+            return f"{at} is nothing of a pose (available: position, quaternion, frame){nearest(str(key), _POSE)}"
+        if key in _POSE and not _are_numbers(given, _POSE[key]):
+            return f"{at} is {given!r}, not {_POSE[key]} numbers"
+    if "position" not in value:
+        return f"{where or 'it'} is a pose without a `position`"
+    return None if any(value.get("quaternion", (1,))) else f"the quaternion of {where or 'it'} has a length of zero"
+
+
+def _are_numbers(value: object, count: int) -> bool:
+    return (
+        isinstance(value, list | tuple)
+        and len(value) == count
+        and all(isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in value)
+    )
 
 
 def _is_a(name: str, value: object) -> bool:

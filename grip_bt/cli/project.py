@@ -6,10 +6,12 @@ import argparse
 import shlex
 import signal
 import sys
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from grip_bt.app.project.folder import make_project
-from grip_bt.base.errors import DocumentError
+from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.cli.parser import add_no_code
@@ -20,15 +22,56 @@ from grip_bt.task import fmt
 def add_new(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument("folder", metavar="DIR", help="a new or empty folder")
+    parser.add_argument(
+        "--robot",
+        metavar="PATH|NAME",
+        help="whose project it is: a ready-made robot, a robot's file, a MoveIt configuration package (its folder or "
+        "name), or a workspace that holds some (default: panda_allegro, at a table)",
+    )
+    parser.add_argument(
+        "--configuration", metavar="NAME", action="append", default=[], help="which one, where the robot has several"
+    )
     parser.set_defaults(run=_run_new)
 
 
 def _run_new(args: argparse.Namespace) -> int:
-    written = make_project(args.folder)
+    files = _files_of_robot(args) if args.robot is not None else None
+    written = make_project(args.folder, files)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
     folder = shlex.quote(args.folder)
     print(f"next: grip run {folder}/tasks/first.yaml --robot fake, or `grip edit {folder}`")
     return 0
+
+
+def _files_of_robot(args: argparse.Namespace) -> dict[str, str]:
+    from grip_bt.app.project.new_robot import new_robot  # it takes the extra `motion`
+
+    made = new_robot(args.robot, Path(args.folder), partial(_chosen, args.configuration))
+    told = {finding.code: finding for finding in reversed(made.findings)}
+    for finding in told.values():
+        count = sum(other.code == finding.code for other in made.findings)
+        print(f"{finding}{f' (and {count - 1} more like it)' if count > 1 else ''}")
+    return {"grip.yaml": made.grip, "tasks/first.yaml": fmt(made.task, "first.yaml")}
+
+
+def _chosen(given: list[str], question: str, names: Sequence[str]) -> str:
+    """Return what `--configuration` names, what is answered at a terminal, or the first, which is said."""
+    for name in given:
+        if name in names:
+            return name
+    if given and not any("/" in name for name in names):
+        raise UnknownNameError("configuration", given[-1], names)
+    if sys.stdin.isatty() and sys.stdout.isatty():
+        for number, name in enumerate(names, 1):
+            print(f"{number:3}  {name}")
+        answer = input(f"{question}; which one? [1] ").strip() or "1"
+        return (
+            names[int(answer) - 1]
+            if answer.isdigit() and 0 < int(answer) <= len(names)
+            else _chosen([answer], question, names)
+        )
+    print(f"{question}: {names[0]} is taken; others, for --configuration: {', '.join(names[1:])}")
+    return names[0]
 
 
 def add_fmt(parser: argparse.ArgumentParser) -> None:

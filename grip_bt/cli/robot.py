@@ -6,6 +6,8 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 from grip_bt.base.errors import GripError
 from grip_bt.commanders.description.files import Finding
@@ -38,6 +40,15 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
             "--package", metavar="NAME=FOLDER", action="append", default=[], help="where a package lies, for package://"
         )
         each.add_argument("--json", action="store_true", help="print one JSON object")
+    check.add_argument(
+        "--run",
+        dest="on",
+        choices=("fake", "sim"),
+        action="append",
+        default=[],
+        help="move it, too: its named states, a pose, a line and its hands, as the first task of `grip new --robot`",
+    )
+    check.add_argument("--keep", metavar="DIR", type=Path, help="with --run: keep the project that is made for it")
     check.set_defaults(run=_run_check, usage_error=check.error)
     show.set_defaults(run=_run_show, usage_error=show.error)
     listed = verbs.add_parser("list", help="the ready-made robots")
@@ -49,13 +60,40 @@ def _run_check(args: argparse.Namespace) -> int:
     inspected = _inspected(args)
     findings = [*inspected.findings, *_of_model(inspected)]
     wrong = sum(finding.severity == "error" for finding in findings)
+    runs = [] if wrong or not args.on else _tried(args)
+    wrong += sum(run["status"] != "success" for run in runs)
     if args.json:
-        print(json.dumps({"robot": args.robot, "findings": [f.as_dict() for f in findings]}, indent=2))
+        found = {"robot": args.robot, "findings": [f.as_dict() for f in findings], "runs": runs}
+        print(json.dumps(found, indent=2))
         return int(wrong > 0)
     for finding in findings:
         print(finding)
-    print(f"{args.robot}: {counted(wrong, len(findings) - wrong)}")
+    for run in runs:
+        print(f"{run['on']}: {run['status']}{': ' if run['said'] else ''}{run['said']}; {', '.join(run['nodes'])}")
+    print(f"{args.robot}: {counted(wrong, len(findings) - sum(f.severity == 'error' for f in findings))}")
     return int(wrong > 0)
+
+
+def _tried(args: argparse.Namespace) -> list[dict[str, Any]]:
+    """Make a project for the robot, and run its first task on what `--run` names."""
+    from grip_bt.app.project.folder import make_project
+    from grip_bt.app.project.new_robot import new_robot
+    from grip_bt.app.runs.execute import run
+    from grip_bt.task import fmt, load
+    from grip_bt.task.model import children_of
+
+    with TemporaryDirectory(prefix="grip_robot_") as own:
+        folder = args.keep or Path(own) / "project"
+        made = new_robot(args.robot, folder, lambda question, names: names[0])
+        make_project(folder, {"grip.yaml": made.grip, "tasks/first.yaml": fmt(made.task, "first.yaml")})
+        task = folder / "tasks" / "first.yaml"
+        nodes = list(children_of(load(task).root))
+        runs = []
+        for on in dict.fromkeys(args.on):
+            result = run(task, robot=on)
+            said = result.failure or result.error
+            runs.append({"on": on, "status": result.status, "said": "" if said is None else str(said), "nodes": nodes})
+    return runs
 
 
 def _run_show(args: argparse.Namespace) -> int:

@@ -19,7 +19,7 @@ from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.base.issue import Issue
 from grip_bt.compilers.resolve import Part, Resolved
-from grip_bt.compilers.scopes import UNSET, Scope, Scopes
+from grip_bt.compilers.scopes import UNSET, Scope, Scopes, written
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.condition import Condition
 from grip_bt.nodes.leaf import Leaf
@@ -172,7 +172,7 @@ def variables_of(part: Part, scopes: Scopes) -> tuple[Callable[[], None] | None,
             for port, read in inputs.items():
                 writers[port](read())
             for port, literal in node.with_.items():
-                writers[port](deepcopy(literal))
+                writers[port](written(inside.cell(port).parsed, deepcopy(literal)))
 
     def leave() -> None:
         with _errors_of(path):

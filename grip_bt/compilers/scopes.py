@@ -11,7 +11,8 @@ from copy import deepcopy
 from typing import Any
 
 from grip_bt.base.errors import DataError
-from grip_bt.task.catalog import check_value, parse_type
+from grip_bt.base.values import Pose
+from grip_bt.task.catalog import Type, check_value, parse_type
 from grip_bt.task.model import Variable
 
 
@@ -24,6 +25,17 @@ UNSET = _Unset()
 """The value of a variable that hasn't been written."""
 
 
+def written(type_: Type, literal: Any) -> Any:
+    """Return the value that a literal of a task file stands for: itself, or a pose."""
+    if type_.name == "Pose" and isinstance(literal, Mapping):
+        return Pose(**literal)
+    if type_.item is not None and isinstance(literal, list):
+        return [written(type_.item, each) for each in literal]
+    if type_.item is not None and isinstance(literal, dict):
+        return {key: written(type_.item, each) for key, each in literal.items()}
+    return literal
+
+
 class Cell:
     """One variable of one scope."""
 
@@ -32,7 +44,7 @@ class Cell:
     def __init__(self, name: str, declared: Variable | str):
         variable = Variable(type=declared) if isinstance(declared, str) else declared
         self.name, self.type, self.parsed = name, variable.type, parse_type(variable.type)
-        self._initial: Any = variable.value if variable.has_value else UNSET
+        self._initial: Any = written(self.parsed, variable.value) if variable.has_value else UNSET
         self.value: Any = UNSET
         self.watchers: list[Callable[[], None]] = []
         self.reset()

@@ -7,7 +7,7 @@ from grip_bt.cli.__main__ import main
 BAD = """<robot name="r">
 <link name="base"><collision><geometry><mesh filename="package://nowhere/a.stl"/></geometry></collision></link>
 <link name="arm"><collision><geometry><mesh filename="b.stl"/></geometry></collision></link>
-<joint name="j" type="revolute"><parent link="base"/><child link="arm"/></joint>
+<joint name="j" type="revolut"><parent link="base"/><child link="arm"/></joint>
 </robot>
 """
 
@@ -19,25 +19,25 @@ def bad(tmp_path):
     return str(path)
 
 
-def test_check_names_every_missing_mesh_package_and_limit_and_ends_with_1(bad, capsys):
+def test_check_names_every_missing_mesh_package_and_odd_joint_and_ends_with_1(bad, capsys):
     assert main(["robot", "check", bad]) == 1
     said = capsys.readouterr().out.splitlines()
     assert [line.split("] ")[0].split("[")[1] for line in said[:-1]] == [
         "missing-package",
         "missing-mesh",
-        "missing-limit",
+        "joint-type",
     ]
-    assert said[0].startswith(f"{bad}:2: error [missing-package] mesh 'package://nowhere/a.stl' of link 'base'")
-    assert said[-1] == f"{bad}: 3 errors"
+    assert said[0].startswith(f"{bad}:2: warning [missing-package] link 'base': mesh 'package://nowhere/a.stl'")
+    assert said[-1] == f"{bad}: 1 error, 2 warnings"
 
 
 def test_check_as_json_has_the_same_findings(bad, capsys):
     assert main(["robot", "check", bad, "--json"]) == 1
     found = json.loads(capsys.readouterr().out)["findings"]
     assert [(f["severity"], f["code"], f["line"]) for f in found] == [
-        ("error", "missing-package", 2),
-        ("error", "missing-mesh", 3),
-        ("error", "missing-limit", 4),
+        ("warning", "missing-package", 2),
+        ("warning", "missing-mesh", 3),
+        ("error", "joint-type", 4),
     ]
 
 
@@ -45,7 +45,7 @@ def test_check_takes_packages_and_a_mesh_that_is_no_mesh_is_an_error_too(tmp_pat
     (tmp_path / "meshes").mkdir()
     (tmp_path / "meshes" / "a.stl").write_text("this is no mesh")
     path = tmp_path / "r.urdf"
-    path.write_text(BAD.replace("nowhere", "here").replace("b.stl", "meshes/a.stl").replace("revolute", "fixed"))
+    path.write_text(BAD.replace("nowhere", "here").replace("b.stl", "meshes/a.stl").replace("revolut", "fixed"))
     assert main(["robot", "check", str(path), "--package", f"here={tmp_path / 'meshes'}"]) == 1
     assert "error [bad-model]" in capsys.readouterr().out
 
@@ -78,7 +78,7 @@ def test_show_as_json_and_of_a_wrong_robot(bad, capsys):
         "parent_group": "arm",
     }
     assert main(["robot", "show", bad]) == 1
-    assert "missing-limit" in capsys.readouterr().err
+    assert "joint-type" in capsys.readouterr().err
 
 
 def test_an_unknown_robot_lists_the_ready_made_ones_and_list_does_so_too(capsys):

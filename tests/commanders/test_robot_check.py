@@ -17,21 +17,8 @@ URDF_FAULTS = [
     (('type="prismatic"', 'type="slides"'), "joint-type", "unknown type 'slides'.*prismatic"),
     (('<parent link="l2"/>', '<parent link="l22"/>'), "unknown-link", "parent of joint 'j3' is link 'l22'.*'l2'"),
     (('<child link="l2"/>', ""), "unknown-link", "child of joint 'j2' is no link"),
-    ((J1, '<axis xyz="0 0 1"/>'), "missing-limit", r"joint 'j1' has no <limit>; add .*\[rad\]"),
-    ((J1, '<limit velocity="1"/>'), "missing-limit", "it lacks lower and upper"),
-    ((J1, '<limit lower="1" upper="-1" velocity="1"/>'), "missing-limit", "lower 1 isn't below upper -1"),
     ((J1, J1.replace("2.8", "nan")), "bad-number", "lower='-nan' of <limit> has to be a finite number"),
-    ((J1, J1.replace("0 0 1", "0 0 0")), "zero-axis", "the axis of joint 'j1' is 0 0 0"),
     (('xyz="0 0 0.2"', 'xyz="0 0 NaN"'), "bad-number", "xyz='0 0 NaN' of <origin> has to be 3 finite numbers"),
-    ((MASS, '<mass value="-1"/>'), "bad-inertia", "link 'base' has a mass of -1 kg"),
-    ((MASS, ""), "bad-inertia", "<inertial> of link 'base' has no <mass>"),
-    (('<cylinder radius="0.06" length="0.1"/>', "<cone/>"), "bad-shape", "has <cone>; it has to be one of: box"),
-    (
-        ('<cylinder radius="0.06"', '<cylinder radius="0"'),
-        "bad-shape",
-        "the radius of a cylinder of link 'base' is '0'",
-    ),
-    (('joint="slide_left"', 'joint="slide_lefd"'), "unknown-joint", "mimics 'slide_lefd'.*'slide_left'"),
     (('joint="slide_left"', 'joint="slide_right"'), "cycle", "mimics itself through a chain"),
     (
         ('<parent link="base"/>', '<parent link="l6"/>'),
@@ -41,6 +28,70 @@ URDF_FAULTS = [
     (('<child link="l5"/>', '<child link="l4"/>'), "two-parents", "link 'l4' has two parent joints"),
     (('<child link="l5"/>', '<child link="l4"/>'), "two-roots", "these links have no parent: base, l5"),
 ]
+
+
+SHAPE = '<cylinder radius="0.06" length="0.1"/>'
+MENDED = [
+    (
+        J1,
+        '<axis xyz="0 0 1"/>',
+        "missing-limit",
+        r"no <limit>; -3.142 ... 3.142 rad are taken; add .*\[rad\]",
+        'lower="-3.14',
+    ),
+    (
+        J1,
+        '<limit velocity="1"/>',
+        "missing-limit",
+        "it lacks lower and upper .*; it is held still",
+        'name="j1" type="fixed"',
+    ),
+    (
+        J1,
+        '<limit lower="1" upper="-1"/>',
+        "missing-limit",
+        "lower 1 isn't below .*they are swapped",
+        'lower="-1.0" upper="1.0"',
+    ),
+    (
+        J1,
+        J1.replace("0 0 1", "0 0 0"),
+        "zero-axis",
+        "axis of joint 'j1' is 0 0 0; it is held",
+        'name="j1" type="fixed"',
+    ),
+    (
+        MASS,
+        '<mass value="-1"/>',
+        "no-mass",
+        "'base' has a mass of -1 kg; its <inertial> is left out",
+        'name="base"><collision',
+    ),
+    (MASS, "", "no-mass", "<inertial> of link 'base' has no <mass>; it is left out", 'name="base"><collision'),
+    (SHAPE, "<cone/>", "bad-shape", "has <cone>, none of: box.*; it is left out", "</inertial></link>"),
+    (
+        SHAPE,
+        SHAPE.replace("0.06", "0"),
+        "bad-shape",
+        "radius of a cylinder of link 'base' is '0'; it is",
+        "</inertial></link>",
+    ),
+    (
+        'joint="slide_left"',
+        'joint="slide_lefd"',
+        "unknown-joint",
+        "mimics 'slide_lefd'.*'slide_left'.* leads itself",
+        "</joint>",
+    ),
+    (
+        'joint="slide_left"',
+        'joint="wrist_to_palm"',
+        "fixed-leader",
+        "which never moves; it is held",
+        'slide_right" type="fixed"',
+    ),
+]
+"""What vendors ship -> what it is called, what is said, and what becomes of it."""
 
 
 def inspected(folder, text=None, srdf=SRDF):
@@ -59,6 +110,16 @@ def test_every_fault_of_a_urdf_is_told_with_its_place(tmp_path, change, code, sa
     assert mine
     assert any(re.search(says, f.message) for f in mine), mine
     assert all(f.source.endswith("r.urdf") and f.line is not None for f in mine)
+
+
+@pytest.mark.parametrize(("old", "new", "code", "says", "becomes"), MENDED)
+def test_what_vendors_ship_is_put_right_by_a_rule_and_told(tmp_path, old, new, code, says, becomes):
+    found = inspected(tmp_path, urdf().replace(old, new, 1))
+    (told,) = [f for f in found.findings if f.code == code]
+    assert told.severity == "warning"
+    assert re.search(says, told.message)
+    assert told.line is not None
+    assert becomes in found.description.urdf
 
 
 @pytest.mark.parametrize("velocity", ["", ' velocity="0"'])
@@ -81,8 +142,8 @@ def test_a_link_without_inertia_gets_that_of_a_small_ball_and_it_is_told(tmp_pat
 def test_an_end_effector_of_a_group_that_is_not_there_is_left_out_and_told(tmp_path):
     ghost = '<end_effector name="ghost" parent_link="l6" group="nothing"/></robot>'
     found = inspected(tmp_path, srdf=SRDF.replace("</robot>", ghost))
-    (told,) = [f for f in found.findings if f.code == "unknown-end"]
-    assert "'ghost' names groups that aren't there: nothing; it is left out" in told.message
+    (told,) = [f for f in found.findings if f.code == "unknown-group"]
+    assert "'ghost': there is no group 'nothing'; it is left out" in told.message
     assert "ghost" not in [end.name for end in found.description.end_effectors]
 
 
@@ -90,7 +151,7 @@ def test_all_faults_are_told_at_once_each_on_its_line(tmp_path):
     text = urdf().replace(J1, "").replace(MASS, '<mass value="-1"/>').replace('name="l2"', 'name="l1"')
     found = inspected(tmp_path, text)
     codes = {f.code for f in found.findings}
-    assert {"missing-limit", "bad-inertia", "double-name", "unknown-link"} <= codes
+    assert {"missing-limit", "no-mass", "double-name", "unknown-link"} <= codes
     lines = text.splitlines()
     (missing,) = [f for f in found.findings if f.code == "missing-limit"]
     assert 'name="j1"' in lines[missing.line - 1]
@@ -127,18 +188,30 @@ def test_all_faults_are_told_at_once_each_on_its_line(tmp_path):
             "unknown-joint",
             "state 'home' of group 'manipulator'.*'j9'",
         ),
-        ('value="1.2"', 'value="nan"', "bad-file", "position of joint 'j5' has to be one finite number, not 'nan'"),
         ('group="manipulator">', 'group="arm">', "unknown-group", "named states: there is no group 'arm'"),
-        ('<group name="all">', '<group name="gripper">', "bad-file", "two groups are called 'gripper'"),
-        ("</robot>", "", "bad-file", "isn't well-formed XML: no element found"),
-        ("<robot name", "<robo name", "bad-file", "mismatched tag"),
+        ('<group name="all">', '<group name="gripper">', "double-name", "two groups are called 'gripper'; the first"),
     ],
 )
-def test_every_fault_of_an_srdf_is_told(tmp_path, old, new, code, says):
+def test_what_an_srdf_names_that_is_not_there_is_left_out_and_told(tmp_path, old, new, code, says):
     assert old in SRDF
     found = inspected(tmp_path, srdf=SRDF.replace(old, new))
-    assert found.description is None
     assert any(f.code == code and re.search(says, f.message) for f in found.findings), found.findings
+    assert {f.severity for f in found.findings} == {"warning"}
+    assert "manipulator" in found.description.groups
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('value="1.2"', 'value="nan"', "position of joint 'j5' has to be one finite number, not 'nan'"),
+        ("</robot>", "", "isn't well-formed XML: no element found"),
+        ("<robot name", "<robo name", "mismatched tag"),
+    ],
+)
+def test_an_srdf_that_cannot_be_read_is_an_error(tmp_path, old, new, says):
+    found = inspected(tmp_path, srdf=SRDF.replace(old, new))
+    assert found.description is None
+    assert any(f.code == "bad-file" and re.search(says, f.message) for f in found.findings), found.findings
 
 
 def test_what_can_be_lived_with_is_a_warning_and_the_robot_is_there(tmp_path):
@@ -155,12 +228,20 @@ def test_what_can_be_lived_with_is_a_warning_and_the_robot_is_there(tmp_path):
         ("meshes/arm.stl", "missing-mesh", r"link 'base': there is no mesh 'meshes/arm.stl' \(looked for /"),
         ("package://nowhere/arm.stl", "missing-package", "package 'nowhere' isn't available"),
         ("meshes/arm.step", "mesh-format", "isn't one of: .dae, .obj, .ply, .stl"),
+        ("pointer.stl", "missing-mesh", "wasn't downloaded: .* is a pointer of Git LFS, or empty"),
     ],
 )
-def test_a_missing_mesh_is_named(tmp_path, mesh, code, says):
-    (found,) = [f for f in inspected(tmp_path, urdf(mesh=mesh)).findings if f.severity == "error"]
-    assert found.code == code
-    assert re.search(says, found.message)
+@pytest.mark.parametrize("seen", [False, True])
+def test_the_mesh_that_is_seen_takes_the_place_of_one_that_is_missing(tmp_path, mesh, code, says, seen):
+    (tmp_path / "pointer.stl").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\n")
+    (tmp_path / "seen.stl").write_text("solid s\nendsolid s\n")
+    visual = '<visual><geometry><mesh filename="seen.stl"/></geometry></visual></link>' if seen else "</link>"
+    found = inspected(tmp_path, urdf(mesh=mesh).replace("</link>", visual, 1))
+    (told,) = found.findings
+    assert (told.severity, told.code) == ("warning", code)
+    assert re.search(says, told.message)
+    assert ("the mesh that is seen is taken" if seen else "left out, and nothing keeps clear of it") in told.message
+    assert ("<collision><geometry><mesh" in found.description.urdf) == seen
 
 
 def test_a_mesh_that_is_only_seen_may_be_missing(tmp_path):
@@ -188,8 +269,8 @@ def test_what_is_no_urdf_at_all_is_told_too(tmp_path, text, says):
 
 
 def test_loading_a_wrong_robot_raises_all_of_its_errors(tmp_path):
-    (tmp_path / "r.urdf").write_text(urdf().replace(J1, "").replace(MASS, '<mass value="-1"/>'))
-    with pytest.raises(InvalidRobotError, match=r"(?s)can't be used.*missing-limit.*") as error:
+    (tmp_path / "r.urdf").write_text(urdf().replace('name="l2"', 'name="l1"').replace('"prismatic"', '"slides"'))
+    with pytest.raises(InvalidRobotError, match=r"(?s)can't be used.*joint-type.*") as error:
         load_robot("r.urdf", tmp_path)
     assert len(error.value.findings) > 2
 

@@ -6,7 +6,7 @@ from robot_files import description_package, moveit_package
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.cli.shell import make_parser
-from grip_bt.commanders.description import check_urdf, from_files, load, srdf
+from grip_bt.commanders.description import check_urdf, from_files, guessed, load, srdf
 from grip_bt.commanders.description import moveit_package as moveit
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.description.robot import RobotDescription
@@ -48,7 +48,7 @@ def test_the_commands_are_commands(line):
 def test_every_ready_made_robot_and_every_code_is_listed():
     told = set(re.findall(r"`([a-z0-9_]+)`", TEXT.split("## Ready-made")[1].split("## From files")[0]))
     assert set(ROBOTS) <= told
-    modules = (check_urdf, srdf, load, moveit, from_files)
+    modules = (check_urdf, srdf, load, moveit, from_files, guessed)
     codes = set(re.findall(r'"([a-z]+-[a-z]+)"', "".join(Path(m.__file__).read_text() for m in modules)))
     listed = set(re.findall(r"`([a-z-]+)`", TEXT.split("## What is checked")[1]))
     assert codes <= listed

@@ -4,13 +4,12 @@ import yaml
 from robot_files import JOINTS, SRDF, description_package, moveit_package, urdf
 
 from grip_bt.app.project.folder import ProjectFile
-from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
+from grip_bt.base.errors import InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.expansion import expand
 from grip_bt.commanders.description.files import noting_files
-from grip_bt.commanders.description.from_files import expand
 from grip_bt.commanders.description.load import inspect_robot, load_robot
-from grip_bt.commanders.description.moveit_package import read_package
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.kinematics.model import RobotModel
 
@@ -90,9 +89,7 @@ def test_a_moveit_package_of_either_layout_makes_a_robot(tmp_path, ros):
 
 def test_what_becomes_of_a_moveit_packages_sensors_is_said_with_what_to_declare(tmp_path):
     description_package(tmp_path)
-    (found,) = [
-        f for f in read_package(moveit_package(tmp_path, 2), Packages()).findings if f.code == "sensor-not-read"
-    ]
+    (found,) = [f for f in inspect_robot(str(moveit_package(tmp_path, 2))).findings if f.code == "sensor-not-read"]
     assert found.severity == "warning"
     assert "plans don't avoid what camera sees by themselves" in found.message
     assert "`scene/add_cloud`" in found.message
@@ -108,20 +105,18 @@ def test_a_moveit_package_says_what_it_lacks_and_what_it_cannot_be_read_in(tmp_p
     (folder / "config" / "kinematics.yaml").unlink()
     (folder / "config" / "joint_limits.yaml").write_text("joint_limits: {j1: {max_velocity: fast}}\n")
     (folder / "config" / "ompl_planning.yaml").write_text("a: [\n")
-    found = read_package(folder, Packages()).findings
+    inspected = inspect_robot(str(folder))
+    assert inspected.description is not None
+    found = inspected.findings
     assert {(f.severity, f.code) for f in found} == {
         ("warning", "sensor-not-read"),
         ("warning", "missing-file"),
-        ("error", "bad-file"),
-        ("warning", "no-urdf"),
+        ("warning", "bad-file"),
     }
-    assert "package 'smally_description' isn't available" in str(found[-1]) + str(found[0])
     told = "\n".join(map(str, found))
     assert "has no config/kinematics.yaml" in told
     assert "joint_limits/j1/max_velocity has to be a finite number, not 'fast'" in told
     assert "ompl_planning.yaml:2" in told
-    with pytest.raises(DocumentError, match=r"it has no \.setup_assistant and no config/\*\.srdf"):
-        read_package(tmp_path / "smally_description", Packages())
 
 
 def test_arguments_reach_a_xacro_file_and_those_that_it_includes(tmp_path):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.commanders.description.from_files import expand
+from grip_bt.commanders.description.expansion import expand
 from grip_bt.commanders.description.packages import Packages
 
 

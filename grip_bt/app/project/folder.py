@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -184,8 +185,11 @@ _TEMPLATE = Path(__file__).with_name("template")
 _FOLDERS = ("tasks", "components", "nodes", "messages")
 
 
-def make_project(folder: str | Path) -> list[Path]:
+def make_project(folder: str | Path, files: Mapping[str, str] | None = None) -> list[Path]:
     """Make a project in a folder that isn't there yet or is empty (a `.git` in it is no harm).
+
+    Args:
+        files: path in it -> text, in place of the usual ones.
 
     Returns:
         The files written, relative to the folder.
@@ -202,7 +206,10 @@ def make_project(folder: str | Path) -> list[Path]:
         # A file of this name in the package's own folder would hide files from git and from the package's build.
         relative = relative.with_name(".gitignore") if relative.name == "gitignore" else relative
         (folder / relative).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, folder / relative)
+        if files and str(relative) in files:
+            (folder / relative).write_text(files[str(relative)], encoding="utf-8")
+        else:
+            shutil.copyfile(source, folder / relative)
         written.append(relative)
     for name in _FOLDERS:
         (folder / name).mkdir(exist_ok=True)

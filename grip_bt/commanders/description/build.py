@@ -168,7 +168,7 @@ def build(
     hand_joints |= {name for name, mimic in mimics.items() if mimic.joint in hand_joints}
     driven = [joint for joint in tree.joints.values() if joint.movable]
     given = drives_of(groups, config)
-    return RobotDescription(
+    made = RobotDescription(
         name=urdf.get("name", "robot"),
         urdf=ET.tostring(urdf, encoding="unicode"),
         base_link=tree.root,
@@ -192,6 +192,8 @@ def build(
         end_effectors=known.end_effectors,
         jerk_limits={n: j for n, one in (limits or {}).items() if n in tree.joints and (j := one.jerk)},
     )
+    outside = {j.name: q for j in driven if (q := _inside(j, 0.0)) and j.name not in (*made.at_rest, *mimics)}
+    return replace(made, rest={**made.rest, **outside})
 
 
 def named_states_of(srdf: Srdf, groups: Mapping[str, tuple[str, ...]], tree: Tree) -> dict[str, dict[str, JointState]]:

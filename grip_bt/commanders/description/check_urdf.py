@@ -1,7 +1,12 @@
-"""Everything that is wrong with a URDF, at once: its joints, the masses and the shapes of its links."""
+"""Everything that is wrong with a URDF, at once: its joints, the masses and the shapes of its links.
+
+What vendors ship and simulators shrug at is put right by a rule, in the tree itself, and told as a warning.
+"""
 
 from __future__ import annotations
 
+import copy
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,6 +25,8 @@ SHAPES = {"box": ("size", 3), "cylinder": ("length", 1), "sphere": ("radius", 1)
 FORMATS = (".dae", ".obj", ".ply", ".stl")
 NO_SPEED = {"rad": 1.0, "m": 0.1}
 """Velocity limits [rad/s, m/s] of joints that have none."""
+NO_LIMIT = {"rad": math.pi, "m": 0.5}
+"""How far joints without limits move to both sides [rad, m]."""
 BALL = 0.02
 """Radius [m] of the ball whose inertia a link gets that has none."""
 INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
@@ -28,18 +35,19 @@ INERTIA = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 def _link(link: ET.Element, report: _Report) -> None:
     name = link.get("name", "")
     for inertial in link.findall("inertial")[:1]:
-        _inertial(inertial, name, report)
+        _inertial(link, inertial, name, report)
     for tag in ("collision", "visual"):
         for body in link.findall(tag):
-            _body(body, tag, name, report)
+            _body(link, body, name, report)
 
 
-def _inertial(inertial: ET.Element, name: str, report: _Report) -> None:
+def _inertial(link: ET.Element, inertial: ET.Element, name: str, report: _Report) -> None:
     report.check_origin(inertial)
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
         tag = "mass" if mass is None else "inertia"
-        report.error("bad-inertia", f"the <inertial> of link {name!r} has no <{tag}>", inertial)
+        report.warning("no-mass", f"the <inertial> of link {name!r} has no <{tag}>; it is left out", inertial)
+        link.remove(inertial)
         return
     value, *moments = (
         report.numbers(mass, "value", 1, ""),
@@ -48,7 +56,8 @@ def _inertial(inertial: ET.Element, name: str, report: _Report) -> None:
     if not value or not all(moments):
         return
     if value[0] < 0:
-        report.error("bad-inertia", f"link {name!r} has a mass of {value[0]:g} kg", mass)
+        report.warning("no-mass", f"link {name!r} has a mass of {value[0]:g} kg; its <inertial> is left out", mass)
+        link.remove(inertial)
     elif value[0] == 0:
         report.warning("no-mass", f"link {name!r} has no mass; leave <inertial> out where that is meant", mass)
     else:
@@ -79,7 +88,7 @@ def _moments(inertia: ET.Element, values: list[float], name: str, report: _Repor
         )
 
 
-def _body(body: ET.Element, tag: str, link: str, report: _Report) -> None:
+def _body(link: ET.Element, body: ET.Element, name: str, report: _Report) -> None:
     report.check_origin(body)
     geometry = body.find("geometry")
     shapes = [] if geometry is None else [shape for shape in geometry if shape.tag in SHAPES]
@@ -87,32 +96,56 @@ def _body(body: ET.Element, tag: str, link: str, report: _Report) -> None:
         odd = (
             "no <geometry>" if geometry is None else f"<{geometry[0].tag}>" if len(geometry) else "an empty <geometry>"
         )
-        report.error("bad-shape", f"a <{tag}> of link {link!r} has {odd}; it has to be one of: {listing(SHAPES)}", body)
+        message = f"a <{body.tag}> of link {name!r} has {odd}, none of: {listing(SHAPES)}; it is left out"
+        report.warning("bad-shape", message, body)
+        link.remove(body)
         return
     shape = shapes[0]
     sizes = [SHAPES[shape.tag]] + ([("radius", 1)] if shape.tag == "cylinder" else [])
-    for name, count in sizes:
-        values = report.numbers(shape, name, count, "1 1 1" if shape.tag == "mesh" else "")
+    for size, count in sizes:
+        values = report.numbers(shape, size, count, "1 1 1" if shape.tag == "mesh" else "")
         if values and not all(v > 0 or (shape.tag == "mesh" and v) for v in values):
-            report.error("bad-shape", f"the {name} of a {shape.tag} of link {link!r} is {shape.get(name)!r}", shape)
-    if shape.tag == "mesh":
-        _mesh(shape, tag, link, report)
+            message = f"the {size} of a {shape.tag} of link {name!r} is {shape.get(size)!r}; it is left out"
+            report.warning("bad-shape", message, shape)
+            link.remove(body)
+            return
+    if shape.tag == "mesh" and (fault := _fault_of_mesh(shape, report)) is not None:
+        code, message = fault
+        report.warning(code, f"link {name!r}: {message}; {_without(link, body, report)}", shape)
 
 
-def _mesh(mesh: ET.Element, tag: str, link: str, report: _Report) -> None:
-    severity: Severity = "error" if tag == "collision" else "warning"  # what is only seen isn't needed to plan
+def _without(link: ET.Element, body: ET.Element, report: _Report) -> str:
+    """Take out what has no mesh, or put the shape that is seen in its place where it is for collisions; say which."""
+    at = list(link).index(body)
+    link.remove(body)
+    for seen in link.findall("visual") if body.tag == "collision" else ():
+        mesh = seen.find("geometry/mesh")
+        if mesh is not None and _fault_of_mesh(mesh, report) is None:
+            taken = copy.deepcopy(seen)
+            taken.tag = "collision"
+            link.insert(at, taken)
+            return "the mesh that is seen is taken"
+    return "it is left out" if body.tag == "visual" else "it is left out, and nothing keeps clear of it"
+
+
+def _fault_of_mesh(mesh: ET.Element, report: _Report) -> tuple[str, str] | None:
+    """Return what keeps a mesh from being read, as a code and a message."""
     name = mesh.get("filename", "")
     try:
         path = report.packages.resolve(name, Path(report.source).parent)
     except MissingPartError as error:
-        report.say(severity, "missing-package", f"mesh {name!r} of link {link!r}: {error}", mesh)
-        return
+        return "missing-package", f"mesh {name!r}: {error}".rstrip(".")
     if path.suffix.lower() not in FORMATS:
-        report.say(severity, "mesh-format", f"mesh {name!r} of link {link!r} isn't one of: {listing(FORMATS)}", mesh)
-    elif not path.is_file():
-        report.say(severity, "missing-mesh", f"link {link!r}: there is no mesh {name!r} (looked for {path})", mesh)
+        return "mesh-format", f"mesh {name!r} isn't one of: {listing(FORMATS)}"
+    if not path.is_file():
+        return "missing-mesh", f"there is no mesh {name!r} (looked for {path})"
+    with path.open("rb") as file:
+        if (begin := file.read(len(_POINTER))) == _POINTER or not begin:
+            return "missing-mesh", f"the mesh {name!r} wasn't downloaded: {path} is a pointer of Git LFS, or empty"
+    return None
 
 
+_POINTER = b"version https://git-lfs"
 DEEPEST = 500
 """Joints from the base to a tip."""
 
@@ -210,20 +243,23 @@ def _axis(joint: ET.Element, name: str, report: _Report) -> None:
         return
     values = report.numbers(axis, "xyz", 3, "1 0 0")
     if values and not any(values):
-        report.error("zero-axis", f"the axis of joint {name!r} is 0 0 0", axis)
+        report.warning("zero-axis", f"the axis of joint {name!r} is 0 0 0; it is held still", axis)
+        joint.set("type", "fixed")
 
 
 def _limit(joint: ET.Element, name: str, kind: str, report: _Report) -> None:
     limit = joint.find("limit")
     unit = "m" if kind == "prismatic" else "rad"
     if limit is None:
-        severity: Severity = "warning" if kind == "continuous" else "error"
-        report.say(
-            severity,
+        reach = "" if kind == "continuous" else f" -{NO_LIMIT[unit]:.4g} ... {NO_LIMIT[unit]:.4g} {unit} are taken;"
+        report.warning(
             "missing-limit",
-            f'joint {name!r} has no <limit>; add <limit lower="..." upper="..." velocity="..." effort="..."/> [{unit}]',
+            f"joint {name!r} has no <limit>;{reach} add "
+            f'<limit lower="..." upper="..." velocity="..." effort="..."/> [{unit}]',
             joint,
         )
+        if kind != "continuous":
+            ET.SubElement(joint, "limit", lower=repr(-NO_LIMIT[unit]), upper=repr(NO_LIMIT[unit]))
         return
     values = [report.numbers(limit, a, 1, "0") for a in ("lower", "upper", "velocity", "effort")]
     if not all(values):
@@ -232,7 +268,13 @@ def _limit(joint: ET.Element, name: str, kind: str, report: _Report) -> None:
     if kind != "continuous" and not lower < upper:
         missing = [a for a in ("lower", "upper") if a not in limit.attrib]
         why = f"it lacks {' and '.join(missing)}" if missing else f"lower {lower:g} isn't below upper {upper:g}"
-        report.error("missing-limit", f"joint {name!r} can't move: {why} [{unit}]", limit)
+        done = "they are swapped" if lower > upper else "it is held still"
+        report.warning("missing-limit", f"joint {name!r} can't move: {why} [{unit}]; {done}", limit)
+        if lower > upper:
+            limit.attrib.update(lower=repr(upper), upper=repr(lower))
+        else:
+            joint.set("type", "fixed")
+            return
     if velocity <= 0:
         taken = f"{NO_SPEED[unit]:g} {unit}/s is taken, unless joint_limits.yaml has one"
         report.warning("no-speed", f"joint {name!r} has no velocity limit above zero; {taken}", limit)
@@ -248,11 +290,12 @@ def _mimic(joint: ET.Element, name: str, joints: list[str], report: _Report) -> 
     report.numbers(mimic, "offset", 1, "0")
     leader = mimic.get("joint", "")
     if leader not in joints:
-        report.error(
+        report.warning(
             "unknown-joint",
-            f"joint {name!r} mimics {leader!r}, which isn't there{nearest(leader, joints)}",
+            f"joint {name!r} mimics {leader!r}, which isn't there{nearest(leader, joints)}; it leads itself",
             mimic,
         )
+        joint.remove(mimic)
 
 
 def _structure(robot: ET.Element, links: list[str], report: _Report) -> None:
@@ -310,4 +353,6 @@ def _mimic_loops(robot: ET.Element, report: _Report) -> None:
         if at in leads:
             report.error("cycle", f"joint {name!r} mimics itself through a chain", joint)
         elif at != name and kinds.get(at) in ("fixed", *HELD):
-            report.error("fixed-leader", f"joint {name!r} mimics {at!r}, which never moves", joint)
+            report.warning("fixed-leader", f"joint {name!r} mimics {at!r}, which never moves; it is held still", joint)
+            joint.remove(next(joint.iterfind("mimic")))
+            joint.set("type", "fixed")

@@ -1,82 +1,29 @@
-"""One robot from its own files; xacro files are expanded by the `xacro` package in a process with limits."""
+"""One robot from its own files, with all that is found about them."""
 
 from __future__ import annotations
 
-import json
-import subprocess
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, UnknownNameError, nearest
-from grip_bt.base.interpreter import python_command
-from grip_bt.commanders.description.build import build, normal, with_config, with_states
-from grip_bt.commanders.description.check_urdf import check_urdf
-from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.files import Finding, errors, finding_of, note
-from grip_bt.commanders.description.mjcf import excluded_pairs, urdf_of_mjcf
-from grip_bt.commanders.description.moveit_files import JointLimits
-from grip_bt.commanders.description.moveit_package import MoveItPackage, preferences_of, read_package
-from grip_bt.commanders.description.packages import Packages
-from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.description.srdf import Srdf, check_srdf, read_srdf, with_known_ends
-from grip_bt.commanders.description.tree import Tree
-from grip_bt.commanders.description.xml import Element, parse_xml, read_xml
+from grip_bt.base.errors import DocumentError, UnknownNameError, listing, nearest
 from grip_bt.commanders.settings import PLANNERS
 
-TIME = 30.0
-"""After so long a file won't end any more [s]; large robots take one or two."""
-MODULE = "grip_bt.commanders.description.xacro_process"
-
-
-def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> str:
-    """Return a xacro file's XML.
-
-    Args:
-        arguments: values for its `<xacro:arg>`s; those that it doesn't declare are passed too, for files it includes.
-        packages: for `$(find NAME)`.
-
-    Raises:
-        DocumentError: it can't be expanded; the message is xacro's own.
-    """
-    if not path.is_file():
-        raise DocumentError("there is no such file", str(path))
-    request = {
-        "file": str(path.absolute()),
-        "arguments": {
-            name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in arguments.items()
-        },
-        "packages": {name: str(folder) for name, folder in packages.given.items()},
-    }
-    try:
-        done = subprocess.run(
-            python_command("-m", MODULE), input=json.dumps(request), capture_output=True, text=True, timeout=TIME
-        )
-        reply = json.loads(done.stdout)
-    except subprocess.TimeoutExpired:
-        raise DocumentError(f"xacro doesn't end: it was stopped after {TIME:g} s", str(path)) from None
-    except json.JSONDecodeError:
-        raise DocumentError("xacro ended without a result: it took too much time or memory", str(path)) from None
-    if "error" in reply:
-        raise DocumentError(f"xacro: {reply['error']}", str(path))
-    note(*map(Path, reply["files"]))
-    return str(reply["text"])
-
-
-def expanded(path: Path, arguments: Mapping[str, object], packages: Packages, root: str = "robot") -> Element:
-    """Return a xacro file as its tree; lines are those of the expanded text.
-
-    Raises:
-        DocumentError: it can't be expanded, or gives something else.
-    """
-    return parse_xml(expand(path, arguments, packages), root, str(path))
-
-
-def declared_arguments(path: Path) -> tuple[str, ...]:
-    """Return the names of the arguments that a xacro file declares itself, in order."""
-    names = (e.get("name", "") for e in read_xml(path, "robot").iter("xacro:arg"))
-    return tuple(dict.fromkeys(filter(None, names)))
+from .build import build, normal, with_config, with_states
+from .check_urdf import check_urdf
+from .config import RobotConfig
+from .configurations import Alternative, Configurations, Fitted
+from .expansion import declared, read_robot
+from .files import Finding, errors, finding_of
+from .guessed import with_groups, with_postures
+from .mjcf import excluded_pairs, urdf_of_mjcf
+from .moveit_files import JointLimits
+from .moveit_package import MoveItPackage, preferences_of, read_package
+from .packages import Packages
+from .robot import RobotDescription
+from .srdf import Srdf, check_srdf, read_srdf, with_known_names
+from .tree import Tree
 
 
 @dataclass(frozen=True)
@@ -87,11 +34,15 @@ class Inspected:
         findings: errors and warnings of all its files.
         description: the robot; None where a finding is an error.
         packages: the MoveIt configuration packages that it was read from.
+        chosen: of a MoveIt configuration package, the configuration that was taken.
+        others: names of its other configurations.
     """
 
     findings: tuple[Finding, ...]
     description: RobotDescription | None = None
     packages: tuple[MoveItPackage, ...] = ()
+    chosen: Fitted | None = None
+    others: tuple[str, ...] = ()
 
 
 def load_single(config: RobotConfig, folder: Path) -> Inspected:
@@ -117,22 +68,56 @@ class _Single:
         files = (config.urdf, config.xacro, config.srdf, config.moveit and f"{config.moveit}/package.xml")
         self.packages = Packages(given, tuple(self._path(file) for file in files if file))
         self.moveit: MoveItPackage | None = None
+        self.chosen: Fitted | None = None
+        self.others: tuple[str, ...] = ()
 
     def loaded(self) -> Inspected:
         if self.config.moveit is not None:
-            self.moveit = read_package(self._path(self.config.moveit), self.packages)
-            self.findings += self.moveit.findings
+            self._choose(self._path(self.config.moveit))
         robot, source = self._urdf()
         self.findings += check_urdf(robot, str(source), self.packages)
         description = None if self._wrong() else self._described(robot, source)
         packages = (self.moveit,) if self.moveit is not None else ()
-        return Inspected(tuple(self.findings), None if self._wrong() else description, packages)
+        described = None if self._wrong() else description
+        return Inspected(tuple(self.findings), described, packages, self.chosen, self.others)
+
+    def _choose(self, folder: Path) -> None:
+        """Take the configuration of a package that the description asks for, or its first, and say so."""
+        if not folder.is_dir():
+            raise DocumentError("there is no such folder", str(folder))
+        found = Configurations(folder, self.packages)
+        asked = self.config.arguments
+        given = self.config.urdf or self.config.xacro
+        urdf = None if given is None else self._path(given)
+        if self.config.srdf is not None:
+            srdf = self._path(self.config.srdf)
+            choice = Alternative(srdf.name.split(".")[0], srdf)
+        else:
+            every = found.alternatives()
+            if not every:
+                raise DocumentError("it holds no SRDF and no URDF, neither does a package that it names", str(folder))
+            told = [each for each in every if each.arguments and each.arguments.items() <= asked.items()]
+            choice = (told or every)[0]
+            self.others = tuple(each.name for each in every if each is not choice)
+            if self.others and not told:
+                how = "arguments" if choice.arguments else "srdf" if choice.srdf else "urdf"
+                others = f"others, for `{how}:`, are {listing(self.others)}"
+                more = f"of several configurations {choice.name} is taken; {others}"
+                self._warn("several-configurations", more, folder)
+        choice = replace(choice, arguments={**choice.arguments, **asked}, urdf=urdf or choice.urdf)
+        self.chosen = found.fitted(choice)
+        if self.chosen.fit < 1:
+            part = f"only {100 * self.chosen.fit:.0f} % of the SRDF's names are in {self.chosen.urdf}"
+            self._warn("odd-urdf", part, folder)
+        self.moveit = read_package(folder, self.chosen)
+        self.findings += self.moveit.findings
 
     def _described(self, robot: ET.Element, source: Path) -> RobotDescription | None:
         tree = Tree(robot)
-        known, told = with_known_ends(self._srdf())
+        known, told = with_known_names(self._srdf(), tree)
         self.findings += told
-        srdf = with_config(known, self.config)
+        srdf, guess = with_groups(with_config(known, self.config), tree)
+        self.findings += filter(None, [guess])
         self.findings += check_srdf(srdf, tree)
         if self._wrong():
             return None
@@ -145,56 +130,51 @@ class _Single:
         limits = self.moveit.limits if self.moveit is not None else {}
         initial = self.moveit.initial_positions if self.moveit is not None else {}
         self.findings += _check_names(self.config, tree, added, limits, initial)
-        self.findings += _check_limits(limits, tree)
+        odd = dict(_odd_limits(limits, tree))
+        self.findings += odd.values()
+        limits = {joint: limit for joint, limit in limits.items() if joint not in odd}
         if self._wrong():
             return None
         name = self.config.name or robot.get("name") or "robot"
         urdf = normal(robot, name, source.parent, self.packages, limits)
         made = build(urdf, added, self.config, limits, initial)
         preferences = {} if self.moveit is None else preferences_of(self.moveit, made.groups, PLANNERS)
+        made, told = with_postures(made)
+        self.findings += told
         return replace(made, preferences=preferences)
 
     def _urdf(self) -> tuple[ET.Element, Path]:
         config = self.config
+        if self.chosen is not None and self.chosen.urdf is not None:
+            return self.chosen.robot, self.chosen.urdf
         if config.mjcf is not None:
             path = self._path(config.mjcf)
             return urdf_of_mjcf(path), path
-        word = config.urdf or config.xacro
-        arguments: Mapping[str, object] = config.arguments
-        if word is not None:
-            path = self._path(word)
-        elif self.moveit is not None and self.moveit.urdf is not None:
-            path, arguments = self.moveit.urdf, {**self.moveit.arguments, **config.arguments}
-        else:
-            raise DocumentError("no URDF is given; name it as `urdf:` or `xacro:`", str(self.folder))
-        if config.xacro is None and path.suffix != ".xacro":
+        path = self._path(config.urdf or config.xacro or "")
+        if config.urdf is not None and path.suffix != ".xacro":
             if config.arguments:
                 self._warn("unused-arguments", "arguments are for xacro files; this URDF takes none", path)
-            return read_xml(path, "robot"), path
-        self._check_arguments(path)
-        return expanded(path, arguments, self.packages), path
+        else:
+            self._check_arguments(path)
+        return read_robot(path, config.arguments, self.packages), path
 
     def _srdf(self) -> Srdf:
-        path = None if self.config.srdf is None else self._path(self.config.srdf)
-        if path is None and self.moveit is not None:
-            path = self.moveit.srdf
-        if path is None:
-            if not self.config.groups:
-                self._warn("no-groups", "there is no SRDF and no `groups:`; nothing can be planned", None)
-            mjcf = self.config.mjcf
-            return Srdf() if mjcf is None else Srdf(disabled=excluded_pairs(self._path(mjcf)))
-        if path.suffix == ".xacro":
-            return read_srdf(expanded(path, self.config.arguments, self.packages), str(path))
-        return read_srdf(read_xml(path, "robot"), str(path))
+        if self.chosen is not None and self.chosen.semantic is not None:
+            return read_srdf(self.chosen.semantic, str(self.chosen.srdf))
+        if self.config.srdf is not None:
+            path = self._path(self.config.srdf)
+            return read_srdf(read_robot(path, self.config.arguments, self.packages), str(path))
+        mjcf = self.config.mjcf
+        return Srdf() if mjcf is None else Srdf(disabled=excluded_pairs(self._path(mjcf)))
 
     def _check_arguments(self, path: Path) -> None:
-        declared = declared_arguments(path) if path.is_file() else ()
+        known = tuple(declared(path, self.packages).arguments)
         for name in self.config.arguments:
-            if name not in declared:
+            if name not in known:
                 self._warn(
                     "unknown-argument",
-                    f"the file declares no argument {name!r}{nearest(name, declared)} (it declares: "
-                    f"{', '.join(declared) or 'none'}); only a file that it includes can use it",
+                    f"the file declares no argument {name!r}{nearest(name, known)} (it declares: "
+                    f"{', '.join(known) or 'none'}); only a file that it includes can use it",
                     path,
                 )
 
@@ -236,7 +216,8 @@ def _check_names(
             yield from unknown("joint", name, tree.joints, where, "warning")
 
 
-def _check_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[Finding]:
+def _odd_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[tuple[str, Finding]]:
+    """Yield the joints that limits of a MoveIt package would keep from moving."""
     for name, limit in limits.items():
         joint = tree.joints.get(name)
         if joint is None or joint.type not in ("revolute", "prismatic"):
@@ -244,9 +225,8 @@ def _check_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[Fin
         lower = joint.lower if limit.lower is None else limit.lower
         upper = joint.upper if limit.upper is None else limit.upper
         if not lower < upper or (limit.velocity is not None and limit.velocity <= 0):
-            yield Finding(
-                "error",
-                "missing-limit",
+            message = (
                 f"joint_limits.yaml: joint {name!r} can't move: positions {lower:g} ... {upper:g}, velocity "
-                f"{joint.velocity if limit.velocity is None else limit.velocity:g}",
+                f"{joint.velocity if limit.velocity is None else limit.velocity:g}; the URDF's limits are taken"
             )
+            yield name, Finding("warning", "missing-limit", message)

@@ -36,13 +36,17 @@ def build_robot(name: str) -> RobotDescription:
     if name not in ROBOTS:
         raise UnknownNameError("robot", name, ROBOTS)
     try:
-        return load_robot(str(ROBOTS[name]))
-    except (InvalidRobotError, MissingPartError) as error:
-        for package, extra in EXTRAS.items():  # the file is ours and right: what lacks is what it speaks of
-            if f"package {package!r}" in str(error):
-                what = f"the model of the robot {name!r}, in the package {package!r},"
-                raise MissingPartError(what, f"pip install 'grip-bt[{extra}]'") from None
-        raise
+        inspected = inspect_robot(str(ROBOTS[name]))
+        said = " ".join(finding.message for finding in inspected.findings)
+    except MissingPartError as error:
+        inspected, said = Inspected(()), str(error)
+    for package, extra in EXTRAS.items():  # the file is ours and right: what lacks is what it speaks of
+        if f"package {package!r}" in said:
+            what = f"the model of the robot {name!r}, in the package {package!r},"
+            raise MissingPartError(what, f"pip install 'grip-bt[{extra}]'")
+    if inspected.description is None:
+        raise InvalidRobotError(name, errors(inspected.findings))
+    return inspected.description
 
 
 def load_robot(source: str | RobotConfig, folder: Path | None = None) -> RobotDescription:

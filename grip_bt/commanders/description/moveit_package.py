@@ -7,29 +7,25 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
-from grip_bt.base.errors import DocumentError, MissingPartError
+from grip_bt.base.errors import DocumentError
 from grip_bt.commanders.settings import SOLVERS
 
 from . import moveit_files
-from .files import Finding, Reading, read_yaml
+from .configurations import Fitted
+from .files import Finding
 from .moveit_files import Controller, JointLimits, PlannerChoice, Sensor
-from .packages import Packages
 from .robot import Preference
 
-ASSISTANT = ".setup_assistant"
 Read = TypeVar("Read")
 
 
 @dataclass(frozen=True)
 class MoveItPackage:
-    """What a package says.
+    """What a package says of one configuration.
 
     Attributes:
         folder: the package.
         layout: `ROS 1` or `ROS 2`.
-        urdf: the robot's URDF or xacro file, or None where it can't be told.
-        arguments: of a xacro file.
-        srdf: SRDF file or its xacro, or None.
         limits: joint -> limits.
         kinematics: group -> MoveIt's plugin.
         planners: group -> planners.
@@ -42,9 +38,6 @@ class MoveItPackage:
 
     folder: Path
     layout: str
-    urdf: Path | None = None
-    arguments: Mapping[str, str] = field(default_factory=dict)
-    srdf: Path | None = None
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     kinematics: Mapping[str, str] = field(default_factory=dict)
     planners: Mapping[str, PlannerChoice] = field(default_factory=dict)
@@ -55,135 +48,82 @@ class MoveItPackage:
     findings: tuple[Finding, ...] = ()
 
 
-def is_moveit_package(folder: Path) -> bool:
-    """Tell whether a folder is one: it has a `.setup_assistant`, or an SRDF in `config/`."""
-    return (folder / ASSISTANT).is_file() or bool(_files(folder / "config", "*.srdf", "*.srdf.xacro"))
-
-
-def read_package(folder: Path, packages: Packages) -> MoveItPackage:
-    """Read a package; what is wrong with single files is in `findings`.
-
-    Args:
-        packages: where the URDF's package is looked for; this one is always found.
-
-    Raises:
-        DocumentError: there is no such folder, or it isn't such a package.
-    """
-    if not folder.is_dir():
-        raise DocumentError("there is no such folder", str(folder))
-    if not is_moveit_package(folder):
-        raise DocumentError(
-            f"isn't a MoveIt configuration package: it has no {ASSISTANT} and no config/*.srdf", str(folder)
-        )
-    return _Reader(folder, packages).package()
+def read_package(folder: Path, chosen: Fitted) -> MoveItPackage:
+    """Read what a package says of a configuration besides its robot; what is wrong with files is in `findings`."""
+    return _Reader(folder, chosen).package()
 
 
 class _Reader:
-    def __init__(self, folder: Path, packages: Packages):
-        self.folder, self.packages, self.config = folder, packages, folder / "config"
+    def __init__(self, folder: Path, chosen: Fitted):
+        self.folder, self.chosen = folder, chosen
         self.findings: list[Finding] = []
+        words = {chosen.name, chosen.robot.get("name", ""), *map(str, chosen.arguments.values())}
+        if chosen.semantic is not None:
+            words.add(chosen.semantic.get("name", ""))
+        self.words = {word for word in words if len(word) > 1}
+        self.files = sorted(p for p in folder.rglob("*.yaml") if p.is_file())
 
     def package(self) -> MoveItPackage:
-        assistant = self._assistant()
-        urdf, arguments = self._urdf(assistant)
         controllers: list[Controller] = []
         for path in self._controller_files():
             controllers += self._read(moveit_files.controllers, path, tuple[Controller, ...]())
-        sensors = self._read_named(moveit_files.sensors, "sensors_3d.yaml", tuple[Sensor, ...](), optional=True)
+        sensors = self._read_named(moveit_files.sensors, "sensors_3d", tuple[Sensor, ...](), optional=True)
         for sensor in sensors:
             self._warn("sensor-not-read", _how_to_use(sensor))
         return MoveItPackage(
             self.folder,
-            self._layout(assistant),
-            urdf,
-            arguments,
-            self._srdf(assistant),
-            self._read_named(moveit_files.joint_limits, "joint_limits.yaml", {}),
-            self._read_named(moveit_files.kinematics, "kinematics.yaml", {}),
-            self._read_named(moveit_files.planners, "ompl_planning.yaml", {}),
+            self._layout(),
+            self._read_named(moveit_files.joint_limits, "joint_limits", {}),
+            self._read_named(moveit_files.kinematics, "kinematics", {}),
+            self._read_named(moveit_files.planners, "ompl_planning", {}),
             tuple({c.name: c for c in reversed(controllers)}.values())[::-1],
             sensors,
-            self._read_named(moveit_files.initial_positions, "initial_positions.yaml", {}, optional=True),
-            self._read_named(moveit_files.scaling, "joint_limits.yaml", {}, optional=True),
+            self._read_named(moveit_files.initial_positions, "initial_positions", {}, optional=True),
+            self._read_named(moveit_files.scaling, "joint_limits", {}, optional=True),
             tuple(self.findings),
         )
 
-    def _layout(self, assistant: Mapping[str, object]) -> str:
-        """Tell by what the assistants write: ROS 1's has `URDF:` and catkin, ROS 2's `urdf:` and ament."""
+    def _layout(self) -> str:
+        """Tell by what the assistants write: ROS 1's packages have catkin and launch files in XML."""
         manifest = self.folder / "package.xml"
         built = manifest.read_text(errors="replace") if manifest.is_file() else ""
         if "catkin" in built or "ament" in built:
             return "ROS 1" if "catkin" in built and "ament" not in built else "ROS 2"
-        ros1 = any((self.folder / "launch").glob("*.launch")) or (self.config / "fake_controllers.yaml").is_file()
-        return "ROS 1" if ros1 or "URDF" in assistant else "ROS 2"
-
-    def _assistant(self) -> Mapping[str, object]:
-        path = self.folder / ASSISTANT
-        if not path.is_file():
-            return {}
-        data = self._read(read_yaml, path, dict[str, object]())
-        entry = data.get("moveit_setup_assistant_config", {})
-        return entry if isinstance(entry, dict) else {}
-
-    def _urdf(self, assistant: Mapping[str, object]) -> tuple[Path | None, Mapping[str, str]]:
-        """ROS 2's packages have a xacro of their own, which adds ros2_control; ROS 1's only name another package's."""
-        own = _files(self.config, "*.urdf.xacro", "*.urdf")
-        if own:
-            return own[0], {}
-        entry = self._part(assistant, "urdf")
-        relative = str(entry.get("relative_path") or "")
-        if not relative:
-            self._warn("no-urdf", f"neither {ASSISTANT} nor config/ tells where the URDF is; give it as `urdf:`")
-            return None, {}
-        arguments = dict(word.split(":=", 1) for word in str(entry.get("xacro_args") or "").split() if ":=" in word)
-        package = str(entry.get("package") or "")
-        try:
-            base = self.packages.find(package) if package else self.folder
-        except MissingPartError as error:
-            self._warn("no-urdf", f"where the URDF is can't be told: {error}")
-            return None, {}
-        return base / relative, arguments
-
-    def _srdf(self, assistant: Mapping[str, object]) -> Path | None:
-        relative = str(self._part(assistant, "srdf").get("relative_path") or "")
-        named = self.folder / relative
-        if relative and named.is_file():
-            return named
-        found = _files(self.config, "*.srdf", "*.srdf.xacro")
-        if not found:
-            self._warn("no-srdf", "it has no SRDF: no groups, no named states, no disabled collisions")
-        return found[0] if found else None
-
-    def _part(self, assistant: Mapping[str, object], name: str) -> Mapping[str, object]:
-        """ROS 1 writes `URDF:` and `SRDF:`, ROS 2 `urdf:` and `srdf:`."""
-        entry = assistant.get(name) or assistant.get(name.upper())
-        return Reading(self.folder / ASSISTANT).mapping(entry, name)
+        ros1 = (self.folder / "config" / "fake_controllers.yaml").is_file()
+        return "ROS 1" if ros1 or any((self.folder / "launch").glob("*.launch")) else "ROS 2"
 
     def _controller_files(self) -> list[Path]:
-        files = [p for p in _files(self.config, "*controllers*.yaml") if not p.name.startswith("fake_")]
+        found = [p for p in self.files if "controllers" in p.stem and "fake" not in str(p.relative_to(self.folder))]
+        closest = max(map(self._closeness, found), default=0)
+        files = [p for p in found if self._closeness(p) == closest]
         return sorted(files, key=lambda p: ("ros" in p.stem.split("_")[0], p.name))
 
+    def _closeness(self, path: Path) -> int:
+        """Tell how sure it is that a file is about this configuration: it lies by its SRDF, or where its name says."""
+        if self.chosen.srdf is not None and path.parent == self.chosen.srdf.parent:
+            return 3
+        if self.words & {*path.relative_to(self.folder).parts[:-1]} or any(f"{w}_" in path.stem for w in self.words):
+            return 2
+        return int(path.parent == self.folder / "config")
+
     def _read_named(self, read: Callable[[Path], Read], name: str, empty: Read, optional: bool = False) -> Read:
-        path = self.config / name
-        if path.is_file():
-            return self._read(read, path, empty)
+        found = sorted((p for p in self.files if name in p.stem), key=lambda p: (-self._closeness(p), p.stem != name))
+        if found and (self._closeness(found[0]) > 0 or len(found) == 1):
+            return self._read(read, found[0], empty)
         if not optional:
-            self._warn("missing-file", f"it has no config/{name}")
+            self._warn("missing-file", f"it has no config/{name}.yaml")
         return empty
 
     def _read(self, read: Callable[[Path], Read], path: Path, empty: Read) -> Read:
         try:
             return read(path)
         except DocumentError as error:
-            self.findings.append(Finding("error", "bad-file", error.message, error.source, error.line))
+            message = f"{error.message}; the file is left out"
+            self.findings.append(Finding("warning", "bad-file", message, error.source, error.line))
             return empty
 
     def _warn(self, code: str, message: str) -> None:
         self.findings.append(Finding("warning", code, message, str(self.folder)))
-
-
-def _files(folder: Path, *patterns: str) -> list[Path]:
-    return [path for pattern in patterns for path in sorted(folder.glob(pattern))]
 
 
 def _how_to_use(sensor: moveit_files.Sensor) -> str:

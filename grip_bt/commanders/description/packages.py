@@ -1,4 +1,4 @@
-"""Where `package://NAME/...` and `$(find NAME)` lie: given folders, packages beside them, ROS's, Python's.
+"""Where `package://NAME/...` and `$(find NAME)` lie: given folders, the workspace around them, ROS's, Python's.
 
 Nothing is imported, and no ROS has to be there. The files of ready-made robots are named here, too.
 """
@@ -6,17 +6,72 @@ Nothing is imported, and no ROS has to be there. The files of ready-made robots 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 
-from grip_bt.base.errors import DocumentError, MissingPartError
-from grip_bt.commanders.description.xml import read_xml
+from grip_bt.base.errors import MissingPartError
 
 SCHEMES = ("package://", "model://")
+MANIFEST = "package.xml"
+_NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+_BUILT = frozenset(("build", "install", "log", "devel", "node_modules", "__pycache__"))
+_MOST, _HIGHEST = 20_000, 8
+"""Folders that are looked into below one, and how far up a workspace's `src` is looked for."""
+
+
+def name_of_package(folder: Path) -> str:
+    """Return the name in a folder's `package.xml`, or empty."""
+    try:
+        found = _NAME.search((folder / MANIFEST).read_text(encoding="utf-8", errors="replace"))
+    except OSError:
+        return ""
+    return found.group(1) if found else folder.name
+
+
+def package_around(path: Path) -> Path | None:
+    """Return the package that a file or folder lies in, if any."""
+    return next((f for f in (path, *path.parents) if (f / MANIFEST).is_file()), None)
+
+
+def packages_below(root: Path) -> Iterator[tuple[str, Path]]:
+    """Yield the name and folder of each package, the least deep first; as colcon, nothing is looked for within one."""
+    level, seen = [root], 0
+    while level and seen < _MOST:
+        inner: list[Path] = []
+        for folder in level:
+            seen += 1
+            if name := name_of_package(folder):
+                yield name, folder
+            else:
+                inner += _folders_in(folder)
+        level = inner
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            names = [e.name for e in entries if e.is_dir(follow_symlinks=False)]
+    except OSError:
+        return []
+    return [folder / name for name in sorted(names) if name not in _BUILT and not name.startswith(".")]
+
+
+def surroundings(package: Path) -> list[Path]:
+    """Return the folders that a package's companions lie below, nearest first.
+
+    They go up to the workspace's `src`, else to where its repository stands beside others, else no further than its own
+    folder's.
+    """
+    above = list(package.parents)[:_HIGHEST]
+    top = max((k for k, folder in enumerate(above) if folder.name == "src"), default=None)
+    if top is None:
+        top = next((k for k, folder in enumerate((package, *above)) if (folder / ".git").exists()), 0)
+    return above[: top + 1]
 
 
 class Packages:
@@ -30,10 +85,9 @@ class Packages:
     def __init__(self, given: Mapping[str, Path] | None = None, near: tuple[Path, ...] = ()):
         self.given = {name: Path(folder).resolve() for name, folder in (given or {}).items()}
         for path in near:
-            for folder in path.resolve().parents:
-                if (folder / "package.xml").is_file():
-                    self.given.setdefault(_name_in(folder / "package.xml") or folder.name, folder)
-                    break
+            if (folder := package_around(path.resolve())) is not None:
+                self.given.setdefault(name_of_package(folder), folder)
+        self._below: dict[Path, dict[str, Path]] = {}
 
     def find(self, name: str) -> Path:
         """Return a package's folder.
@@ -43,9 +97,8 @@ class Packages:
         """
         if name in self.given:
             return self.given[name]
-        for folder in self.given.values():  # as in a workspace's src/
-            if name and (folder.parent / name / "package.xml").is_file():
-                return folder.parent / name
+        if name and (there := self._in_workspace(name)) is not None:
+            return there
         for place in _PLACES:
             if (found := place(name)) is not None:
                 return found
@@ -54,6 +107,17 @@ class Packages:
             f"package {name!r}",
             f"name its folder under `packages:` (given: {known}), source its ROS workspace or install it with pip",
         )
+
+    def _in_workspace(self, name: str) -> Path | None:
+        for package in dict.fromkeys(self.given.values()):
+            for root in surroundings(package):
+                if root not in self._below:
+                    self._below[root] = {}
+                    for known, folder in packages_below(root):
+                        self._below[root].setdefault(known, folder)
+                if name in self._below[root]:
+                    return self._below[root][name]
+        return None
 
     def resolve(self, uri: str, beside: Path) -> Path:
         """Return the file that a URI or path names; `beside` is the folder that relative paths start in.
@@ -95,13 +159,6 @@ def _installed(name: str) -> Path | None:
 
 
 _PLACES: tuple[Callable[[str], Path | None], ...] = (_in_ros, _installed)
-
-
-def _name_in(manifest: Path) -> str:
-    try:
-        return (read_xml(manifest, "package").findtext("name") or "").strip()
-    except DocumentError:
-        return ""
 
 
 ROBOTS: Mapping[str, Path] = MappingProxyType(

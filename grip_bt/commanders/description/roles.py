@@ -6,6 +6,7 @@ doesn't say is told from the tree.
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -13,7 +14,7 @@ from grip_bt.base.values import Pose
 from grip_bt.base.values.pose import quaternion_of
 
 from .config import FrameConfig, RobotConfig
-from .robot import EndEffector, GraspFrame
+from .robot import EndEffector, GraspFrame, RobotDescription
 from .srdf import Srdf
 from .tree import Joint, Tree
 
@@ -149,3 +150,32 @@ def _sounds_like_a_hand(group: str) -> bool:
 
 def _at(link: str) -> GraspFrame:
     return GraspFrame(link, Pose((0.0, 0.0, 0.0), frame=link))
+
+
+def arms_of(robot: RobotDescription) -> tuple[str, ...]:
+    """Return the groups that are arms, none of which has a joint of another one.
+
+    An arm is a chain that carries a hand or a tool. Of groups with a joint in common, such as an arm and the same arm
+    with its torso, the one is taken that an end effector names, then one with four to seven joints, with named states.
+    """
+    tree = Tree(ET.fromstring(robot.urdf))
+    carrying = {end.parent_group for end in robot.end_effectors}
+    hands = {joint for hand in robot.hands for joint in robot.groups.get(hand, ())}
+
+    def chained(joints: tuple[str, ...]) -> bool:
+        ahead = [j.name for j in reversed(list(tree.upwards(tree.joints[joints[-1]].child)))]
+        return [j for j in ahead if j in joints] == list(joints)
+
+    able = [g for g, joints in robot.groups.items() if joints and not hands & set(joints) and chained(joints)]
+    longest = max((len(robot.groups[g]) for g in able), default=0)
+    able = [g for g in able if len(robot.groups[g]) >= min(3, longest) or g in carrying]
+
+    def order(group: str) -> tuple[bool, bool, bool, int]:
+        count = len(robot.groups[group])
+        return group not in carrying, not 4 <= count <= 7, not robot.named_states.get(group), -count
+
+    taken: list[str] = []
+    for group in sorted(able, key=order):
+        if not any(set(robot.groups[group]) & set(robot.groups[other]) for other in taken):
+            taken.append(group)
+    return tuple(group for group in robot.groups if group in taken)

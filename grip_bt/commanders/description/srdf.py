@@ -59,6 +59,7 @@ class Srdf:
         virtual_joints: likewise.
         passive: joints that nobody drives.
         disabled: pairs of links that may touch, each sorted.
+        doubled: names of groups that come twice; the first one is taken.
     """
 
     source: str = ""
@@ -69,24 +70,23 @@ class Srdf:
     virtual_joints: tuple[VirtualJoint, ...] = ()
     passive: tuple[str, ...] = ()
     disabled: frozenset[tuple[str, str]] = frozenset()
+    doubled: tuple[str, ...] = ()
 
 
 def read_srdf(robot: ET.Element, source: str = "") -> Srdf:
     """Return what an SRDF's tree says.
 
     Raises:
-        DocumentError: a name is missing, a group is there twice, or a position isn't a number.
+        DocumentError: a name is missing, or a position isn't a number.
     """
     groups: dict[str, Group] = {}
+    doubled = []
     for element in robot.findall("group"):
         group = _group(element, source)
-        if group.name in groups:
-            raise DocumentError(f"two groups are called {group.name!r}; rename one", source, line_of(element))
-        groups[group.name] = group
+        if groups.setdefault(group.name, group) is not group:
+            doubled.append(group.name)
     virtual = tuple(
-        VirtualJoint(
-            required(e, "name", source), e.get("type", "fixed"), e.get("parent_frame", ""), e.get("child_link", "")
-        )
+        VirtualJoint(e.get("name", ""), e.get("type", "fixed"), e.get("parent_frame", ""), e.get("child_link", ""))
         for e in robot.findall("virtual_joint")
     )
     return Srdf(
@@ -103,6 +103,7 @@ def read_srdf(robot: ET.Element, source: str = "") -> Srdf:
         virtual,
         tuple(required(e, "name", source) for e in robot.findall("passive_joint")),
         _pairs(robot, "disable_collisions", source) - _pairs(robot, "enable_collisions", source),
+        tuple(doubled),
     )
 
 
@@ -127,8 +128,8 @@ def _states(robot: ET.Element, virtual: set[str], source: str) -> dict[str, dict
         positions = {
             required(joint, "name", source): _position(joint, source)
             for joint in element.findall("joint")
-            if joint.get("name") not in virtual  # a base that drives has three values or seven; it is held still
-        }
+            if joint.get("name") not in virtual and " " not in joint.get("value", "").strip()
+        }  # a base that drives has three values or seven; it is held still
         states.setdefault(group, {})[name] = positions
     return states
 
@@ -203,17 +204,45 @@ def check_srdf(srdf: Srdf, tree: Tree) -> list[Finding]:
     return [*found, *check.states()]
 
 
-def with_known_ends(srdf: Srdf) -> tuple[Srdf, list[Finding]]:
-    """Return an SRDF without the end effectors of groups that it lacks, which vendors ship, and what is left out."""
-    kept, found = [], []
-    for end in srdf.end_effectors:
-        absent = [name for name in (end.group, end.parent_group) if name and name not in srdf.groups]
-        if absent:
-            message = f"end effector {end.name!r} names groups that aren't there: {listing(absent)}; it is left out"
-            found.append(Finding("warning", "unknown-end", message, srdf.source))
-        else:
-            kept.append(end)
-    return replace(srdf, end_effectors=tuple(kept)), found
+def with_known_names(srdf: Srdf, tree: Tree) -> tuple[Srdf, list[Finding]]:
+    """Return an SRDF without what names links, joints or groups that aren't there, which vendors ship; and that."""
+    told = [
+        Finding("warning", "double-name", f"two groups are called {name!r}; the first one is taken", srdf.source)
+        for name in srdf.doubled
+    ]
+    wrong = [f for f in check_srdf(srdf, tree) if f.severity == "error"]
+    if not wrong:
+        return srdf, told
+    told += [replace(f, severity="warning", message=f"{f.message}; it is left out") for f in wrong]
+    check = _Check(srdf, tree)
+    groups = {
+        name: replace(
+            group,
+            joints=tuple(j for j in group.joints if j in tree.joints or j in check.virtual),
+            links=tuple(link for link in group.links if link in tree.links),
+            chains=tuple(c for c in group.chains if not any(check.chain(group, *c))),
+            groups=() if check.contains_itself(name) else tuple(g for g in group.groups if g in srdf.groups),
+        )
+        for name, group in srdf.groups.items()
+    }
+    states = {
+        group: {name: {j: q for j, q in state.items() if j in tree.joints} for name, state in named.items()}
+        for group, named in srdf.states.items()
+        if group in groups
+    }
+    known = replace(
+        srdf,
+        groups=groups,
+        states=states,
+        end_effectors=tuple(
+            end
+            for end in srdf.end_effectors
+            if {end.group, end.parent_group} <= {"", *groups} and end.parent_link in ("", *tree.links)
+        ),
+        virtual_joints=tuple(v for v in srdf.virtual_joints if v.child_link in tree.links and v.type in VIRTUAL_TYPES),
+        passive=tuple(joint for joint in srdf.passive if joint in tree.joints),
+    )
+    return known, told
 
 
 class _Check:
@@ -228,8 +257,8 @@ class _Check:
             yield from self._known("link", group.links, self.tree.links, where, group)
             yield from self._known("group", group.groups, self.srdf.groups, where, group)
             for chain in group.chains:
-                yield from self._chain(group, *chain)
-            if self._contains_itself(group.name):
+                yield from self.chain(group, *chain)
+            if self.contains_itself(group.name):
                 yield self._say("error", "cycle", f"{where} contains itself", group)
 
     def others(self) -> Iterator[Finding]:
@@ -268,14 +297,14 @@ class _Check:
                         )
                         yield self._say("warning", "out-of-limits", message)
 
-    def _chain(self, group: Group, base: str, tip: str) -> Iterator[Finding]:
+    def chain(self, group: Group, base: str, tip: str) -> Iterator[Finding]:
         where = f"a chain of group {group.name!r}"
         wrong = list(self._known("link", (base, tip), self.tree.links, where, group))
         yield from wrong
         if not wrong and self.tree.chain(base, tip) is None:
             yield self._say("error", "no-chain", f"{where}: link {base!r} doesn't carry link {tip!r}", group)
 
-    def _contains_itself(self, name: str) -> bool:
+    def contains_itself(self, name: str) -> bool:
         seen, todo = set(), [name]
         while todo:
             for inner in self.srdf.groups[todo.pop()].groups:

@@ -28,8 +28,8 @@ SEVERITY: dict[str, Severity] = {**dict.fromkeys(_ERRORS, "error"), **dict.fromk
 STRUCTURAL = frozenset(_STRUCTURAL)
 """Errors with which a task can't be compiled; with the others it could, and would do what isn't meant."""
 
-_WRITTEN = frozenset({*BUILTINS, "list", "dict", "Any", "None"}) - {"bytes"}
-"""Types of which a task file can write a value."""
+_WRITTEN = frozenset({*BUILTINS, "list", "dict", "Any", "None", "Pose"}) - {"bytes"}
+"""Types of which a task file can write a value; a pose as `{position: [x, y, z], quaternion: [w, x, y, z]}`."""
 
 
 def has_literal_form(type_: Type) -> bool:

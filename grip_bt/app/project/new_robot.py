@@ -1,0 +1,236 @@
+"""A new project for a robot: which of a workspace's configurations it is, and the few lines that say so."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
+from grip_bt.commanders.description.config import RobotConfig
+from grip_bt.commanders.description.configurations import Configurations, configured_packages, is_configured
+from grip_bt.commanders.description.files import Finding, errors
+from grip_bt.commanders.description.from_files import Inspected
+from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robot
+from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages
+from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.description.roles import arms_of
+
+from .first_motions import FirstMotions, MotionFinder
+
+Choose = Callable[[str, Sequence[str]], str]
+"""Given a question and names, returns one of them."""
+
+
+@dataclass(frozen=True)
+class NewRobot:
+    """What a new project for a robot holds.
+
+    Attributes:
+        grip: text of `grip.yaml`.
+        task: text of its first task.
+        findings: what was found about the robot's files.
+    """
+
+    grip: str
+    task: str
+    findings: tuple[Finding, ...]
+
+
+def new_robot(source: str, folder: Path, choose: Choose) -> NewRobot:
+    """Return the files of a project.
+
+    Args:
+        source: a ready-made robot's name, a robot's file, the folder of a MoveIt configuration or description package
+            or of a workspace with some, or such a package's name.
+        folder: of the project, which `grip.yaml` begins its paths in.
+        choose: asked where there are several.
+
+    Raises:
+        InvalidRobotError: the robot's files can't be used.
+        UnknownNameError, DocumentError: there is no such robot.
+    """
+    said = {"ready": source} if source in ROBOTS else _chosen(source, choose)
+    inspected = inspect_robot(RobotConfig(**said))
+    robot = inspected.description
+    if robot is None:
+        raise InvalidRobotError(source, errors(inspected.findings))
+    arms = arms_of(robot)
+    finder = MotionFinder(robot) if arms else None
+    motions = {group: finder.of(group) for group in arms} if finder is not None else {}
+    parts = _parts(robot, arms)
+    lines = _robot_lines(source, _with_files(said, inspected), folder, motions)
+    grip = _grip_text(robot, lines, parts, inspected, "table" if source in ROBOTS else "empty")
+    return NewRobot(grip, _task_text(robot, parts, motions), inspected.findings)
+
+
+def _chosen(source: str, choose: Choose) -> dict[str, Any]:
+    """Return what `robot:` holds for a path or a package's name."""
+    path = Path(source).expanduser().resolve()
+    if not path.exists() and "/" not in source and not path.suffix:
+        try:
+            path = Packages({}, (Path.cwd() / MANIFEST,)).find(source)
+        except Exception:  # noqa: BLE001 - whatever it is, the answer is the same
+            raise UnknownNameError("robot", source, ROBOTS, "not a path, a package or a ready-made robot") from None
+    if path.is_file() or (path / PROJECT).is_file():
+        config, around = config_of(str(path), Path.cwd())
+        given = config.model_dump(exclude_unset=True)
+        return {k: str(around / v) if k in ("urdf", "xacro", "mjcf", "srdf", "moveit") else v for k, v in given.items()}
+    if not (path / MANIFEST).is_file() and not is_configured(path) or not path.is_dir():
+        found = {str(each.relative_to(path)): each for each in configured_packages(path)}
+        if not found:
+            raise DocumentError("there is no MoveIt configuration package in it; name a URDF file", str(path))
+        names = list(found)
+        path = found[choose(f"{source} holds several configurations", names) if len(names) > 1 else names[0]]
+    every = Configurations(path, Packages({}, (path / MANIFEST,))).alternatives()
+    if len(every) < 2:
+        return {"moveit": str(path)}
+    named = {each.name: each for each in reversed(every)}
+    chosen = named[choose(f"{path.name} holds several configurations", list(reversed(named)))]
+    return {
+        "moveit": str(path),
+        **({"srdf": str(chosen.srdf)} if chosen.srdf and not chosen.arguments else {}),
+        **({"urdf": str(chosen.urdf)} if chosen.urdf else {}),
+        **({"arguments": dict(chosen.arguments)} if chosen.arguments else {}),
+    }
+
+
+def _with_files(said: Mapping[str, Any], inspected: Inspected) -> dict[str, Any]:
+    """Return what `robot:` holds with the files and arguments that were found, so that nothing is searched again."""
+    chosen = inspected.chosen
+    if chosen is None:
+        return dict(said)
+    found = {"urdf" if chosen.urdf.suffix == ".urdf" else "xacro": str(chosen.urdf)} if chosen.urdf else {}
+    more = {"srdf": str(chosen.srdf)} if chosen.srdf else {}
+    arguments = {"arguments": dict(chosen.arguments)} if chosen.arguments else {}
+    return {"moveit": said["moveit"], **found, **more, **arguments}
+
+
+def _robot_lines(source: str, said: Mapping[str, Any], folder: Path, motions: Mapping[str, FirstMotions]) -> list[str]:
+    homes = {group: {"home": dict(each.home)} for group, each in motions.items() if each.home}
+    if set(said) == {"ready"} and not homes:
+        return [f"robot: {said['ready']}"]
+    lines = ["robot:"]
+    for key, value in said.items():
+        if key in ("urdf", "xacro", "mjcf", "srdf", "moveit"):
+            value = os.path.relpath(value, folder.resolve())
+        lines.append(f"  {key}: {_flow(value)}")
+    if homes:
+        lines += ["  states:  # where nothing touches; the robot's files don't say it"]
+        lines += [f"    {_flow(group)}: {_flow(states)}" for group, states in homes.items()]
+    return lines
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """Name in the project -> group, and arm -> its hand."""
+
+    arms: Mapping[str, str]
+    hands: Mapping[str, str]
+    carried: Mapping[str, str]
+    joined: Mapping[str, tuple[str, tuple[str, ...]]]
+
+
+def _parts(robot: RobotDescription, arms: Sequence[str]) -> _Parts:
+    names = {group: _key(group) for group in (*arms, *robot.hands)}
+    carried = {
+        names[end.parent_group]: names[end.group]
+        for end in robot.end_effectors
+        if end.group in robot.hands and end.parent_group in arms
+    }
+    joined = {}
+    for group, joints in robot.groups.items():
+        mine = [arm for arm in arms if set(robot.groups[arm]) <= set(joints)]
+        if len(mine) > 1 and set(joints) == {joint for arm in mine for joint in robot.groups[arm]}:
+            joined[_key(group)] = group, tuple(names[arm] for arm in mine)
+    return _Parts({names[a]: a for a in arms}, {names[h]: h for h in robot.hands}, carried, joined)
+
+
+def _key(group: str) -> str:
+    word = re.sub(r"\W", "_", group)
+    return word if word[:1].isalpha() else f"_{word}"
+
+
+def _flow(value: object) -> str:
+    """Return a value as YAML on one line."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_flow(k)}: {_flow(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_flow, value)) + "]"
+    if isinstance(value, str) and re.fullmatch(r"[A-Za-z_.~/][\w.~/ -]*", value) and value not in _WORDS:
+        return value
+    return json.dumps(round(value, 6) if isinstance(value, float) else value, ensure_ascii=False)
+
+
+_WORDS = frozenset(("true", "false", "yes", "no", "on", "off", "null", "True", "False", "Yes", "No", "On", "Off", "~"))
+
+
+def _grip_text(robot: RobotDescription, lines: list[str], parts: _Parts, inspected: Inspected, world: str) -> str:
+    text = ["grip: 1", f"doc: A project for {robot.name}.", *lines]
+    if parts.arms:
+        text.append("arms:")
+        for name, group in parts.arms.items():
+            hand = {"hand": parts.carried[name]} if name in parts.carried else {}
+            text.append(f"  {name}: {_flow({'group': group, **hand})}")
+        for name, (group, arms) in parts.joined.items():
+            text.append(f"  {name}: {_flow({'group': group, 'arms': arms})}")
+    if parts.hands:
+        text += ["hands:", *(f"  {name}: {_flow({'group': group})}" for name, group in parts.hands.items())]
+    sensors = [sensor for package in inspected.packages for sensor in package.sensors if sensor.topic]
+    named = {_key(sensor.name.split("/")[-1]): sensor for sensor in sensors}
+    if named:
+        text.append("sensors:  # of sensors_3d.yaml; a task gives what they see to scene/add_cloud")
+        for name, sensor in named.items():
+            kind = "DepthImage" if "DepthImage" in sensor.plugin else "PointCloud"
+            text.append(
+                f"  {name}: {{topics: {{seen: {{topic: {_flow(sensor.topic)}, type: {kind}}}}}, given_in: world}}"
+            )
+    return "\n".join([*text, f"world: {world}", ""])
+
+
+def _task_text(robot: RobotDescription, parts: _Parts, motions: Mapping[str, FirstMotions]) -> str:
+    data: dict[str, object] = {}
+    children: dict[str, object] = {}
+    left: list[str] = []
+    for name, group in parts.arms.items():
+        todo = motions[group]
+        left += [f"{state} ({' and '.join(pairs[0])} touch)" for state, pairs in todo.touching.items() if pairs]
+        own = parts.carried.get(name)
+        if own:
+            children[f"open_{own}"] = {"node": "hand/open", "with": {"hand": own}}
+        for state in todo.states:
+            children[f"{name}_{_key(state)}"] = {"node": "arm/move_to", "with": {"arm": name, "state": state}}
+        if todo.pose is not None:
+            goal = f"{name}_goal"
+            pose = {"position": todo.pose.position.tolist(), "quaternion": todo.pose.quaternion.tolist()}
+            data[goal] = {"type": "Pose", "value": pose}
+            to_pose = {"node": "arm/move_to_pose", "with": {"arm": name}, "in": {"pose": goal}}
+            children[f"{name}_pose"] = to_pose
+            children[f"{name}_again"] = to_pose
+            if todo.line is not None:
+                line = {"arm": name, "offset": list(todo.line)}
+                children[f"{name}_line"] = {"node": "arm/move_straight", "with": line}
+    for name in parts.hands:
+        children[f"{name}_closed"] = {"node": "hand/posture", "with": {"hand": name, "posture": "closed"}}
+        children[f"{name}_open"] = {"node": "hand/open", "with": {"hand": name}}
+    for name, group in parts.arms.items():
+        if motions[group].states:
+            state = motions[group].states[0]
+            children[f"{name}_back"] = {"node": "arm/move_to", "with": {"arm": name, "state": state}}
+    if not children:
+        children["done"] = {"node": "flow/log", "with": {"message": "the robot has neither an arm nor a hand"}}
+    doc = f"Try {robot.name}: its named states, a pose, the same pose again, a line, and its hands."
+    if left:
+        doc += f" Left out, since links touch there: {'; '.join(left)}."
+    task = {
+        "grip": 1,
+        "name": "first",
+        "doc": doc,
+        **({"data": data} if data else {}),
+        "root": {"kind": "sequence", "children": children},
+    }
+    return json.dumps(task)

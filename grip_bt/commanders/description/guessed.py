@@ -1,0 +1,168 @@
+"""What vendors leave out and can be told from the tree: groups without an SRDF, and how a hand is open and closed."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from grip_bt.base.arrays import Array
+from grip_bt.base.values import JointState
+from grip_bt.base.values.pose import Pose, quaternion_of
+
+from .files import Finding
+from .robot import EndEffector, RobotDescription
+from .srdf import Group, Srdf
+from .tree import Joint, Tree
+from .xml import numbers
+
+LONGEST_FINGER = 5
+"""Joints of a finger; what branches off into longer chains is no hand."""
+
+
+def with_groups(srdf: Srdf, tree: Tree) -> tuple[Srdf, Finding | None]:
+    """Return an SRDF without groups with those that the tree suggests: `arm`, `hand` or both; and that, told."""
+    mimics = tree.mimics()
+    active = [joint for joint in tree.joints.values() if joint.movable and joint.name not in mimics]
+    if srdf.groups or not active:
+        return srdf, None
+    chains = {tip: _chain(tree, tip, active) for tip in tree.links}
+    longest = max(chains.values(), key=len)
+    trunk = list(longest)
+    for number in range(len(longest) - 1, -1, -1):  # from the tip inwards: the first link that carries fingers
+        link = longest[number].child if number >= 0 else tree.root
+        if len(longest) - number - 1 > LONGEST_FINGER:
+            break
+        if _fingers_on(tree, link, [*(j.name for j in active), *mimics]) > 1:
+            trunk = list(longest[: number + 1])
+            break
+    else:
+        if len(longest) <= LONGEST_FINGER:
+            trunk = []
+    end = trunk[-1].child if trunk else tree.root
+    beyond = tree.subtree(end)
+    fingers = [joint.name for joint in active if joint.child in beyond and joint not in trunk]
+    groups = {}
+    if trunk:
+        groups["arm"] = Group("arm", tuple(joint.name for joint in trunk))
+    if fingers:
+        groups["hand"] = Group("hand", tuple(fingers))
+    ends = (EndEffector("hand", "hand", end, "arm"),) if trunk and fingers else ()
+    said = ", ".join(f"{name} ({len(group.joints)} joints)" for name, group in groups.items())
+    message = f"there is no SRDF and no `groups:`; these are taken: {said}"
+    return replace(srdf, groups=groups, end_effectors=ends), Finding("warning", "no-groups", message)
+
+
+def _chain(tree: Tree, tip: str, active: list[Joint]) -> tuple[Joint, ...]:
+    return tuple(joint for joint in reversed(list(tree.upwards(tip))) if joint in active)
+
+
+def _fingers_on(tree: Tree, link: str, moving: list[str]) -> int:
+    """Count the moving joints that are next on a link, over fixed ones."""
+    found = 0
+    for joint in tree.below(link):
+        found += 1 if joint.name in moving else _fingers_on(tree, joint.child, moving)
+    return found
+
+
+_OPEN = re.compile(r"open|extend|release|straight|spread")
+_CLOSED = re.compile(r"clos|fist|grasp|pinch|grip$|pack")
+_PARTLY = re.compile(r"half|semi|mid|part|pre")
+ENOUGH = 0.02
+"""Part of the fingers' distance by which a joint's motion closes the hand at least."""
+
+
+def with_postures(robot: RobotDescription) -> tuple[RobotDescription, list[Finding]]:
+    """Return a robot whose hands all have the states `open` and `closed`, and how those were found that files lack.
+
+    A state whose name says it is taken. Else a hand is open where its joints are at rest, and closed where each that
+    brings the fingers nearer to one another is at nine tenths of its way.
+    """
+    states = {group: dict(named) for group, named in robot.named_states.items()}
+    found: list[Finding] = []
+    for hand in robot.hands:
+        mine = states.setdefault(hand, {})
+        named = {"open": _named(mine, _OPEN), "closed": _named(mine, _CLOSED)}
+        lacking = [word for word, name in named.items() if name is None]
+        guessed = _guessed(robot, hand) if lacking else {}
+        for word, name in named.items():
+            if word not in mine:
+                mine[word] = mine[name] if name is not None else guessed[word]
+        if lacking:
+            said = " and ".join(f"`{word}`" for word in lacking)
+            message = f"hand {hand!r} has no state {said}; joints that bring its fingers together tell it"
+            found.append(Finding("warning", "no-postures", message))
+    return replace(robot, named_states=states), found
+
+
+def _named(states: Mapping[str, JointState], word: re.Pattern[str]) -> str | None:
+    exact = [name for name in states if name in ("open", "closed") and word.search(name)]
+    alike = [name for name in states if word.search(name.lower()) and not _PARTLY.search(name.lower())]
+    return next(iter([*exact, *sorted(alike, key=len)]), None)
+
+
+def _guessed(robot: RobotDescription, hand: str) -> dict[str, JointState]:
+    tree, names = Tree(ET.fromstring(robot.urdf)), robot.group(hand)
+    limits = {name: (tree.joints[name].lower, tree.joints[name].upper) for name in names}
+    rest = {name: min(max(0.0, low), high) for name, (low, high) in limits.items()}
+    ways = _Ways(robot, tree, hand)
+    begin, end, apart = dict(rest), dict(rest), ways.apart(rest)
+    for name, (low, high) in limits.items():
+        reach = {q: ways.apart({**rest, name: q}) for q in (low, high)}
+        near, far = min(reach, key=lambda q: reach[q]), max(reach, key=lambda q: reach[q])
+        if apart - reach[near] > ENOUGH * apart:
+            end[name] = rest[name] + 0.9 * (near - rest[name])
+        elif reach[far] - apart > ENOUGH * apart:  # it rests closed, as a parallel gripper at zero
+            begin[name] = far
+    return {word: JointState(names, [at[name] for name in names]) for word, at in (("open", begin), ("closed", end))}
+
+
+class _Ways:
+    """How far a hand's fingers are from one another, by forward kinematics."""
+
+    def __init__(self, robot: RobotDescription, tree: Tree, hand: str):
+        self.tree, self.mimics = tree, robot.mimics
+        urdf = ET.fromstring(robot.urdf)
+        self.origins = {e.get("name", ""): e for e in urdf.findall("joint")}
+        links = set(robot.hands[hand])
+        self.tips = [mine[-1] for mine in robot.finger_links.values() if mine and mine[-1] in links]
+        middles = {e.get("name", ""): e.find("inertial/origin") for e in urdf.findall("link")}
+        self.middles = {
+            tip: (0.0, 0.0, 0.0) if (at := middles[tip]) is None else numbers(at, "xyz", 3, "0 0 0")
+            for tip in self.tips
+        }
+
+    def apart(self, positions: Mapping[str, float]) -> float:
+        points = [self._point(tip, positions) for tip in self.tips]
+        return float(sum(np.linalg.norm(a - b) for a, b in combinations(points, 2)))
+
+    def _point(self, tip: str, positions: Mapping[str, float]) -> Array:
+        point = np.array([*self.middles[tip], 1.0])
+        for joint in self.tree.upwards(tip):
+            point = self._placed(joint, positions) @ point
+        return point[:3]
+
+    def _placed(self, joint: Joint, positions: Mapping[str, float]) -> Array:
+        element = self.origins[joint.name]
+        origin, axis = element.find("origin"), element.find("axis")
+        xyz, rpy = ((0.0,) * 3 if origin is None else numbers(origin, key, 3, "0 0 0") for key in ("xyz", "rpy"))
+        fixed = Pose(xyz, quaternion_of(*rpy)).matrix()
+        if not joint.movable:
+            return fixed
+        mimic = self.mimics.get(joint.name)
+        q = (
+            positions.get(joint.name, 0.0)
+            if mimic is None
+            else (mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset)
+        )
+        along = np.array((1.0, 0.0, 0.0) if axis is None else numbers(axis, "xyz", 3, "1 0 0"))
+        moved = (
+            Pose(tuple(along * q))
+            if joint.type == "prismatic"
+            else Pose((0, 0, 0), (np.cos(q / 2), *(along * np.sin(q / 2))))
+        )
+        return np.asarray(fixed @ moved.matrix())
