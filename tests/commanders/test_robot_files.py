@@ -132,13 +132,32 @@ def test_arguments_reach_a_xacro_file_and_those_that_it_includes(tmp_path):
     assert "declares no argument 'raech'; did you mean 'reach'?" in str(odd.findings[0])
 
 
+def test_what_a_package_that_is_not_here_would_give_is_left_out_and_told(tmp_path):
+    package = description_package(tmp_path)
+    file = package / "urdf" / "smally.urdf.xacro"
+    more = '<xacro:include filename="$(find laser)/l.xacro"/><xacro:laser parent="base"/><xacro:include'
+    file.write_text(file.read_text().replace("<xacro:include", more, 1))
+    found = inspect_robot(RobotConfig(xacro=str(file)))
+    assert found.description is not None
+    told = [f.message for f in found.findings if f.code == "missing-package"]
+    assert ["'laser' isn't available" in told[0], "macro xacro:laser" in told[1], len(told)] == [True, True, 2]
+    file.write_text(file.read_text().replace("$(find laser)", str(tmp_path)))
+    (error,) = inspect_robot(RobotConfig(xacro=str(file))).findings
+    assert "No such file or directory" in error.message
+
+
+def test_a_declaration_below_a_licence_is_read(tmp_path):
+    (tmp_path / "r.urdf").write_text("<!-- a licence -->\n" + urdf())
+    assert load_robot(str(tmp_path / "r.urdf")).groups["arm"] == JOINTS
+
+
 def test_a_xacro_file_that_fails_says_why(tmp_path):
     path = tmp_path / "odd.xacro"
     start = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
     for body, why in (
         ("<xacro:nothing/>", "nothing"),
         ('<link name="${1/0}"/>', "division by zero"),
-        ('<xacro:include filename="$(find nowhere)/x.xacro"/>', "package 'nowhere' isn't available"),
+        ('<xacro:include filename="${nowhere}/x.xacro"/>', "name 'nowhere' is not defined"),
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "without end"),
         ("<link>", "mismatched tag"),
     ):
@@ -247,5 +266,5 @@ def test_an_expanded_file_tells_which_files_it_was_made_of(tmp_path):
     outer = tmp_path / "outer.xacro"
     outer.write_text(f'<robot name="r" {xmlns}><xacro:include filename="inner.xacro"/></robot>')
     with noting_files() as files:
-        assert '<link name="2"/>' in expand(outer, {}, Packages())
+        assert '<link name="2"/>' in expand(outer, {}, Packages())[0]
     assert {file.name for file in files} == {"outer.xacro", "inner.xacro"}

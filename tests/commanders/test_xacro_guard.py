@@ -16,7 +16,7 @@ def made(folder: Path, value: str) -> str:
     file = folder / "robot.xacro"
     quoted = value.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
     file.write_text(f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r"><link name="{quoted}"/></robot>')
-    return expand(file, {}, Packages({}, (file,))).rpartition('<link name="')[2].partition('"')[0]
+    return expand(file, {}, Packages({}, (file,)))[0].rpartition('<link name="')[2].partition('"')[0]
 
 
 @pytest.mark.parametrize(

@@ -107,8 +107,12 @@ def commanded(
     def shapes(at: JointState | None) -> Sequence[NDArray[np.float64]]:
         return model.hulls(*(measure() for measure in states.values()), *(() if at is None else (at,)))
 
+    def palm_alone(hand: str) -> Pose:
+        return model.grasp_pose(ports[hand].state())
+
     scene = PlanningScene(
-        {hand: partial(palm_of, arm) for arm, hand in hand_of.items() if hand},
+        {hand: partial(palm_alone, hand) for hand in file.hands}
+        | {hand: partial(palm_of, arm) for arm, hand in hand_of.items() if hand},
         room=(*room, *project.room()),
         links=links,
         folder=project.folder,

@@ -204,7 +204,8 @@ class FakeBackend:
             name: FakeHand(each.postures["open"], thing=each.thing, forces=each.forces, closed=each.postures["closed"])
             for name, each in facts.items()
         }
-        palms = {arm.hand: arms[name].grasp_pose for name, arm in file.arms.items() if arm.hand is not None}
+        carried = {arm.hand: arms[name].grasp_pose for name, arm in file.arms.items() if arm.hand is not None}
+        palms = dict.fromkeys(file.hands, Pose) | carried  # a hand alone stays where it is
         return Resources(
             arms=arms,
             hands={name: _hand(name, ports[name], taught, facts[name]) for name in file.hands},

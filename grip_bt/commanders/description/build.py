@@ -12,7 +12,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 
-from .check_urdf import BALL, INERTIA, NO_SPEED, principal_moments
+from .check_urdf import BALL, INERTIA, NO_EFFORT, NO_SPEED, principal_moments
 from .config import RobotConfig
 from .files import errors
 from .moveit_files import JointLimits
@@ -63,8 +63,6 @@ def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> Srdf:
 
 TURNS = 2 * math.pi
 """A continuous joint is planned with within so much [rad] to both sides."""
-NO_EFFORT = 100.0
-"""Effort limit [N m or N] of joints that have none."""
 
 
 def normal(
@@ -134,10 +132,11 @@ def _with_limits(joint: ET.Element, override: JointLimits) -> None:
     for key in ("lower", "upper", "velocity"):
         if (value := getattr(override, key)) is not None:
             limit.set(key, repr(value))
+    unit = "m" if kind == "prismatic" else "rad"
     if float(limit.get("velocity", "0")) <= 0:
-        limit.set("velocity", repr(NO_SPEED["m" if kind == "prismatic" else "rad"]))
+        limit.set("velocity", repr(NO_SPEED[unit]))
     if float(limit.get("effort", "0")) <= 0:
-        limit.set("effort", repr(NO_EFFORT))
+        limit.set("effort", repr(NO_EFFORT[unit]))
 
 
 RISE = 0.5

@@ -25,6 +25,8 @@ SHAPES = {"box": ("size", 3), "cylinder": ("length", 1), "sphere": ("radius", 1)
 FORMATS = (".dae", ".obj", ".ply", ".stl")
 NO_SPEED = {"rad": 1.0, "m": 0.1}
 """Velocity limits [rad/s, m/s] of joints that have none."""
+NO_EFFORT = {"rad": 1000.0, "m": 100.0}
+"""Effort limits [N m, N] of joints that have none: what moves an industrial arm; fingers' drives give less."""
 NO_LIMIT = {"rad": math.pi, "m": 0.5}
 """How far joints without limits move to both sides [rad, m]."""
 BALL = 0.02
@@ -279,7 +281,8 @@ def _limit(joint: ET.Element, name: str, kind: str, report: _Report) -> None:
         taken = f"{NO_SPEED[unit]:g} {unit}/s is taken, unless joint_limits.yaml has one"
         report.warning("no-speed", f"joint {name!r} has no velocity limit above zero; {taken}", limit)
     if effort <= 0:
-        report.warning("no-effort", f"joint {name!r} has no effort limit; simulation takes 100", limit)
+        taken = f"simulation takes {NO_EFFORT[unit]:g}"
+        report.warning("no-effort", f"joint {name!r} has no effort limit above zero; {taken}", limit)
 
 
 def _mimic(joint: ET.Element, name: str, joints: list[str], report: _Report) -> None:

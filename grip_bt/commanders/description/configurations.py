@@ -123,8 +123,8 @@ class Configurations:
                     return best
         if best is not None and best.fit >= LEAST:
             return best
-        if best is None and failed is not None:
-            raise failed
+        if failed is not None:
+            raise DocumentError(f"{failed.message} (the URDF that is the likeliest)", failed.source, failed.line)
         tried = ", ".join(str(path) for path in candidates) or "none found"
         raise DocumentError(
             f"no URDF has what the SRDF names (tried: {tried}); name it as `urdf:` or `xacro:`",
@@ -178,9 +178,10 @@ class Configurations:
         named = str(_part(self.assistant, "srdf", self.folder).get("relative_path") or "")
         found = [path for path in _files_below(self.folder, _is_srdf) if self._told(path).whole]
 
-        def order(path: Path) -> tuple[bool, int, int, str]:
+        def order(path: Path) -> tuple[bool, int, int, int, str]:
             mentioned = self.hints.files.index(path.name) if path.name in self.hints.files else len(self.hints.files)
-            return path != self.folder / named, mentioned, len(path.parts), path.name
+            groups = path.read_bytes().count(b"<group ")  # a robot with its hand before the same one without
+            return path != self.folder / named, mentioned, len(path.parts), -groups, path.name
 
         return sorted(found, key=order)
 

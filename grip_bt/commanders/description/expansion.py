@@ -21,8 +21,8 @@ TIME = 30.0
 MODULE = "grip_bt.commanders.description.xacro_process"
 
 
-def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> str:
-    """Return a xacro file's XML.
+def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> tuple[str, tuple[str, ...]]:
+    """Return a xacro file's XML, and what was left out of it since packages that it includes from aren't here.
 
     Args:
         arguments: values for its `<xacro:arg>`s; those that it doesn't declare are passed too, for files it includes.
@@ -52,7 +52,7 @@ def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> s
     if "error" in reply:
         raise DocumentError(f"xacro: {reply['error']}", str(path))
     note(*map(Path, reply["files"]))
-    return str(reply["text"])
+    return str(reply["text"]), tuple(reply["left"])
 
 
 def read_robot(path: Path, arguments: Mapping[str, object], packages: Packages) -> Element:
@@ -63,7 +63,10 @@ def read_robot(path: Path, arguments: Mapping[str, object], packages: Packages) 
     """
     if path.suffix != ".xacro":
         return read_xml(path, "robot")
-    return parse_xml(expand(path, arguments, packages), "robot", str(path))
+    text, left = expand(path, arguments, packages)
+    robot = parse_xml(text, "robot", str(path))
+    robot.left_out = left
+    return robot
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import reprlib
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -128,6 +129,8 @@ def errors(findings: Iterable[Finding]) -> list[Finding]:
     return [finding for finding in findings if finding.severity == "error"]
 
 
+_ARGUMENT = re.compile(rb"\$\(arg \w+\)|\$\{\w*prefix\w*\}")
+"""Of names that launch files put a prefix before, which is empty here."""
 LARGEST = 4 * 1024 * 1024
 brief = reprlib.Repr().repr
 
@@ -162,7 +165,7 @@ def read_yaml(path: Path) -> dict[str, object]:
     if path.stat().st_size > LARGEST:
         raise DocumentError(f"it has more than {LARGEST // 2**20} MiB", str(path))
     try:
-        data = yaml.load(path.read_bytes(), _Loader)
+        data = yaml.load(_ARGUMENT.sub(b"", path.read_bytes()), _Loader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = (mark.line + 1, mark.column + 1) if mark is not None else (None, None)

@@ -75,6 +75,8 @@ class _Single:
         if self.config.moveit is not None:
             self._choose(self._path(self.config.moveit))
         robot, source = self._urdf()
+        for left in getattr(robot, "left_out", ()):
+            self._warn("missing-package", f"{left}; what would come from it is left out".replace(".;", ";"), source)
         self.findings += check_urdf(robot, str(source), self.packages)
         description = None if self._wrong() else self._described(robot, source)
         packages = (self.moveit,) if self.moveit is not None else ()

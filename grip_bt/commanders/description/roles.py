@@ -64,6 +64,10 @@ class _Roles:
         if not named and not self.config.fingers:
             named = [g for g, written in self.srdf.groups.items() if _sounds_like_a_hand(g) and not written.groups]
         hands = [g for g in dict.fromkeys([*named, *self.config.fingers]) if self.groups.get(g)]
+        ends = (
+            *ends,
+            *filter(None, (self._mounted(hand) for hand in hands if hand not in {end.group for end in ends})),
+        )
         mounts = {end.group: end.parent_link for end in ends}
         links = {hand: self._links(hand, mounts.get(hand, "")) for hand in hands}
         fingers: dict[str, tuple[str, ...]] = {}
@@ -85,6 +89,17 @@ class _Roles:
         arm = min(able, key=lambda g: len(self.groups[g]), default="")
         bare = end.group in able
         return EndEffector(end.name, "" if bare else end.group, end.parent_link, end.group if bare else arm)
+
+    def _mounted(self, hand: str) -> EndEffector | None:
+        """Return where a hand sits that no end effector names: on the last link that a group without its joints moves.
+
+        What stands on the robot's base is on no arm.
+        """
+        mine = set(self.groups[hand])
+        carrier = next((j for j in self.tree.upwards(self._first_joints(hand)[0].parent) if j.movable), None)
+        able = [g for g, joints in self.groups.items() if carrier and carrier.name in joints and not mine & set(joints)]
+        arm = min(able, key=lambda g: len(self.groups[g]), default=None)
+        return None if arm is None or carrier is None else EndEffector(hand, hand, carrier.child, arm)
 
     def _links(self, hand: str, mount: str) -> tuple[str, ...]:
         """Return what a hand's joints move, and what they sit on down to the mount or the last joint of the arm."""
@@ -108,6 +123,9 @@ class _Roles:
 
     def _fingers(self, hand: str) -> dict[str, tuple[str, ...]]:
         found = {joint.child: self.tree.subtree(joint.child) for joint in self._first_joints(hand)}
+        if len(self.groups[hand]) == 1:  # one joint drives them: what carries fewer joints is a bar of the linkage
+            carried = {f: sum(self.tree.above[link].movable for link in links) for f, links in found.items()}
+            found = {f: links for f, links in found.items() if carried[f] == max(carried.values())}
         return dict(sorted(found.items(), key=lambda item: "thumb" in item[0].lower()))
 
     def _grasp_frames(self, ends: tuple[EndEffector, ...], hands: list[str]) -> dict[str, GraspFrame]:

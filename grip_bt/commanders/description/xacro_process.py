@@ -1,8 +1,9 @@
 """The process that expands a xacro file: it computes, and does nothing else.
 
 A xacro file computes; one that never ends, or fills the memory, ends this process and nothing else. It reads a JSON
-object `{"file", "arguments", "packages"}` from stdin and writes `{"text", "files"}` or `{"error"}` to stdout; `files`
-are those that it read. `$(find NAME)` looks where `package://` does; the xacro package itself would ask ROS.
+object `{"file", "arguments", "packages"}` from stdin and writes `{"text", "files", "left"}` or `{"error"}` to stdout;
+`files` are those that it read, `left` says what was left out, since its package isn't here. `$(find NAME)` looks where
+`package://` does; the xacro package itself would ask ROS.
 
 What the `xacro` package lets through is refused here. It looks for `__` in the outermost part of an expression alone,
 so that a lambda hides anything, and gives `$(eval ...)` all of Python. Here every name of an expression is looked at,
@@ -22,7 +23,7 @@ from pathlib import Path
 from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType, TracebackType
 from typing import Any
 
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import GripError, MissingPartError
 
 from .packages import Packages
 
@@ -89,7 +90,8 @@ def look_at(expression: str) -> None:
         return  # said by xacro, in its words
     for node in ast.walk(tree):
         name = node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""
-        if name.startswith("_") or (isinstance(node, ast.Attribute) and name in _INSIDES):
+        hidden = name.startswith("_" if isinstance(node, ast.Attribute) else "__")  # files call properties `_so_`
+        if hidden or (isinstance(node, ast.Attribute) and name in _INSIDES):
             raise UnsafeExpressionError(f"`{name}` isn't for expressions of a robot's description: they only compute")
 
 
@@ -121,19 +123,61 @@ def main() -> None:
     sys.stdout.write(json.dumps(reply))
 
 
+NOWHERE = "/package-that-is-not-here"
+"""Where packages that can't be found are looked for."""
+
+
+def leave_out(xacro: Any, known: Packages) -> list[str]:
+    """Have the `xacro` package leave out what files include of packages that aren't here, and calls of macros in them.
+
+    Returns:
+        What is left out, which grows.
+    """
+    include, call, left = xacro.process_include, xacro.handle_macro_call, list[str]()
+
+    def find(name: str) -> str:
+        try:
+            return str(known.find(name))
+        except MissingPartError as error:
+            left.append(str(error))
+            return f"{NOWHERE}/{name}"
+
+    def included(element: Any, macros: object, symbols: object, follow: object) -> None:
+        try:
+            include(element, macros, symbols, follow)
+        except xacro.XacroException as error:
+            if not str(getattr(error.exc, "filename", "")).startswith(NOWHERE):
+                raise
+            xacro.replace_node(element, by=None)
+
+    def called(node: Any, macros: object, symbols: object) -> bool:
+        try:
+            return bool(call(node, macros, symbols))
+        except xacro.XacroException as error:
+            if not left or f"unknown macro name: {node.tagName}" not in str(error):
+                raise
+            left.append(f"the macro {node.tagName} isn't known without it")
+            xacro.replace_node(node, by=None)
+            return True
+
+    xacro.substitution_args._eval_find = find
+    xacro.process_include, xacro.handle_macro_call = included, called
+    return left
+
+
 def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) -> dict[str, str | list[str]]:
     import xacro
-    from xacro import substitution_args
+    import xacro.substitution_args
 
     _guard(xacro)
-    known = Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),))
-    substitution_args._eval_find = lambda name: str(known.find(name))
+    left = leave_out(xacro, Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),)))
     sys.setrecursionlimit(DEEPEST)
     sys.dont_write_bytecode = True
     forbid_acts()
     try:
         text = xacro.process_file(file, mappings=arguments).toxml()
-        return {"text": text, "files": sorted({file, *map(os.path.abspath, xacro.all_includes)})}
+        files = sorted({file, *(f for f in map(os.path.abspath, xacro.all_includes) if not f.startswith(NOWHERE))})
+        return {"text": text, "files": files, "left": list(dict.fromkeys(left))}
     except (GripError, UnsafeExpressionError) as error:
         return {"error": str(error)}
     except RecursionError:

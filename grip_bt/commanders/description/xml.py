@@ -24,9 +24,11 @@ class Element(ET.Element):
 
     Attributes:
         line: 1-based line of its start.
+        left_out: of a robot that was expanded, what its files include of packages that aren't here.
     """
 
     line: int | None = None
+    left_out: tuple[str, ...] = ()
 
 
 def line_of(element: ET.Element) -> int | None:
@@ -45,7 +47,11 @@ def read_xml(path: Path, root: str) -> Element:
         raise DocumentError("there is no such file", str(path))
     if path.stat().st_size > LARGEST:
         raise DocumentError(f"it has more than {LARGEST // 2**20} MiB: that isn't a robot's description", str(path))
-    return parse_xml(path.read_bytes(), root, str(path))
+    text = path.read_bytes()
+    if (begin := text.find(b"<?xml")) > 0:  # below a licence; ROS's parsers don't mind
+        end = text.find(b"?>", begin) + 2
+        text = text[:begin] + b" " * (end - begin) + text[end:]
+    return parse_xml(text, root, str(path))
 
 
 def parse_xml(text: bytes | str, root: str, source: str = "") -> Element:

@@ -201,7 +201,7 @@ def _xacro(words: list[str], context: LaunchContext) -> str:
         raise context.error(f"$(command 'xacro ...'): it is given one file, not {len(files)}")
     packages = Packages({}, (Path(files[0]),))
     try:
-        return expand(Path(files[0]), dict(word.split(":=", 1) for word in words if ":=" in word), packages)
+        return expand(Path(files[0]), dict(word.split(":=", 1) for word in words if ":=" in word), packages)[0]
     except DocumentError as error:
         raise context.error(f"$(command 'xacro ...'): {error}") from None
 
