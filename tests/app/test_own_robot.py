@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from smally_project import PROJECT, write_project
+from smally_project import PROJECT, robot_files, write_project
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import DocumentError, InvalidRobotError
+from grip_bt.cli.__main__ import main
 from grip_bt.runtime import JournalReader
+from grip_bt.task import load
 
 SIMULATED = pytest.param("sim", marks=[pytest.mark.sim, pytest.mark.slow])
 TWO = """grip: 1
@@ -88,3 +90,77 @@ def test_a_wrong_description_in_the_project_file_is_told_with_its_place(tmp_path
     (tmp_path / "grip.yaml").write_text(PROJECT.replace(old, new))
     with pytest.raises(DocumentError, match=says):
         find_project(tmp_path)
+
+
+def workspace(folder, srdf=None):
+    """Write a MoveIt configuration package and, in another folder, the description that it names."""
+    files = robot_files()
+    (folder / "src" / "models").mkdir(parents=True)
+    files.description_package(folder / "src" / "models")
+    made = files.moveit_package(folder / "src", 2)
+    if srdf is not None:
+        (made / "config" / "smally.srdf").write_text(srdf(files.SRDF))
+    return made
+
+
+@pytest.mark.parametrize("given", ["workspace", "urdf"])
+def test_a_new_project_for_a_robots_files_runs_at_once(tmp_path, capsys, given):
+    workspace(tmp_path)
+    urdf = tmp_path / "src" / "models" / "smally_description" / "urdf" / "smally.urdf"
+    source = urdf if given == "urdf" else tmp_path / "src"
+    lab = tmp_path / "lab"
+    assert main(["new", str(lab), "--robot", str(source)]) == 0
+    task = lab / "tasks" / "first.yaml"
+    assert main(["check", str(task)]) == 0
+    assert main(["fmt", "--check", str(task)]) == 0
+    document = load(task)
+    done = [child.node for child in document.root.children.values()]
+    assert {"arm/move_to", "arm/move_to_pose", "arm/move_straight", "hand/open", "hand/posture"} <= set(done)
+    assert main(["run", str(task), "--robot", "fake"]) == 0
+    file = find_project(lab).file
+    (arm,) = file.arms.values()
+    assert arm.hand in file.hands
+    if given != "urdf":
+        assert (arm.group, list(file.hands)) == ("manipulator", ["gripper"])
+        assert file.sensors["camera"].topics["seen"].topic == "/camera/points"
+        assert "sensor-not-read" in capsys.readouterr().out
+
+
+def test_of_several_configurations_the_first_is_taken_and_the_others_can_be_named(tmp_path, capsys):
+    made = workspace(tmp_path)
+    (made / ".setup_assistant").unlink()
+    (made / "package.xml").write_text(
+        "<package><name>smally_moveit_config</name><depend>smally_description</depend></package>"
+    )
+    (made / "config" / "tall.srdf").write_text((made / "config" / "smally.srdf").read_text())
+    assert main(["new", str(tmp_path / "one"), "--robot", str(made)]) == 0
+    assert "several configurations: smally is taken; others, for --configuration: tall" in capsys.readouterr().out
+    assert main(["new", str(tmp_path / "two"), "--robot", str(made), "--configuration", "tall"]) == 0
+    assert "srdf: ../src/smally_moveit_config/config/tall.srdf" in (tmp_path / "two" / "grip.yaml").read_text()
+    assert main(["new", str(tmp_path / "three"), "--robot", str(made), "--configuration", "tell"]) == 1
+    assert "unknown configuration 'tell'" in capsys.readouterr().err
+    assert not (tmp_path / "three").exists()
+
+
+def test_a_state_in_which_links_touch_is_left_out_and_a_home_is_found(tmp_path, capsys):
+    """The arm folds back into its base in the only state that its files have."""
+    folded = {"j2": "2.6", "j3": "2.7"}
+
+    def changed(srdf):
+        for joint, old in (("j2", "0.5"), ("j3", "1.0")):
+            srdf = srdf.replace(f'name="{joint}" value="{old}"', f'name="{joint}" value="{folded[joint]}"')
+        return srdf.replace('<group_state name="home"', '<group_state name="folded"')
+
+    made = workspace(tmp_path, changed)
+    assert main(["robot", "check", str(made), "--run", "fake", "--keep", str(tmp_path / "lab")]) == 0
+    assert "fake: success; " in capsys.readouterr().out
+    doc = load(tmp_path / "lab" / "tasks" / "first.yaml").doc
+    assert "Left out, since links touch there: folded (" in doc
+    assert "manipulator: {home: {j1: 0" in (tmp_path / "lab" / "grip.yaml").read_text()
+
+
+@pytest.mark.parametrize("robot", ["allegro_right", "robotiq_2f_85"])
+@pytest.mark.parametrize("on", ["fake", SIMULATED])
+def test_a_hand_alone_runs(robot, on, capsys):
+    assert main(["robot", "check", robot, "--run", on]) == 0
+    assert f"{on}: success; hand_closed, hand_open" in capsys.readouterr().out

@@ -69,8 +69,7 @@ class MotionFinder:
         if known is None or known not in free or not self.checker.free(start):
             start = next((q for q in (start, *free.values(), *self._drawn()) if self.checker.free(q)), start)
             home = dict(zip(self.chain.joints, map(float, start), strict=True))
-            if known is not None and "home" not in named:
-                touching.pop("home", None)
+            touching.pop("home", None)  # it has another one now
         states = tuple(dict.fromkeys([*(["home"] if home else []), *free]))
         pose, line = self._pose_and_line(start, [*free.values()])
         return FirstMotions(home, states, touching, pose, line)
