@@ -27,7 +27,7 @@ def packages_of(folder: Path) -> list[Path]:
     """Return the packages to be tried of a folder."""
     if (folder / "package.xml").is_file() or is_configured(folder) and package_around(folder) is not None:
         return [folder]
-    return configured_packages(folder)
+    return configured_packages(folder) or [folder]
 
 
 def repository_of(package: Path) -> str:

@@ -204,7 +204,7 @@ class RobotModel:
         """Add each grasp frame to the model; return the names of those that belong to one group."""
         own = {f"{GRASP_FRAME}/{group}": frame for group, frame in self.description.grasp_frames.items()}
         for name, frame in {GRASP_FRAME: self.description.grasp_frame, **own}.items():
-            parent = self.model.getFrameId(frame.link)
+            parent = self.model.getFrameId(frame.link, pin.FrameType.BODY)  # joints may be called so, too
             link = self.model.frames[parent]
             placement = link.placement * pin.SE3(frame.pose.matrix())
             self.model.addFrame(pin.Frame(name, link.parentJoint, parent, placement, pin.OP_FRAME))
