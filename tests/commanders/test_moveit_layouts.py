@@ -57,12 +57,14 @@ def test_an_srdf_wherever_it_lies_keeps_its_joint_limits(workspace, place):
 
 
 PYTHON = """
+# mappings={"gripper": "three"}
 def generate_launch_description():
     config = (MoveItConfigsBuilder("smally", package_name="smally_moveit")
         .robot_description(mappings={"gripper": "two", "cell": LaunchConfiguration("cell")}))
     return [DeclareLaunchArgument("size", default_value="large"), Node(parameters=[config])]
 """
 ROS1 = """<launch>
+  <!-- <arg name="fingers" default="three"/> -->
   <arg name="fingers" default="two"/>
   <param name="robot_description" command="xacro '$(find smally_model)/robots/smally.urdf.xacro' gripper:=$(arg fingers)
     size:=large"/>

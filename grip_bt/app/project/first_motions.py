@@ -21,6 +21,8 @@ from grip_bt.commanders.settings import PlanningSettings
 
 TRIES = 40
 """Postures that are drawn in search of one from which the hand can go straight."""
+PLANS = 6
+"""Of them, those that a plan is searched for: it takes up to two seconds each."""
 LINES = ((0, 0, 0.05), (0, 0, -0.05), (-0.05, 0, 0), (0, 0.05, 0), (0.05, 0, 0), (0, 0, 0.02), (-0.02, 0, 0))
 """Offsets [m] that are tried."""
 
@@ -58,7 +60,7 @@ class MotionFinder:
         """Return what the arm of a group does first; the other joints are at rest."""
         at_rest = self.robot.at_rest
         rest = JointState(self.robot.joints, [at_rest.get(j, 0.0) for j in self.robot.joints])
-        self.situation = Situation(group, rest, SceneSnapshot(), "", PlanningSettings(planning_time=5.0))
+        self.situation = Situation(group, rest, SceneSnapshot(), "", PlanningSettings())
         self.chain, self.checker = chain_and_checker(self.model, self.situation, 0.0)
         named = {name: s.ordered(self.chain.joints) for name, s in self.robot.named_states.get(group, {}).items()}
         free = {name: q for name, q in named.items() if self.checker.free(q)}
@@ -71,7 +73,8 @@ class MotionFinder:
             home = dict(zip(self.chain.joints, map(float, start), strict=True))
             touching.pop("home", None)  # it has another one now
         states = tuple(dict.fromkeys([*(["home"] if home else []), *free]))
-        pose, line = self._pose_and_line(start, [*free.values()])
+        last = start if states in ((), ("home",)) else free[states[-1]]  # where the task is before the pose
+        pose, line = self._pose_and_line(last, [start, *free.values()])
         return FirstMotions(home, states, touching, pose, line)
 
     def _drawn(self) -> Iterator[Array]:
@@ -83,8 +86,9 @@ class MotionFinder:
     def _pose_and_line(
         self, start: Array, states: list[Array]
     ) -> tuple[Pose | None, tuple[float, float, float] | None]:
-        """Return a pose that a plan leads to from where the arm rests, and a line from there."""
+        """Return a pose that a plan leads to from `start`, and a line from there."""
         reached: Pose | None = None
+        plans = 0
         for q in (*states, *self._drawn()):
             if not self.checker.free(q):
                 continue
@@ -93,6 +97,8 @@ class MotionFinder:
             lines = [offset for offset in LINES if self._straight(q, goal, offset)]
             if not lines and reached is not None:
                 continue
+            if (plans := plans + 1) > PLANS:
+                break
             try:
                 there = plan_to(self.model, PlanTo(self._at(start), goal), lambda: False).positions[-1]
             except ExpectedError:

@@ -19,7 +19,7 @@ from grip_bt.base.errors import DocumentError, MissingPartError
 
 from .expansion import Declared, declared, read_robot
 from .files import Reading, read_yaml
-from .launch_hints import Hints, hints_of, names
+from .launch_hints import Hints, hints_of
 from .packages import MANIFEST, Packages, packages_below, surroundings
 
 ASSISTANT = ".setup_assistant"
@@ -212,7 +212,7 @@ class Configurations:
         manifest = self.folder / MANIFEST
         depends = _DEPENDS.findall(manifest.read_text(errors="replace")) if manifest.is_file() else []
         seen = {self.folder}
-        for name in names([str(entry.get("package") or ""), *self.hints.packages, *depends]):
+        for name in dict.fromkeys([str(entry.get("package") or ""), *self.hints.packages, *depends]):
             try:
                 folder = self.packages.find(name) if name else self.folder
             except MissingPartError:

@@ -1,29 +1,45 @@
 """What a package's launch files tell of its robot, read and never run: which files, with which arguments.
 
-ROS 1's XML, ROS 2's XML and ROS 2's Python (`moveit_configs_utils` and plain ones) are looked through alike. What only
-a run knows, such as a condition, isn't decided: everything that is said anywhere is a hint, and whether the URDF and
-the SRDF fit each other tells which were right.
+ROS 1's XML, ROS 2's XML and ROS 2's Python (`moveit_configs_utils` and plain ones) are looked through alike, as texts.
+What only a run knows, such as a condition, isn't decided: everything that is said anywhere is a hint, and whether the
+URDF and the SRDF fit each other tells which were right.
 """
 
 from __future__ import annotations
 
-import ast
 import re
-import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError
-
 from .files import note
-from .xml import parse_xml
 
-_FILE = re.compile(r"[\w./$() -]*?([\w.-]+\.(?:urdf|srdf|xacro)(?:\.xacro)?)\b")
-_GIVEN = re.compile(r"\b(\w+):=(?:'([^'$]*)'|\"([^\"$]*)\"|([^\s'\"$(){}]+))")
+LARGEST = 2**20
+_COMMENT = re.compile(r"<!--.*?-->|^\s*#[^\n]*$", re.DOTALL | re.MULTILINE)
+_FILE = re.compile(r"([\w.-]+\.(?:urdf|srdf|xacro)(?:\.xacro)?)\b")
+_LITERAL = r"""(?:['"]([^'"]*)['"]|(True|False|[\d.]+))"""
+"""Of Python; a name isn't a value."""
+_PACKAGES = re.compile(
+    r"""\$\(find(?:-pkg-share)?\s+([\w-]+)\)|MoveItConfigsBuilder\([^)]*package_name=['"]([\w-]+)['"]"""
+    r"""|(?:FindPackageShare|get_package_share_\w+)\(\s*(?:package=)?['"]([\w-]+)['"]"""
+)
+_GIVEN = (
+    re.compile(r"""\b(\w+):=['"]?([^'"\s,(){}$<>]+)['"]?(?=[\s'"/>]|$)"""),
+    re.compile(rf"""['"](\w+)['"]\s*:\s*{_LITERAL}\s*[,}}]"""),
+    re.compile(r"""<arg\s+name=['"](\w+)['"]\s+value=['"]'?([^'"$]*)'?['"]"""),
+)
+_DEFAULTS = (
+    re.compile(
+        r"""(?:DeclareLaunchArgument|LaunchConfiguration)\(\s*(?:name=)?['"](\w+)['"]\s*,"""
+        rf"""\s*default(?:_value)?={_LITERAL}\s*[,)]"""
+    ),
+    re.compile(r"""<arg\s+name=['"](\w+)['"]\s+default=['"]'?([^'"$]*)'?['"]"""),
+)
 _ALIAS = re.compile(r"\b(\w+):=['\"]?\$\(arg (\w+)\)")
-_FIND = re.compile(r"\$\(find(?:-pkg-share)? +([\w-]+)\)")
-_PACKAGE_OF = ("FindPackageShare", "get_package_share_directory", "get_package_share_path")
+_CHOICES = re.compile(
+    r"""DeclareLaunchArgument\(\s*(?:name=)?['"](\w+)['"](?:(?!DeclareLaunchArgument).)*?choices=\[([^\]]*)\]""",
+    re.DOTALL,
+)
 
 
 @dataclass
@@ -36,7 +52,6 @@ class Hints:
         given: argument -> values that are given to it somewhere, in order.
         defaults: argument -> its default.
         choices: argument -> values that it may have.
-        aliases: argument -> the launch file's argument that it is given.
     """
 
     files: list[str] = field(default_factory=list)
@@ -44,103 +59,32 @@ class Hints:
     given: dict[str, list[str]] = field(default_factory=dict)
     defaults: dict[str, str] = field(default_factory=dict)
     choices: dict[str, list[str]] = field(default_factory=dict)
-    aliases: dict[str, str] = field(default_factory=dict)
-
-    def look_at(self, text: str) -> None:
-        """Take files, packages and arguments out of a text."""
-        self.files += _FILE.findall(text)
-        self.packages += _FIND.findall(text)
-        for name, *values in _GIVEN.findall(text):
-            self.give(name, "".join(values))
-        self.aliases.update(_ALIAS.findall(text))
-
-    def give(self, name: str, value: str) -> None:
-        """Remember a value of an argument."""
-        values = self.given.setdefault(name, [])
-        if value not in values:
-            values.append(value)
 
 
 def hints_of(folder: Path) -> Hints:
-    """Return what the launch files of a package say; those that can't be read say nothing."""
-    hints = Hints()
-    launch = folder / "launch"
-    for path in sorted(launch.rglob("*")) if launch.is_dir() else ():
-        if not path.is_file() or path.stat().st_size > 2**20:
-            continue
-        note(path)
-        text = path.read_text(encoding="utf-8", errors="replace")
-        try:
-            if path.suffix == ".py":
-                _python(ast.parse(text), hints)
-            elif path.suffix in (".launch", ".xml"):
-                _xml(parse_xml(text, "launch", str(path)), hints)
-        except (SyntaxError, ValueError, RecursionError, DocumentError):
-            continue
-    for name, other in hints.aliases.items():
-        if name not in hints.given and (value := hints.defaults.get(other)):
-            hints.give(name, value)
+    """Return what the launch files of a package say."""
+    hints, texts = Hints(), []
+    for path in sorted((folder / "launch").rglob("*")):
+        if path.suffix in (".py", ".launch", ".xml") and path.is_file() and path.stat().st_size <= LARGEST:
+            note(path)
+            texts.append(_COMMENT.sub("", path.read_text(encoding="utf-8", errors="replace")))
+    text = "\n".join(texts)
+    hints.files = _FILE.findall(text)
+    hints.packages = ["".join(found) for found in _PACKAGES.findall(text)]
+    for name, value in _found(_DEFAULTS, text):
+        hints.defaults[name] = hints.defaults.get(name) or value
+    for name, value in _found(_GIVEN, text):
+        if value not in (values := hints.given.setdefault(name, [])):
+            values.append(value)
+    for name, other in _ALIAS.findall(text):
+        if not any(hints.given.get(name, ())) and hints.defaults.get(other):
+            hints.given[name] = [hints.defaults[other]]
+    for name, words in _CHOICES.findall(text):
+        hints.choices.setdefault(name, re.findall(r"""['"]([^'"]*)['"]""", words))
     return hints
 
 
-def _xml(root: ET.Element, hints: Hints) -> None:
-    for element in root.iter():
-        name = element.get("name", "")
-        if element.tag == "arg" and name:
-            default, value = element.get("default"), element.get("value")
-            if default is not None and "$(" not in default:
-                hints.defaults[name] = hints.defaults.get(name) or default.strip("'\" ")
-            if value is not None and "$(" not in value:
-                hints.give(name, value.strip("'\" "))
-        for text in element.attrib.values():
-            hints.look_at(text)
-
-
-def _python(tree: ast.Module, hints: Hints) -> None:
-    for node in _in_order(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            hints.look_at(node.value)
-        elif isinstance(node, ast.Dict):
-            for key, value in zip(node.keys, node.values, strict=True):
-                if key is not None and (name := _word(key)) and (said := _word(value)) is not None:
-                    hints.give(name, said)
-        elif isinstance(node, ast.Call):
-            _call(node, hints)
-
-
-def _call(node: ast.Call, hints: Hints) -> None:
-    function = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-    arguments = {key.arg: key.value for key in node.keywords}
-    first = node.args[0] if node.args else arguments.get("name") or arguments.get("package")
-    name = None if first is None else _word(first)
-    if function in _PACKAGE_OF and name:
-        hints.packages.append(name)
-    elif function == "MoveItConfigsBuilder":
-        package = arguments.get("package_name")
-        hints.packages += filter(None, [_word(package) if package else name and f"{name}_moveit_config"])
-    elif function in ("DeclareLaunchArgument", "LaunchConfiguration") and name:
-        default = arguments.get("default_value") or arguments.get("default")
-        if default is not None and (said := _word(default)) is not None:
-            hints.defaults.setdefault(name, said)
-        choices = arguments.get("choices")
-        if isinstance(choices, ast.List | ast.Tuple):
-            hints.choices.setdefault(name, [said for each in choices.elts if (said := _word(each)) is not None])
-
-
-def _in_order(tree: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes as they are written."""
-    yield tree
-    for child in ast.iter_child_nodes(tree):
-        yield from _in_order(child)
-
-
-def _word(node: ast.expr) -> str | None:
-    """Return a literal text, number or truth value as a text."""
-    if not isinstance(node, ast.Constant) or not isinstance(node.value, str | bool | int | float):
-        return None
-    return str(node.value).lower() if isinstance(node.value, bool) else str(node.value)
-
-
-def names(words: Iterable[str]) -> list[str]:
-    """Return names once each, in order."""
-    return list(dict.fromkeys(words))
+def _found(patterns: Iterable[re.Pattern[str]], text: str) -> Iterator[tuple[str, str]]:
+    for name, *words in (found for pattern in patterns for found in pattern.findall(text)):
+        value = "".join(words).strip()
+        yield name, value.lower() if value in ("True", "False") else value

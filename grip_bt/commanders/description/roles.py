@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grip_bt.base.values import Pose
 from grip_bt.base.values.pose import quaternion_of
@@ -62,7 +62,9 @@ class _Roles:
         ends = tuple(self._with_arm(end) for end in self.srdf.end_effectors)
         named = [end.group for end in ends if end.group and end.group != end.parent_group]
         if not named and not self.config.fingers:
-            named = [g for g, written in self.srdf.groups.items() if _sounds_like_a_hand(g) and not written.groups]
+            tools = {end.group for end in self.srdf.end_effectors}
+            written = self.srdf.groups.items()
+            named = [g for g, each in written if _sounds_like_a_hand(g) and not each.groups and g not in tools]
         hands = [g for g in dict.fromkeys([*named, *self.config.fingers]) if self.groups.get(g)]
         ends = (
             *ends,
@@ -83,8 +85,9 @@ class _Roles:
         A group that moves its own parent link is an arm with a bare tool.
         """
         carrier = next((j.name for j in self.tree.upwards(end.parent_link) if j.movable), "")
-        if end.parent_group:
-            return end
+        shared = set(self.groups.get(end.group, ())) & set(self.groups.get(end.parent_group, ()))
+        if end.parent_group:  # a group that shares joints with its arm is the arm's last link, not a hand
+            return replace(end, group="") if shared else end
         able = [g for g, joints in self.groups.items() if carrier in joints]
         arm = min(able, key=lambda g: len(self.groups[g]), default="")
         bare = end.group in able
