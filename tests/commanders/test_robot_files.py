@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 import yaml
@@ -12,6 +14,10 @@ from grip_bt.commanders.description.files import noting_files
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages
 from grip_bt.commanders.kinematics.model import RobotModel
+from grip_bt.commanders.planning.checks import chain_and_checker
+from grip_bt.commanders.planning.requests import Situation
+from grip_bt.commanders.scene_state import SceneSnapshot
+from grip_bt.commanders.settings import PlanningSettings
 
 
 @pytest.fixture
@@ -268,3 +274,12 @@ def test_an_expanded_file_tells_which_files_it_was_made_of(tmp_path):
     with noting_files() as files:
         assert '<link name="2"/>' in expand(outer, {}, Packages())[0]
     assert {file.name for file in files} == {"outer.xacro", "inner.xacro"}
+
+
+def test_a_robot_without_shapes_or_with_a_fixed_joint_called_as_its_link_can_be_planned_for(tmp_path):
+    bare = re.sub("<collision>.*?</collision>", "", urdf()).replace('"wrist_to_palm"', '"palm"')
+    (tmp_path / "r.urdf").write_text(bare)
+    model = RobotModel(load_robot(str(tmp_path / "r.urdf")))
+    situation = Situation("arm", JointState(JOINTS, np.zeros(6)), SceneSnapshot(), "", PlanningSettings())
+    _, checker = chain_and_checker(model, situation, 0.0)
+    assert checker.free(np.zeros(6))

@@ -82,10 +82,11 @@ def _chosen(source: str, choose: Choose) -> dict[str, Any]:
         return {k: str(around / v) if k in ("urdf", "xacro", "mjcf", "srdf", "moveit") else v for k, v in given.items()}
     if not (path / MANIFEST).is_file() and not is_configured(path) or not path.is_dir():
         found = {str(each.relative_to(path)): each for each in configured_packages(path)}
-        if not found:
+        if not found and not Configurations(path, Packages()).alternatives():
             raise DocumentError("there is no MoveIt configuration package in it; name a URDF file", str(path))
         names = list(found)
-        path = found[choose(f"{source} holds several configurations", names) if len(names) > 1 else names[0]]
+        if found:
+            path = found[choose(f"{source} holds several configurations", names) if len(names) > 1 else names[0]]
     every = Configurations(path, Packages({}, (path / MANIFEST,))).alternatives()
     if len(every) < 2:
         return {"moveit": str(path)}

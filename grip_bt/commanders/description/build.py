@@ -80,7 +80,10 @@ def normal(
     for link in result.findall("link"):
         _with_found_meshes(link, folder, packages)
         _with_inertia(link)
+    links = {link.get("name") for link in result.findall("link")}
     for joint in result.findall("joint"):
+        if joint.get("type") == "fixed" and joint.get("name") in links:  # Pinocchio can't tell the two apart
+            joint.set("name", f"{joint.get('name')}_fixed")
         _with_limits(joint, limits.get(joint.get("name", ""), JointLimits()))
     return result
 

@@ -212,7 +212,7 @@ class CollisionChecker:
     def _set_pairs(self) -> None:
         """Give the pairs to both geometries, each in one go: one by one they take longer than all the rest."""
         one, other = np.nonzero(self._against)
-        place = np.array([self._place[k] for k in range(self._geometry.ngeoms)])
+        place = np.array([self._place[k] for k in range(self._geometry.ngeoms)], dtype=int)
         for geometry, a, b in ((self._geometry, one, other), (self._outline, place[one], place[other])):
             pairs = geometry.collisionPairMapping >= 0
             pairs[np.minimum(a, b), np.maximum(a, b)] = True
