@@ -31,7 +31,7 @@ def energy(body):
     return float(moving / 2 + body.mass * GRAVITY * height)
 
 
-@pytest.mark.parametrize("name", BUILTIN)
+@pytest.mark.parametrize("name", [name for name in BUILTIN if load_world(name).objects])
 @pytest.mark.parametrize("seed", [0, 17])
 def test_what_rests_sinks_in_by_less_than_half_a_millimetre(make_world, name, seed):
     world = make_world(load_world(name, seed))
