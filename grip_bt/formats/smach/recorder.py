@@ -20,6 +20,7 @@ import sys
 import time
 import unittest
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import lru_cache, partial
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -447,7 +448,8 @@ def record(job: Job) -> Record:
         for run in told.runs[1:]:  # what the import went by, each machine goes by too
             run.told = first.told + run.told
         for file in told.compiled:  # here, once for all that come
-            _code(file)
+            with suppress(Exception):  # what its child has told of already
+                _code(file)
         whole.runs += told.runs
         return first
 
