@@ -317,7 +317,9 @@ class StandInFinder(MetaPathFinder, Loader):
         """Find every module that isn't part of Python or of an installed package."""
         package = fullname.split(".")[0]
         there = sys.modules.get(package)
-        if package in sys.stdlib_module_names or (there is not None and not isinstance(there, StandInModule)):
+        generated = fullname.partition(".")[2].split(".")[0] in ("msg", "srv", "action", "cfg")
+        real = there is not None and not isinstance(there, StandInModule) and not generated
+        if package in sys.stdlib_module_names or real:
             return None
         if package not in self.packages:
             self.packages.append(package)

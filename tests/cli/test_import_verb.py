@@ -26,7 +26,7 @@ def legacy(tmp_path):
 
 def test_an_imported_machine_is_checked_and_run_by_the_usual_verbs(legacy, tmp_path):
     task = tmp_path / "out" / "pick.yaml"
-    done = grip("import", legacy("pick_mug.py"), "--from", "smach", "-o", task)
+    done = grip("import", legacy("pick_mug.py"), "--from", "smach", "--execute", "-o", task)
     assert (done.returncode, done.stdout.split("\n")[0]) == (0, "pick_mug.py: 1 exact")
     assert grip("check", task).returncode == 0
     for target in ("bt", "sm"):
@@ -37,10 +37,10 @@ def test_an_imported_machine_is_checked_and_run_by_the_usual_verbs(legacy, tmp_p
 def test_a_folder_is_imported_file_by_file_and_what_failed_is_the_exit_status(legacy, tmp_path):
     for name in ("loops.py", "py2_counter.py", "dynamic_goals.py"):
         legacy(name)
-    done = grip("import", tmp_path, "--from", "smach", "-o", tmp_path / "tasks")
+    done = grip("import", tmp_path, "--from", "smach", "--execute", "-o", tmp_path / "tasks")
     assert done.returncode == 1
     assert "py2_counter.py (Python 2): 1 exact" in done.stdout
-    assert "dynamic_goals.py:11:13: error[no-equivalent] StateMachine: the label `'P%d' % i` of a state" in done.stdout
+    assert "warning[incomplete] StateMachine: goes by `ROS parameter ~points`, known only in a run" in done.stdout
     written = sorted(p.name for p in (tmp_path / "tasks").glob("*.yaml"))
     assert written == ["loops_create_patrol.yaml", "py2_counter_create.yaml"]
     assert grip("run", tmp_path / "tasks" / "py2_counter_create.yaml", "--robot", "fake").returncode == 0
@@ -48,14 +48,14 @@ def test_a_folder_is_imported_file_by_file_and_what_failed_is_the_exit_status(le
 
 def test_without_output_nothing_is_written(legacy, tmp_path):
     file = legacy("loops.py")
-    assert grip("import", file, "--from", "smach").returncode == 0
+    assert grip("import", file, "--from", "smach", "--execute").returncode == 0
     assert list(tmp_path.iterdir()) == [file]
 
 
 def test_a_file_of_a_person_is_not_overwritten(legacy, tmp_path):
     task = tmp_path / "task.yaml"
     task.write_text("mine")
-    done = grip("import", legacy("loops.py"), "--from", "smach", "-o", task)
+    done = grip("import", legacy("loops.py"), "--from", "smach", "--execute", "-o", task)
     assert done.returncode == 1
     assert "would be overwritten" in done.stderr
     assert task.read_text() == "mine"
@@ -65,7 +65,7 @@ def test_a_file_of_a_person_is_not_overwritten(legacy, tmp_path):
 def test_execution_is_asked_for_and_takes_arguments_from_a_file(legacy, tmp_path):
     file, given = legacy("executed/given_rooms.py"), tmp_path / "given.json"
     given.write_text(json.dumps({"CleanAll": {"rooms": ["bath", "attic"]}}))
-    assert grip("import", file, "--from", "smach").returncode == 1
+    assert "1 partial" in grip("import", file, "--from", "smach").stdout
     task = tmp_path / "clean.yaml"
     assert grip("import", file, "--from", "smach", "--execute", "--arguments", given, "-o", task).returncode == 0
     assert grip("run", task, "--robot", "fake").returncode == 0

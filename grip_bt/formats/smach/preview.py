@@ -95,7 +95,7 @@ def preview(file: Path) -> list[ContainerInfo]:
                     )
                     reader.function(method, node.name, own, node)
     reader.function(ast.Module(tree.body, []), "")
-    found = [c for c in reader.found if c.added]
+    found = reader.found
     for container in found:
         if not reader.literal or id(container) in reader.doubtful:
             container.outermost.problem(

@@ -190,9 +190,9 @@ def _why(place: Place, record: Record) -> str:
         (r.builder, r.error) for r in record.runs if r.error and r.builder.split(".")[0] in (place.around, place.cls)
     ]
     if errors:
-        return f"wasn't built: {errors[0][0]} raises {errors[0][1]}"
+        return f"wasn't built: {errors[0][0]}: {errors[0][1]}"
     if not place.around and not place.cls:
         errors = [(r.builder, r.error) for r in record.runs if r.error and r.builder == "__main__"]
         if errors:
-            return f"wasn't built: the program raises {errors[0][1]}"
+            return f"wasn't built: the program: {errors[0][1]}"
     return "wasn't built by anything that was called"

@@ -20,6 +20,7 @@ import sys
 import time
 import unittest
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import lru_cache, partial
 from pathlib import Path
 from types import CodeType, ModuleType
@@ -41,8 +42,8 @@ from .surroundings import guard, ros_stand_ins, surround
 MOST_ANSWERS, MOST_IMPORTS = 48, 6
 """In how many ways the questions of a builder, and those of an import, are answered."""
 MOST_QUESTIONS = 400
-PATIENCE, BUILDER_PATIENCE = 30.0, 6.0
-"""How long [s] a file, and a builder, may take."""
+PATIENCE, BUILDER_PATIENCE = 20, 4
+"""How much time of the processor [s] a file, and a builder, may take; of the clock it is ten times as much."""
 _MEMORY = 4 << 30
 _ROS = ("rospy", "rclpy", "roslib", "actionlib", "smach_ros", "tf", "tf2_ros", "launch", "launch_ros")
 _INTERFACES = ("_msgs", "_srvs", "_interfaces")
@@ -146,13 +147,15 @@ class Recording(Construction):
 # --- processes -------------------------------------------------------------------------------------------------------
 
 
-def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: float) -> str:
+def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: int) -> str:
     """Return, as JSON, what is told by a child of this process; `otherwise` says what a failure is."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(reader)
         os.setpgid(0, 0)
+        used = int(sum(resource.getrusage(resource.RUSAGE_SELF)[:2]))
+        resource.setrlimit(resource.RLIMIT_CPU, (used + patience + 1, used + patience + 1))
         try:
             text = work().model_dump_json(exclude_defaults=True)
         except BaseException as error:  # noqa: BLE001 - legacy code may do anything, sys.exit among it
@@ -161,7 +164,7 @@ def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel
             pipe.write(text.encode(errors="replace"))
         os._exit(0)
     os.close(writer)
-    parts, end = [], time.monotonic() + patience
+    parts, end = [], time.monotonic() + 10 * patience
     while select.select([reader], [], [], max(0.0, end - time.monotonic()))[0]:
         part = os.read(reader, 1 << 20)
         if not part:
@@ -169,10 +172,13 @@ def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel
         parts.append(part)
     else:
         os.kill(child, signal.SIGKILL)
-        parts = [otherwise(f"it was stopped after {patience:g} s").model_dump_json().encode()]
+        parts = [otherwise(f"it was stopped after {10 * patience} s").model_dump_json().encode()]
     os.close(reader)
     os.waitpid(child, 0)
-    return b"".join(parts).decode() or otherwise("its process ended").model_dump_json()
+    return (
+        b"".join(parts).decode()
+        or otherwise(f"its process ended, perhaps after {patience} s of computing").model_dump_json()
+    )
 
 
 def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
@@ -199,6 +205,7 @@ _compiled: dict[Path, None] = {}
 
 def _code(file: Path) -> CodeType:
     _compiled[file] = None
+    tracked_code.files.add(str(file))
     return _code_of(file, file.stat().st_mtime_ns)
 
 
@@ -441,7 +448,8 @@ def record(job: Job) -> Record:
         for run in told.runs[1:]:  # what the import went by, each machine goes by too
             run.told = first.told + run.told
         for file in told.compiled:  # here, once for all that come
-            _code(file)
+            with suppress(Exception):  # what its child has told of already
+                _code(file)
         whole.runs += told.runs
         return first
 

@@ -91,7 +91,7 @@ def surround(file: Path, workspace: Workspace) -> None:
     for name in ("exists", "isfile", "isdir"):
         setattr(os.path, name, _outside(getattr(os.path, name), name, workspace.root))
     setattr(os, "environ", _Environment(os.environ))  # noqa: B010 - the process is ours
-    setattr(os, "getenv", lambda key, default=None: os.environ.get(key, default))  # noqa: B010
+    setattr(os, "getenv", _as_seen_of(os.getenv))  # noqa: B010
     sys.argv = stand_in("sys.argv", [str(file)])  # type: ignore[assignment]
     sys.stdin = stand_in("sys.stdin")
     builtins.input = lambda *given: stand_in("input()")  # type: ignore[assignment]
@@ -117,6 +117,14 @@ def _as_seen(function: Callable[..., Any], name: str) -> Callable[..., Any]:
         if not is_tracked(_legacy_caller()):
             return function(*arguments, **named)
         return lifted(function, name, *arguments, **named) if arguments or named else stand_in(name, function())
+
+    return seen
+
+
+def _as_seen_of(getenv: Callable[..., Any]) -> Callable[..., Any]:
+    def seen(key: str, default: Any = None) -> Any:
+        value = getenv(key, default)
+        return stand_in(f"${key}", value) if is_tracked(_legacy_caller()) else value
 
     return seen
 
@@ -160,12 +168,17 @@ class _Environment(dict[str, str]):
     """The environment; legacy code gets it as stand-ins."""
 
     def __getitem__(self, key: str) -> Any:
-        value = super().__getitem__(key)
-        return stand_in(f"${key}", value) if is_tracked(_legacy_caller()) else value
+        if not is_tracked(_legacy_caller()):
+            return super().__getitem__(key)
+        if key in dict.keys(self):
+            return stand_in(f"${key}", super().__getitem__(key))
+        if stand_ins.judge.decide(f"${key} is set", True):
+            return stand_in(f"${key}")
+        raise KeyError(key)
 
     def get(self, key: str, default: Any = None) -> Any:
-        tracked = is_tracked(_legacy_caller()) or caller() is not None
-        return stand_in(f"${key}", super().get(key, default)) if tracked else super().get(key, default)
+        value = super().get(key, default)
+        return stand_in(f"${key}", value) if is_tracked(_legacy_caller()) else value
 
     def __contains__(self, key: object) -> bool:
         if is_tracked(_legacy_caller()):

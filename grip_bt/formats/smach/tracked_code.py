@@ -84,7 +84,7 @@ def install() -> None:
 
 def is_tracked(frame: FrameType | None) -> bool:
     """Tell whether a frame is one of legacy code."""
-    return frame is not None and CALL in frame.f_code.co_names
+    return frame is not None and frame.f_code.co_filename in files
 
 
 def caller() -> FrameType | None:
@@ -254,7 +254,7 @@ def _star(value: Any) -> Any:
 
 def _call(function: Any, *arguments: Any, **named: Any) -> Any:
     if any(type(a) is _Spread for a in arguments):
-        kept = stands_in(function)
+        kept = _is_stand_in(function)
         each = [([a.value] if kept else list(a.value)) if type(a) is _Spread else [a] for a in arguments]
         arguments = tuple(value for values in each for value in values)
     try:
@@ -279,15 +279,19 @@ def _call(function: Any, *arguments: Any, **named: Any) -> Any:
 _LIFTED = {SPECIAL[each] for each in _ORDERLESS}
 
 
+def _is_stand_in(function: Any) -> bool:
+    return stands_in(function) or (isinstance(function, type) and issubclass(function, StandIn))
+
+
 def _takes_stand_ins(function: Any, owner: object) -> bool:
     """Whether a function is legacy code, smach's, or one that only keeps what it is given."""
-    if stands_in(function) or isinstance(owner, _CONTAINERS) or hasattr(function, "_stand_in_free"):
+    if _is_stand_in(function) or isinstance(owner, _CONTAINERS) or hasattr(function, "_stand_in_free"):
         return True
     plain = getattr(function, "__func__", function)
     code = getattr(plain, "__code__", None)
     if code is not None:
         module = str(getattr(plain, "__module__", ""))
-        return CALL in code.co_names or module.startswith(_KEEPING) or module in legacy_modules
+        return code.co_filename in files or module.startswith(_KEEPING) or module in legacy_modules
     if isinstance(function, type):
         module = function.__module__
         return issubclass(function, BaseException) or module.startswith(_KEEPING) or module in legacy_modules
@@ -296,3 +300,5 @@ def _takes_stand_ins(function: Any, owner: object) -> bool:
 
 legacy_modules: set[str] = {"__main__"}
 """Names of modules of the workspace."""
+files: set[str] = set()
+"""Files whose code was compiled here."""

@@ -185,7 +185,8 @@ def test_packages_are_found_by_their_package_files(tmp_path):
     (tmp_path / "lib/src/lib/states.py").write_text(HEAD)
     file = tmp_path / "app/scripts/app.py"
     file.write_text(
-        "import smach\nfrom lib import Go\ndef build():\n    sm = smach.StateMachine(['there', 'lost'])\n    with sm:\n"
+        "import smach\nfrom lib import Go\ntry:\n    from lib.msg import Thing\nexcept ImportError:\n    Thing = None\n"
+        "def build():\n    sm = smach.StateMachine(['there', 'lost'])\n    with sm:\n"
         "        smach.StateMachine.add('GO', Go('x'))\n    return sm\n"
     )
     imported, paths = write_recorded(file, tmp_path / "out")
