@@ -5,13 +5,14 @@ from __future__ import annotations
 import inspect
 import logging
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
 from functools import partial
 from importlib import import_module
 from typing import Any, Protocol, cast
 
+from py_trees import decorators
 from py_trees.behaviour import Behaviour
 
 from grip_bt.base.errors import ExpressionError, ImplementationError, InvalidTaskError, NodeError, UnknownNameError
@@ -22,6 +23,7 @@ from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import UNSET, Scope, Scopes, written
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.condition import Condition
+from grip_bt.nodes.foreign import by_path, class_path, give_children
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Manifest, load_implementation
@@ -82,14 +84,15 @@ def release(nodes: Iterable[Behaviour]) -> None:
             _log.exception("shutdown of %s", getattr(node, "path", node.name))
 
 
-BehaviourFactory = Callable[[str, str, Foreign], Behaviour]
-"""(path, name, what the document says) -> the behaviour of a foreign node."""
+BehaviourFactory = Callable[[str, str, Foreign, Sequence[Behaviour]], Behaviour]
+"""(path, name, what the document says, children) -> the behaviour of a foreign node."""
 
 
 def adopter(code: AllowedImports) -> BehaviourFactory:
     """Return what imports and makes the behaviours of foreign nodes, of such code as a project lists."""
+    trees: dict[str, Mapping[str, Behaviour]] = {}
 
-    def adopt(path: str, name: str, node: Foreign) -> Behaviour:
+    def adopt(path: str, name: str, node: Foreign, children: Sequence[Behaviour] = ()) -> Behaviour:
         """Return the behaviour of a foreign node.
 
         Args:
@@ -99,8 +102,14 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
             InvalidTaskError: it isn't listed, there is nothing at the import path, it isn't a class of behaviours or a
                 function that is listed, it can't be made of these arguments, or what it makes isn't a behaviour.
         """
-        make = _maker(path, node.behaviour, code)
+        make = _maker(path, node.imported, code)
+        if node.built_by:
+            if node.built_by not in trees:
+                trees[node.built_by] = _built(path, node.built_by, make)
+            return _part_of(trees[node.built_by], path, node, children)
         given: dict[str, Any] = dict(node.args)
+        if children:
+            given |= {"child": children[0]} if issubclass(make, decorators.Decorator) else {"children": [*children]}
         try:
             if "name" not in given and "name" in inspect.signature(make).parameters:
                 given["name"] = name
@@ -115,6 +124,32 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
         return made
 
     return adopt
+
+
+def _built(path: str, where: str, make: Callable[[], Any]) -> Mapping[str, Behaviour]:
+    """Return the behaviours of the tree that a function builds, by path."""
+    try:
+        made = make()
+    except Exception as error:
+        raise _refused(path, f"{where} raised {type(error).__name__}: {error}") from error
+    root = getattr(made, "root", made)
+    if not isinstance(root, Behaviour):
+        raise _refused(path, f"{where} makes a {type(made).__name__}, not a tree of py_trees")
+    return by_path(root)
+
+
+def _part_of(tree: Mapping[str, Behaviour], path: str, node: Foreign, children: Sequence[Behaviour]) -> Behaviour:
+    """Take a behaviour out of its tree; its children are replaced."""
+    made = tree.get(node.at)
+    if made is None or class_path(made) != node.behaviour:
+        what = "nothing" if made is None else f"a {type(made).__name__}"
+        raise _refused(path, f"{node.built_by} builds {what} at {node.at!r}, not {node.behaviour}; import it again")
+    made.parent = None
+    if len(made.children) != len(children):
+        raise _refused(path, f"{node.behaviour} has {len(made.children)} children, and {len(children)} here")
+    if children:
+        give_children(made, children)
+    return made
 
 
 def _maker(path: str, where: str, code: AllowedImports) -> Any:

@@ -25,6 +25,7 @@ from grip_bt.task.kinds.foreign import Foreign as Foreign
 from grip_bt.task.kinds.guard import Guard as Guard
 from grip_bt.task.kinds.invert import Invert as Invert
 from grip_bt.task.kinds.loop import Loop as Loop
+from grip_bt.task.kinds.once import Once as Once
 from grip_bt.task.kinds.parallel import Parallel as Parallel
 from grip_bt.task.kinds.parallel import ParallelRule as ParallelRule
 from grip_bt.task.kinds.repeat import Repeat as Repeat
@@ -47,7 +48,7 @@ from grip_bt.task.parts import type_of as type_of
 Container = Kind
 AnyNode = Leaf | Kind
 Childless = Leaf | Foreign | Subtask
-"""Nodes that hold no children in the document."""
+"""Nodes that needn't hold children, and declare no variables."""
 
 
 class Task(WithFreeKeys):

@@ -15,7 +15,7 @@ XML = (
 CODE = """\
 import py_trees
 from py_trees.behaviours import Success
-from py_trees.common import OneShotPolicy, ParallelPolicy
+from py_trees.common import ParallelPolicy
 
 print("a word of the module")
 
@@ -23,10 +23,6 @@ print("a word of the module")
 def build():
     one, two = Success("one"), py_trees.timers.Timer("two", duration=0.1)
     return py_trees.composites.Parallel("both", ParallelPolicy.SuccessOnSelected([two]), [one, two])
-
-
-def refused():
-    return py_trees.decorators.OneShot("o", Success("x"), OneShotPolicy.ON_COMPLETION)
 
 
 def leaves():
@@ -79,12 +75,11 @@ def test_a_tree_that_is_there_is_taken_too_and_foreign_files_are_kept(grip, tmp_
 @pytest.mark.parametrize(
     ("where", "said"),
     [
-        ("mine:refused", "OneShot: what it remembers outlives its container"),
-        ("mine:leaves", "mine:leaves: SystemExit: 3"),
-        ("mine:nothing", "has no attribute 'nothing'"),
+        ("mine:leaves", "mine: SystemExit: 3"),
+        ("mine:nothing", "mine has no 'nothing' (functions: build, leaves)"),
         ("nowhere:build", "No module named 'nowhere'"),
-        ("mine:XML:a", "has no attribute"),
-        ("mine:py_trees.common.Status.SUCCESS", "which is no py_trees behaviour"),
+        ("mine:XML:a", "names no tree: write module:function"),
+        ("mine:py_trees.common.Status.SUCCESS", "makes no tree of py_trees but a Status"),
     ],
 )
 def test_what_gives_no_task_is_said_in_one_line(grip, where, said):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -14,17 +15,19 @@ from pydantic import TypeAdapter
 
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.runs.resume import RestoredState, changes, kept_parts
-from grip_bt.app.wiring.parts import Progress, silent
+from grip_bt.app.wiring.parts import Progress, load_part, silent
 from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.base.issue import Issue, Report
-from grip_bt.compilers import to_machine, to_tree
+from grip_bt.compilers import CompiledMachine, CompiledTree, to_machine, to_tree
+from grip_bt.formats.pytrees import tree_code
+from grip_bt.formats.pytrees.adopted import AdoptedTree
 from grip_bt.nodes.dry_run import stand_in_for_what_is_missing
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
 from grip_bt.runtime.observers import Durable
-from grip_bt.task import Document, Variable, read, read_text
+from grip_bt.task import Document, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
 from grip_sim.faults import Fault
@@ -59,6 +62,7 @@ class RunOptions:
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
         faults: what goes wrong in the simulated world besides its file's faults, by name.
         durable: whether no motion begins before the journal on disk says so.
+        ticks: how often somebody's own tree is ticked, whether it ends or not; None until it has ended.
         resume: the run that is resumed; None for a new one.
         video: where a film of the simulated world is written, 25 frames a second of its time; None for nowhere.
         picture: where a picture of its end is written, likewise.
@@ -79,6 +83,7 @@ class RunOptions:
     mocks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     faults: Mapping[str, Fault] = field(default_factory=dict)
     durable: bool = False
+    ticks: int | None = None
     resume: ResumeRequest | None = None
     video: Path | None = None
     picture: Path | None = None
@@ -88,7 +93,7 @@ class RunOptions:
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target", "stand_ins"}
+_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target", "stand_ins", "ticks"}
 
 
 @dataclass
@@ -134,6 +139,57 @@ def check_inputs(document: Document, given: Mapping[str, object]) -> None:
         raise InvalidTaskError(missing, document.source)
 
 
+def _compiled(
+    path: str | Path, options: RunOptions, progress: Progress
+) -> tuple[Project, Document, Report, CompiledTree | CompiledMachine]:
+    """Return a task file, checked and compiled."""
+    text = None
+    if options.resume is not None:
+        with JournalReader(options.journal or find_project(path).journal) as reader:
+            text = reader.run(options.resume.run).task_text
+    project, document, report = check_task(path, text)
+    check_inputs(document, options.data)
+    catalog = catalogue_of(project)
+    compile_task = to_machine if options.target == "sm" else to_tree
+    task, factory = document.task, None
+    if options.mocks:
+        task, catalog, factory = apply_mocks(task, catalog, options.mocks)
+    refuse(of_task(project, task, catalog, options.robot, options.mocks))
+    legacy = any(isinstance(node, Leaf) and node.node.startswith("smach/") for _, node in walk(task.root))
+    if options.stand_ins or (legacy and options.robot == "fake"):
+        stand_in_for_what_is_missing(partial(progress, "stand-in"))
+    return project, document, report, compile_task(task, catalog, data=options.data, leaf_factory=factory)
+
+
+def _adopted(
+    where: str, options: RunOptions, progress: Progress, stack: ExitStack
+) -> tuple[Project, Document, AdoptedTree]:
+    """Run the code that makes a tree, and return the tree, with the task that draws it.
+
+    Raises:
+        GripError: somebody else's code isn't to be run, it makes no tree, or a tree isn't run so.
+    """
+    place = tree_code.place_of(where)
+    refuse([f"imports and runs {where}"])
+    for word, said in (("--as sm", options.target == "sm"), ("--mock", options.mocks), ("--set", options.data)):
+        if said:
+            raise GripError(f"{word} is for tasks; {where} is run as it is: make one of it, grip import --from pytrees")
+    nodes: list[Any] = []
+
+    def node() -> object:
+        if not nodes:
+            nodes.append(load_part("ros", "a tree that takes a ROS node", "ros").TreeNode())
+            stack.callback(nodes[0].close)
+            progress("ros", "the tree gets the node /grip_tree")
+        return nodes[0].node
+
+    found = tree_code.find_tree(place, node)
+    setup = {"node": node()} if "rclpy" in sys.modules and not found.ready else {}
+    tree = AdoptedTree(found, where, options.ticks, setup, nodes[0] if nodes else None)
+    document = read_text(f"# What {where} builds; that is what runs.\n{dumps(tree.task)}", where)
+    return find_project(place.file or Path.cwd()), document, tree
+
+
 @contextmanager
 def open_session(
     path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
@@ -148,22 +204,13 @@ def open_session(
         UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    resume, text = options.resume, None
-    if resume is not None:
-        with JournalReader(options.journal or find_project(path).journal) as reader:
-            text = reader.run(resume.run).task_text
-    project, document, report = check_task(path, text)
-    check_inputs(document, options.data)
-    catalog = catalogue_of(project)
-    compile_task = to_machine if options.target == "sm" else to_tree
-    task, factory = document.task, None
-    if options.mocks:
-        task, catalog, factory = apply_mocks(task, catalog, options.mocks)
-    refuse(of_task(project, task, catalog, options.robot, options.mocks))
-    legacy = any(isinstance(node, Leaf) and node.node.startswith("smach/") for _, node in walk(task.root))
-    if options.stand_ins or (legacy and options.robot == "fake"):
-        stand_in_for_what_is_missing(partial(progress, "stand-in"))
-    compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
+    resume, code = options.resume, ExitStack()
+    compiled: CompiledTree | CompiledMachine
+    if tree_code.is_tree_code(str(path)):
+        project, document, compiled = tree = _adopted(str(path), options, progress, code)
+        options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
+    else:
+        project, document, report, compiled = _compiled(path, options, progress)
     working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
     for point in options.breaks:
         make_breakpoint(compiled, 0, **point)  # refused before anything is started
@@ -181,7 +228,7 @@ def open_session(
     faults = options.faults if resume is None else None  # what has happened doesn't happen again
     opening = Opening(project, options.seed, options.pace, told, hold, faults)
     parts = open_resources(opening, needs, options.robot, own)
-    with parts as resources, Journal(options.journal or project.journal) as journal:
+    with code, parts as resources, Journal(options.journal or project.journal) as journal:
         log = re_execution = None
         kept = kept_parts(resources)
         back = RestoredState()

@@ -308,7 +308,7 @@ def check_foreign(analysis: TaskAnalysis) -> None:
     for placed in analysis.containers:
         if not isinstance(placed.node, Foreign):
             continue
-        where = placed.node.behaviour
+        where = placed.node.imported
         problem = _missing(analysis, where) if code.allows(where) else not_listed(where, code.listed)
         if problem is not None:
             analysis.add(placed.path, "behaviour", problem.code, problem.message, problem.fix)
