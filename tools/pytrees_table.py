@@ -23,13 +23,16 @@ from typing import Any
 
 LIMIT = 60.0
 """How long [s] one tree may take."""
-NAMES = ("create_root", "create_tree", "create_bt", "make_bt", "make_tree", "build_tree", "bootstrap", "main")
+NAMES = ("create_root", "create_tree", "create_bt", "make_bt", "make_tree", "build_tree", "bootstrap")
 
 
-def candidates(where: str) -> Iterator[str]:
-    """Yield the trees that a folder seems to have; what is no folder names one itself."""
+def candidates(where: str) -> Iterator[tuple[str, str]]:
+    """Yield what is run and what is imported of each tree that a folder seems to have.
+
+    A program is run as one, and the function in it that makes its tree is imported. What is no folder names a tree.
+    """
     if not Path(where).is_dir():
-        yield where
+        yield where, where
         return
     for file in sorted(Path(where).rglob("*.py")):
         text = file.read_text(errors="replace")
@@ -40,15 +43,16 @@ def candidates(where: str) -> Iterator[str]:
         except SyntaxError:
             continue
         found = [each.name for each in tree.body if isinstance(each, ast.FunctionDef)]
-        makers = [name for name in found if name in NAMES or ("create" in name and "tree" in name)]
-        yield from (f"{file}:{name}" for name in makers if name != "main" or makers == ["main"])
-        if not makers and "__main__" in text:
-            yield str(file)
+        makers = [f"{file}:{name}" for name in found if name in NAMES or ("create" in name and "tree" in name)]
+        if "__main__" in text and "BehaviourTree" in text:
+            yield str(file), makers[0] if makers else str(file)
+        else:
+            yield from ((each, each) for each in makers)
 
 
 def alone(where: str, ticks: int) -> list[Any]:
     """Tick by py_trees alone; return the statuses after each tick."""
-    from grip_bt.formats.pytrees.tree_code import find_tree, place_of
+    from grip_bt.nodes.tree_code import find_tree, place_of
 
     found = find_tree(place_of(where))
     if not found.ready:
@@ -139,9 +143,11 @@ def main() -> None:
     print("| tree | nodes | runs unchanged | drawn | same statuses | became ours | what is kept, or why not |")
     print("|---|---|---|---|---|---|---|")
     sums = [0, 0, 0, 0, 0]
-    for where in (each for given in args.where for each in candidates(given)):
+    for where, made_by in (each for given in args.where for each in candidates(given)):
         began = time.monotonic()
-        run, plain, made = (child(where, args.ticks, what) for what in ("run", "alone", "import"))
+        run, plain, made = (
+            child(made_by if what == "import" else where, args.ticks, what) for what in ("run", "alone", "import")
+        )
         runs = len(run.get("seen", ())) == args.ticks
         same = runs and run["seen"] == plain.get("seen")
         ours = made.get("imported", 0) - made.get("kept", 0)

@@ -25,6 +25,7 @@ from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.condition import Condition
 from grip_bt.nodes.foreign import by_path, class_path, give_children
 from grip_bt.nodes.leaf import Leaf
+from grip_bt.nodes.tree_code import Place, TreeCodeError, find_tree
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Manifest, load_implementation
 from grip_bt.task.model import Foreign, Kind
@@ -102,11 +103,11 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
             InvalidTaskError: it isn't listed, there is nothing at the import path, it isn't a class of behaviours or a
                 function that is listed, it can't be made of these arguments, or what it makes isn't a behaviour.
         """
-        make = _maker(path, node.imported, code)
         if node.built_by:
             if node.built_by not in trees:
-                trees[node.built_by] = _built(path, node.built_by, make)
+                trees[node.built_by] = _built(path, node.built_by, code)
             return _part_of(trees[node.built_by], path, node, children)
+        make = _maker(path, node.behaviour, code)
         given: dict[str, Any] = dict(node.args)
         if children:
             given |= {"child": children[0]} if issubclass(make, decorators.Decorator) else {"children": [*children]}
@@ -126,16 +127,17 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
     return adopt
 
 
-def _built(path: str, where: str, make: Callable[[], Any]) -> Mapping[str, Behaviour]:
-    """Return the behaviours of the tree that a function builds, by path."""
+def _built(path: str, where: str, code: AllowedImports) -> Mapping[str, Behaviour]:
+    """Return the behaviours of the tree that somebody's code builds, by path."""
+    if not code.names(where):
+        trouble = not_listed(where, code.listed)
+        raise InvalidTaskError([Issue(path, trouble.code, "error", trouble.message, trouble.fix)])
+    _look_in(code, where)
+    module, _, name = where.partition(":")
     try:
-        made = make()
-    except Exception as error:
-        raise _refused(path, f"{where} raised {type(error).__name__}: {error}") from error
-    root = getattr(made, "root", made)
-    if not isinstance(root, Behaviour):
-        raise _refused(path, f"{where} makes a {type(made).__name__}, not a tree of py_trees")
-    return by_path(root)
+        return by_path(find_tree(Place(module, name)).tree.root)
+    except TreeCodeError as error:
+        raise _refused(path, str(error)) from error
 
 
 def _part_of(tree: Mapping[str, Behaviour], path: str, node: Foreign, children: Sequence[Behaviour]) -> Behaviour:
@@ -174,8 +176,7 @@ def _maker(path: str, where: str, code: AllowedImports) -> Any:
 
 def _found(path: str, where: str, code: AllowedImports) -> Any:
     module, _, attributes = where.partition(":")
-    if code.folder is not None and code.is_third_party(where) and str(code.folder) not in sys.path:
-        sys.path.append(str(code.folder))  # last: nothing in a project takes the place of what is installed
+    _look_in(code, where)
     try:
         found: Any = import_module(module)
         for attribute in attributes.split("."):
@@ -183,6 +184,11 @@ def _found(path: str, where: str, code: AllowedImports) -> Any:
     except Exception as error:
         raise _refused(path, f"{where} can't be imported: {type(error).__name__}: {error}") from error
     return found
+
+
+def _look_in(code: AllowedImports, where: str) -> None:
+    if code.folder is not None and code.is_third_party(where) and str(code.folder) not in sys.path:
+        sys.path.append(str(code.folder))  # last: nothing in a project takes the place of what is installed
 
 
 def _refused(path: str, message: str) -> InvalidTaskError:

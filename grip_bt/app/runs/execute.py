@@ -19,8 +19,8 @@ from grip_bt.app.wiring.parts import Progress, load_part, silent
 from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import CompiledMachine, CompiledTree, to_machine, to_tree
-from grip_bt.formats.pytrees import tree_code
 from grip_bt.formats.pytrees.adopted import AdoptedTree
+from grip_bt.nodes import tree_code
 from grip_bt.nodes.dry_run import stand_in_for_what_is_missing
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult

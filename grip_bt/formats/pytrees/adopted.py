@@ -17,12 +17,12 @@ from grip_bt.compilers import CompiledTree, Pacer, TaskEnd, drive
 from grip_bt.compilers.resolve import resolve
 from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.nodes.node import LABEL, SILENT, Observer
+from grip_bt.nodes.tree_code import FoundTree
 from grip_bt.task import Task
 from grip_bt.task.catalog import AllowedImports, Catalog
 
 from .keys import Keys
 from .tree import drawn
-from .tree_code import FoundTree
 
 
 class AdoptedTree(CompiledTree):

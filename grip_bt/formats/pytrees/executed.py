@@ -9,10 +9,10 @@ from typing import Any
 
 from grip_bt.base.errors import GripError
 from grip_bt.formats.imported import Imported, ImportRefusedError
+from grip_bt.nodes.tree_code import find_tree, place_of
 from grip_bt.task import Task
 
 from .tree import drawn, to_task
-from .tree_code import find_tree, place_of
 
 
 def told(where: str, as_it_is: bool = False) -> dict[str, Any]:
@@ -22,8 +22,7 @@ def told(where: str, as_it_is: bool = False) -> dict[str, Any]:
         root = find_tree(place).tree.root
         if as_it_is:
             return {"task": _plain(drawn(root, where)[0]), "issues": []}
-        again = place.name and not place.arguments
-        made: Imported = to_task(root, built_by=f"{place.import_name}:{place.name}" if again else "")
+        made: Imported = to_task(root, built_by="" if place.arguments else f"{place.import_name}:{place.name}")
     except ImportRefusedError as error:
         return {"refused": [issue.as_dict() for issue in error.issues]}
     except GripError as error:

@@ -33,7 +33,7 @@ class Keys:
     def variable(self, key: str) -> str:
         """Return the variable of a key."""
         if key not in self.names:
-            name = re.sub(r"\W+", "_", key.strip("/")).lstrip("0123456789") or "key"
+            name = re.sub(r"\W+", "_", key.strip("/"), flags=re.ASCII).lstrip("0123456789") or "key"
             self.names[key] = free(f"{name}_" if name in CONSTANTS else name, [*self.names.values()])
         return self.names[key]
 

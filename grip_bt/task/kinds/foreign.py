@@ -34,7 +34,8 @@ class Foreign(Kind):
     args: FrozenDict[str, Value] = FrozenDict()
     """Literal arguments by name."""
     built_by: ImportPath | Literal[""] = ""
-    """A function, `package.module:name`, that builds the tree in which it is found at `at`; it isn't made of `args`."""
+    """A function, `package.module:name`, that builds the tree in which it is found at `at`, or a program that ticks it,
+    `package.module:__main__`; it isn't made of `args`."""
     at: str = ""
     """Its path in that tree, `/` for the root."""
     in_: FrozenDict[str, str] = Field(default=FrozenDict(), alias="in")

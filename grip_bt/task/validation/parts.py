@@ -308,8 +308,11 @@ def check_foreign(analysis: TaskAnalysis) -> None:
     for placed in analysis.containers:
         if not isinstance(placed.node, Foreign):
             continue
-        where = placed.node.imported
-        problem = _missing(analysis, where) if code.allows(where) else not_listed(where, code.listed)
+        where, built = placed.node.imported, placed.node.built_by
+        listed = code.names(where) if built else code.allows(where)
+        problem = not_listed(where, code.listed) if not listed else None
+        if listed and not built.endswith(":__main__"):  # which is a whole program
+            problem = _missing(analysis, where)
         if problem is not None:
             analysis.add(placed.path, "behaviour", problem.code, problem.message, problem.fix)
 

@@ -19,8 +19,8 @@ from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError, NodeError
 from grip_bt.compilers import Rushing
 from grip_bt.formats.pytrees.adopted import AdoptedTree
-from grip_bt.formats.pytrees.tree_code import FoundTree, find_tree, place_of
 from grip_bt.nodes.node import Observer
+from grip_bt.nodes.tree_code import FoundTree, find_tree, place_of
 from grip_bt.runtime import JournalReader
 
 CODE = """\

@@ -25,6 +25,7 @@ from grip_bt.base.errors import GripError, listing
 _WHERE = re.compile(r"(?P<module>[^:()]+?)(?::(?P<name>[A-Za-z_][\w.]*)(?P<call>\(.*\))?)?")
 _HOLDERS = ("root", "tree", "behaviour_tree", "behavior_tree", "bt", "_tree", "_root")
 """Attributes in which objects have their tree."""
+PROGRAM = "__main__"
 _ADVICE = "write module:function or file.py:function; arguments go in brackets: `demo.py:make_tree(level=3)`"
 
 
@@ -52,12 +53,12 @@ class Place:
 
     Attributes:
         module: its name, or its file.
-        name: in it, with dots; empty for the whole of it as a program.
+        name: in it, with dots; `__main__` for the whole of it as a program.
         arguments: literals with which a function is called.
     """
 
     module: str
-    name: str = ""
+    name: str = PROGRAM
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -101,7 +102,7 @@ def place_of(text: str) -> Place:
         arguments = {str(each.arg): ast.literal_eval(each.value) for each in given}
     except (SyntaxError, ValueError):
         raise TreeCodeError(f"{text!r}: arguments are literals by name, such as `(level=3)`") from None
-    return Place(found["module"], found["name"] or "", arguments)
+    return Place(found["module"], found["name"] or PROGRAM, arguments)
 
 
 def find_tree(place: Place, node: Callable[[], object] | None = None) -> FoundTree:
@@ -128,7 +129,7 @@ def find_tree(place: Place, node: Callable[[], object] | None = None) -> FoundTr
     tree = _tree_in(value) or (watched.made[-1] if watched.made and value is None else None)
     if tree is None:
         what = "and ticks none" if value is None else f"but a {type(value).__name__}"
-        raise TreeCodeError(f"{place.module}:{place.name or '(the whole file)'} makes no tree of py_trees {what}")
+        raise TreeCodeError(f"{place.module}:{place.name} makes no tree of py_trees {what}")
     return watched.found(tree)
 
 
@@ -142,7 +143,7 @@ def _made(place: Place, node: Callable[[], object] | None) -> Any:
     """Return what the name means, called if it can be."""
     with _replaced(sys, argv=[place.module]):
         module = _module(place)
-        if not place.name:
+        if place.name == PROGRAM:
             return next((each for name in _HOLDERS if (each := vars(module).get(name)) is not None), None)
         value: Any = module
         for part in place.name.split("."):
@@ -156,24 +157,34 @@ def _made(place: Place, node: Callable[[], object] | None) -> Any:
 
 
 def _module(place: Place) -> Any:
+    """Return the module, imported, or run as a program."""
     file, (folder, name) = place.file, place.found_at()
     if file is not None and not file.is_file():
         raise TreeCodeError(f"{file}: there is no such file; {_ADVICE}")
     if str(folder) not in sys.path:
         sys.path.append(str(folder))  # last: nothing there takes the place of what is installed
-    if file is None or "." in name:
-        module = importlib.import_module(name)
-        if place.name or not hasattr(module, "main"):
-            return module
-        module.main()
-        return module
-    spec = importlib.util.spec_from_file_location(name if place.name else "__main__", file)
-    assert spec is not None, "a .py file has a loader"
-    assert spec.loader is not None, "a .py file has a loader"
+    if place.name != PROGRAM:
+        return importlib.import_module(name)
+    spec = importlib.util.find_spec(name)
+    loader: Any = spec.loader if spec is not None else None
+    if spec is None or loader is None:
+        raise ModuleNotFoundError(f"No module named {name!r}")
     module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
+    module.__name__ = PROGRAM
+    with _replaced_module(PROGRAM, module):
+        exec(loader.get_code(name), vars(module))
     return module
+
+
+@contextmanager
+def _replaced_module(name: str, module: Any) -> Iterator[None]:
+    before = sys.modules.get(name)
+    sys.modules[name] = module
+    try:
+        yield
+    finally:
+        if before is not None:
+            sys.modules[name] = before
 
 
 def _arguments(function: Any, place: Place, node: Callable[[], object] | None) -> dict[str, Any]:
