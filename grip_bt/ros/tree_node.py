@@ -6,7 +6,7 @@ import threading
 from types import TracebackType
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor, TimeoutException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import ok
@@ -37,7 +37,7 @@ class TreeNode:
             while not self._closing.is_set():
                 try:
                     handler, _, _ = self._executor.wait_for_ready_callbacks(timeout_sec=_WAIT)
-                except TimeoutError:
+                except TimeoutException:
                     continue
                 with self._lock:
                     handler()

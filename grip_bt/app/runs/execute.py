@@ -23,11 +23,12 @@ from grip_bt.formats.pytrees.adopted import AdoptedTree
 from grip_bt.nodes import tree_code
 from grip_bt.nodes.dry_run import stand_in_for_what_is_missing
 from grip_bt.nodes.mock import MockLeaf
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
 from grip_bt.runtime.observers import Durable
-from grip_bt.task import Document, Variable, dumps, read, read_text
+from grip_bt.task import Document, Task, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
 from grip_sim.faults import Fault
@@ -108,15 +109,23 @@ class Session:
     journal: Path
 
 
-def check_task(path: str | Path, text: str | None = None) -> tuple[Project, Document, Report]:
+def project_of(task: Task) -> Project:
+    """Return the project of the file that a task comes from; of a task that was made in Python, that of this folder."""
+    return find_project(task.file or Path.cwd())
+
+
+def check_task(path: str | Path | Task, text: str | None = None) -> tuple[Project, Document, Report]:
     """Read a task file, or what its text was at another time, and check it against its project's nodes.
 
     Raises:
         DocumentError: it can't be read.
         InvalidTaskError: it is wrong; the error holds all issues.
     """
+    if isinstance(path, Task):
+        project, text, path = project_of(path), dumps(path), path.file or path.name
+    else:
+        project = find_project(path)
     document = read(Path(path)) if text is None else read_text(text, str(path))
-    project = find_project(path)
     report = validate(document.task, catalogue_of(project), document)
     report.raise_if_invalid(str(path))
     return project, document, report
@@ -140,11 +149,11 @@ def check_inputs(document: Document, given: Mapping[str, object]) -> None:
 
 
 def _compiled(
-    path: str | Path, options: RunOptions, progress: Progress
+    path: str | Path | Task, options: RunOptions, progress: Progress
 ) -> tuple[Project, Document, Report, CompiledTree | CompiledMachine]:
     """Return a task file, checked and compiled."""
     text = None
-    if options.resume is not None:
+    if options.resume is not None and not isinstance(path, Task):
         with JournalReader(options.journal or find_project(path).journal) as reader:
             text = reader.run(options.resume.run).task_text
     project, document, report = check_task(path, text)
@@ -192,7 +201,7 @@ def _adopted(
 
 @contextmanager
 def open_session(
-    path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
+    path: str | Path | Task, options: RunOptions, progress: Progress = silent, hold: int | None = None
 ) -> Iterator[Session]:
     """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
 
@@ -206,7 +215,7 @@ def open_session(
     """
     resume, code = options.resume, ExitStack()
     compiled: CompiledTree | CompiledMachine
-    if tree_code.is_tree_code(str(path)):
+    if not isinstance(path, Task) and tree_code.is_tree_code(str(path)):
         project, document, compiled = tree = _adopted(str(path), options, progress, code)
         options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
     else:
@@ -243,7 +252,7 @@ def open_session(
             compiled,
             context,
             journal=journal,
-            task_path=str(path),
+            task_path=document.source,
             task_text=document.text,
             seed=options.seed,
             rate=options.rate,
@@ -287,18 +296,21 @@ def _filmed(resources: Resources, options: RunOptions) -> AbstractContextManager
     return resources.world.filmed(options.view, options.video, options.picture)
 
 
-def run(path: str | Path, **options: Any) -> RunResult:
-    """Run a task file to its end and return the result.
+def run(task: str | Path | Task, *, observer: Observer | None = None, **options: Any) -> RunResult:
+    """Run a task to its end and return the result.
 
     Args:
-        path: the task file.
-        **options: see `RunOptions`: target, robot, seed, pace, data, journal.
+        task: a task, its file, or code that makes a tree of py_trees: `module:function`, `file.py:function`, `file.py`.
+        observer: told of what the nodes do, after the journal.
+        **options: see `RunOptions`: target, robot, seed, pace, data, journal, ticks.
 
     Raises:
         DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    with open_session(path, RunOptions(**options)) as session:
+    with open_session(task, RunOptions(**options)) as session:
+        if observer is not None:
+            session.runner.observe(observer)
         return session.runner.run()
 
 
