@@ -55,7 +55,11 @@ def alone(where: str, ticks: int) -> list[Any]:
     from grip_bt.nodes.tree_code import find_tree, place_of
 
     found = find_tree(place_of(where))
-    if not found.ready:
+    if not found.ready and "rclpy" in sys.modules:
+        from grip_bt.ros.tree_node import TreeNode
+
+        found.tree.setup(node=TreeNode().node)
+    elif not found.ready:
         found.tree.setup()
     seen: list[Any] = []
     found.tree.post_tick_handlers.append(lambda tree: seen.append([each.status.name for each in tree.root.iterate()]))

@@ -31,6 +31,7 @@ from grip_bt.runtime.observers import Durable
 from grip_bt.task import Document, Task, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
+from grip_bt.task.validation.parts import DRAWN
 from grip_sim.faults import Fault
 
 from ..project.folder import Project, find_project
@@ -170,8 +171,16 @@ def _compiled(
     return project, document, report, compile_task(task, catalog, data=options.data, leaf_factory=factory)
 
 
+def _tree_of(path: str | Path) -> str:
+    """Return the code that makes the tree which a path means, itself or by its drawing; empty where it is a task."""
+    if tree_code.is_tree_code(str(path)):
+        return str(path)
+    text = Path(path).read_text(encoding="utf-8", errors="replace") if Path(path).is_file() else ""
+    return str(read(Path(path)).task.x.get(DRAWN, "")) if f"\n{DRAWN}:" in text else ""
+
+
 def _adopted(
-    where: str, options: RunOptions, progress: Progress, stack: ExitStack
+    path: str | Path, where: str, options: RunOptions, progress: Progress, stack: ExitStack
 ) -> tuple[Project, Document, AdoptedTree]:
     """Run the code that makes a tree, and return the tree, with the task that draws it.
 
@@ -180,6 +189,10 @@ def _adopted(
     """
     place = tree_code.place_of(where)
     refuse([f"imports and runs {where}"])
+    project = find_project(place.file or Path.cwd() if tree_code.is_tree_code(str(path)) else path)
+    named = f"{place.import_name}:{place.name}"
+    if where != str(path) and named not in project.file.code:
+        raise GripError(f"{path} runs {where}, which grip.yaml doesn't list: `code: [{named!r}]`")
     for word, said in (("--as sm", options.target == "sm"), ("--mock", options.mocks), ("--set", options.data)):
         if said:
             raise GripError(f"{word} is for tasks; {where} is run as it is: make one of it, grip import --from pytrees")
@@ -195,8 +208,8 @@ def _adopted(
     found = tree_code.find_tree(place, node)
     setup = {"node": node()} if "rclpy" in sys.modules and not found.ready else {}
     tree = AdoptedTree(found, where, options.ticks, setup, nodes[0] if nodes else None)
-    document = read_text(f"# What {where} builds; that is what runs.\n{dumps(tree.task)}", where)
-    return find_project(place.file or Path.cwd()), document, tree
+    text = f"# What {where} builds; that is what runs.\n{dumps(tree.task)}"
+    return project, read_text(text, str(path)), tree
 
 
 @contextmanager
@@ -215,8 +228,8 @@ def open_session(
     """
     resume, code = options.resume, ExitStack()
     compiled: CompiledTree | CompiledMachine
-    if not isinstance(path, Task) and tree_code.is_tree_code(str(path)):
-        project, document, compiled = tree = _adopted(str(path), options, progress, code)
+    if not isinstance(path, Task) and (where := _tree_of(path)):
+        project, document, compiled = tree = _adopted(path, where, options, progress, code)
         options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
     else:
         project, document, report, compiled = _compiled(path, options, progress)

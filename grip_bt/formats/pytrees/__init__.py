@@ -33,19 +33,21 @@ def read(request: Request) -> Imported:
     return from_xml(read_file(request.path), request.catalog(), where, request.path.parent)
 
 
-def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT) -> Imported:
-    """Run a factory in a process of its own and return the task of the tree that it builds.
+def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT, *, as_it_is: bool = False) -> Imported:
+    """Run somebody's code in a process of its own and return the task of the tree that it makes.
 
     Args:
         where: as `grip run` takes it; see `grip_bt.nodes.tree_code.place_of`.
         folder: where modules are looked for last, such as the current folder.
         timeout: how long [s] the code may take.
+        as_it_is: for a drawing of the tree, node by node.
 
     Raises:
         ImportRefusedError: behaviours of the tree have no equivalent in a task.
         GripError: the code can't be imported, fails, takes too long, or gives something else than a tree.
     """
-    answer = last_json(f"{__name__}.executed", [where], [folder.resolve()], timeout)
+    words = [where, "as_it_is"] if as_it_is else [where]
+    answer = last_json(f"{__name__}.executed", words, [folder.resolve()], timeout)
     if answer.data is None:
         if answer.status is None:
             raise GripError(f"{where}: no tree was built in {timeout:g} s; give a factory that only builds")

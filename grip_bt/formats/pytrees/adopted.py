@@ -19,7 +19,7 @@ from grip_bt.compilers.scopes import UNSET, Scopes
 from grip_bt.nodes.node import LABEL, SILENT, Observer
 from grip_bt.nodes.tree_code import FoundTree
 from grip_bt.task import Task
-from grip_bt.task.catalog import AllowedImports, Catalog
+from grip_bt.task.catalog import Catalog
 
 from .keys import Keys
 from .tree import drawn
@@ -45,7 +45,7 @@ class AdoptedTree(CompiledTree):
         alone: AbstractContextManager[object] | None = None,
     ):
         self.task, places, keys = drawn(found.tree.root, source)
-        self._resolved = resolve(self.task, Catalog.builtin().with_(code=_Shown()))
+        self._resolved = resolve(self.task, Catalog.builtin())
         self.data, self.root, self.by_path, self.leaves = self._resolved.scopes, found.tree.root, {}, {}
         self._found, self._ticks, self._setup, self._alone = found, ticks, setup or {}, alone or nullcontext()
         self._board = _Board(self.data, self.task, keys)
@@ -120,19 +120,6 @@ class AdoptedTree(CompiledTree):
         with self._alone:
             self._found.tree.tick()
             self._board.look("/", thoroughly=True)
-
-
-class _Shown(AllowedImports):
-    """Lets a drawing name any behaviour: nothing is imported because of it."""
-
-    def allows(self, behaviour: str) -> bool:
-        return True
-
-    def names_in(self, module: str) -> None:
-        return None
-
-    def kind_of(self, behaviour: str) -> None:
-        return None
 
 
 class _Watched:

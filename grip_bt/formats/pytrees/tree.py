@@ -19,6 +19,7 @@ from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.foreign import Foreign, by_path, class_path
 from grip_bt.nodes.node import Node
 from grip_bt.task import model
+from grip_bt.task.validation.parts import DRAWN
 
 from .classes import ENDS, NodeSettings, convert_behaviour, from_document, refuse_variables
 from .keys import Keys, NoEquivalentError, is_literal, keys_of
@@ -61,7 +62,7 @@ def drawn(root: Behaviour, source: str) -> tuple[model.Task, dict[str, Behaviour
         source: where the tree comes from; it stands in the task, `x-tree`.
     """
     reader = _Drawer(root)
-    task = _imported(reader, root, "", {"x-tree": source}).task
+    task = _imported(reader, root, "", {DRAWN: source}).task
     return task, reader.places, reader.keys
 
 

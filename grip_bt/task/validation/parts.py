@@ -302,10 +302,14 @@ def _place(placed: PlacedNode) -> tuple[object, object]:
     return placed.node.with_.get("store"), placed.node.with_.get("name")
 
 
+DRAWN = "x-tree"
+"""In a task: where the tree comes from that it draws; because of the drawing nothing is imported."""
+
+
 def check_foreign(analysis: TaskAnalysis) -> None:
     """Find behaviours that the project doesn't list, and those that their module doesn't have."""
     code = analysis.catalog.code
-    for placed in analysis.containers:
+    for placed in analysis.containers if DRAWN not in analysis.task.x else ():
         if not isinstance(placed.node, Foreign):
             continue
         where, built = placed.node.imported, placed.node.built_by

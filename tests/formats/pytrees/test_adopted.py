@@ -15,13 +15,18 @@ from py_trees.common import Status
 from py_trees.trees import BehaviourTree
 from random_trees import make_tree
 
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError, NodeError
 from grip_bt.compilers import Rushing
 from grip_bt.formats.pytrees.adopted import AdoptedTree
+from grip_bt.formats.pytrees.tree import drawn
 from grip_bt.nodes.node import Observer
 from grip_bt.nodes.tree_code import FoundTree, find_tree, place_of
 from grip_bt.runtime import JournalReader
+from grip_bt.task import dumps, walk
+from grip_bt.task.validation import validate
 
 CODE = """\
 import operator
@@ -211,3 +216,21 @@ def test_a_behaviour_that_raises_is_named(code: Path) -> None:
     compiled = AdoptedTree(FoundTree(BehaviourTree(Broken("broken"))), "here")
     with pytest.raises(NodeError, match="/: ZeroDivisionError"):
         compiled.execute(Rushing())
+
+
+def test_a_drawing_runs_the_tree_that_its_project_lists(code: Path) -> None:
+    task = drawn(find_tree(place_of(f"{code}:create_root")).tree.root, f"{code}:create_root")[0]
+    assert task.root.children["watch"].kind == "parallel"
+    twice = task.root.children["watch"].children["twice"]
+    assert (twice.behaviour, twice.children["measure"].args) == ("my_tree:Twice", {"where": "dock"})
+    measure = twice.children["measure"]
+    assert measure.out == {"/battery/level is /charge": "charge", "/battery/log": "battery_log"}
+    file = code.parent / "drawing.yaml"
+    file.write_text("# drawn\n" + dumps(task))
+    assert validate(task, catalogue_of(find_project(file))).errors == ()
+    with pytest.raises(GripError, match="doesn't list: `code: .'my_tree:create_root'"):
+        ran(str(file))
+    (code.parent / "grip.yaml").write_text("grip: 1\ncode: ['my_tree:create_root']\n")
+    result, events = ran(str(file))
+    assert result.status == "success"
+    assert {event.path for event in events if event.event == "exit"} <= {path for path, _ in walk(task.root)}
