@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
-from grip_bt.task.kinds.base import Decorator, End, Ended, Questions, Reason, Run, Step
+from grip_bt.task.kinds.base import Decorator, End, Ended, Questions, Reason, Run, State, Step
 
 _SUCCEEDED, _FAILED = 1, 2
 
@@ -20,7 +20,7 @@ class Once(Decorator):
     failures: bool = False
     """Whether it isn't run any more after a failure either: the container fails at once then."""
 
-    def begin(self, state: Any, q: Questions) -> Step:
+    def begin(self, state: State, q: Questions) -> Step:
         """Run the child, unless it has ended before: `q.kept` says how."""
         if q.kept is None or not q.reached(q.kept, _SUCCEEDED):
             return Run((0,))
@@ -28,7 +28,7 @@ class Once(Decorator):
             return End("failure", Reason("once", f"{q.names[0]} has failed before"))
         return End("success", None)
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """Keep how the child has ended."""
         if end.meaning == "success":
             q.kept = _SUCCEEDED
