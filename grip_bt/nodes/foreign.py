@@ -19,10 +19,10 @@ from .node import Node
 class Variable(Protocol):
     """Where a variable's value is."""
 
-    value: Any
+    value: object
 
 
-Shared = tuple[Variable, Callable[[Any], None] | None]
+Shared = tuple[Variable, Callable[[object], None] | None]
 """A variable that is a key of py_trees' blackboard too, where None means that the key isn't there; what writes it."""
 
 
@@ -84,7 +84,7 @@ class Foreign(Node, decorators.Decorator):
                     write(value)
 
 
-def give_children(behaviour: Any, children: Sequence[Behaviour]) -> None:
+def give_children(behaviour: Behaviour, children: Sequence[Behaviour]) -> None:
     """Replace the children of a decorator or composite, wherever it names them."""
     before = list(behaviour.children)
     for child in children:

@@ -59,7 +59,7 @@ class Place:
 
     module: str
     name: str = PROGRAM
-    arguments: Mapping[str, Any] = field(default_factory=dict)
+    arguments: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def file(self) -> Path | None:

@@ -77,20 +77,20 @@ class Task(WithFreeKeys):
         """The file from which it was read; empty where it was made otherwise."""
         return self._file
 
-    def check(self) -> Any:
+    def check(self) -> object:
         """Return everything that is wrong with it, by the nodes of its project; see `grip_bt.check`."""
         return _package().check(self)
 
-    def tree(self, **options: Any) -> Any:
+    def tree(self, **options: object) -> object:
         """Return it as a tree of py_trees that is ready to tick; see `grip_bt.tree`."""
         return _package().tree(self, **options)
 
-    def show(self, view: Literal["tree", "flow"] = "tree") -> Any:
+    def show(self, view: Literal["tree", "flow"] = "tree") -> object:
         """Return a picture of it; see `grip_bt.draw`."""
         return _package().draw(self, view)
 
     def _repr_svg_(self) -> str:
-        return str(self.show().svg)
+        return str(_package().draw(self).svg)
 
     @field_validator("grip", mode="before")
     @classmethod

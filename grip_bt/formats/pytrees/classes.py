@@ -116,7 +116,7 @@ def _condition(node: Any) -> NodeSettings:
 
 def _one_shot(node: Any) -> NodeSettings:
     every = {status.value.lower() for status in node.policy.value} == {"success", "failure"}
-    return NodeSettings({"kind": "once", **({"failures": True} if every else {})})
+    return NodeSettings({"kind": "once", **({"policy": "any"} if every else {})})
 
 
 def _guard(node: Any, keys: Keys) -> NodeSettings:

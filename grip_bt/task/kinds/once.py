@@ -17,14 +17,14 @@ class Once(Decorator):
     icon: ClassVar[str] = "M14 8a6 6 0 1 1-12 0a6 6 0 1 1 12 0zM6.500 6l2-1.500v7"
     codes: ClassVar[tuple[str, ...]] = ("once",)
     kind: Literal["once"]
-    failures: bool = False
-    """Whether it isn't run any more after a failure either: the container fails at once then."""
+    policy: Literal["success", "any"] = "success"
+    """`any`: it isn't run any more after a failure either: the container fails at once then."""
 
     def begin(self, state: State, q: Questions) -> Step:
         """Run the child, unless it has ended before: `q.kept` says how."""
         if q.kept is None or not q.reached(q.kept, _SUCCEEDED):
             return Run((0,))
-        if self.failures and q.reached(q.kept, _FAILED):
+        if self.policy == "any" and q.reached(q.kept, _FAILED):
             return End("failure", Reason("once", f"{q.names[0]} has failed before"))
         return End("success", None)
 
@@ -32,10 +32,10 @@ class Once(Decorator):
         """Keep how the child has ended."""
         if end.meaning == "success":
             q.kept = _SUCCEEDED
-        elif self.failures:
+        elif self.policy == "any":
             q.kept = _FAILED
         return End(end.meaning)
 
     def settings(self) -> str:
         """Return what is kept."""
-        return "whatever its end" if self.failures else "when it has succeeded"
+        return "whatever its end" if self.policy == "any" else "when it has succeeded"

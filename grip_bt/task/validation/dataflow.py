@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from grip_bt.task import Leaf, Subtask
 from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import edges_of, flow, possible
-from grip_bt.task.model import default_outcome
+from grip_bt.task.model import Childless, default_outcome
 from grip_bt.task.validation.analysis import PlacedNode, TaskAnalysis
 
 
@@ -32,7 +32,7 @@ class PossibleOutcomes:
 
     def _of(self, placed: PlacedNode) -> frozenset[str]:
         node = placed.node
-        if isinstance(node, _PORTED):
+        if isinstance(node, Leaf) or (isinstance(node, Childless) and not placed.children):
             return frozenset(placed.outcomes)
         ends = {
             # what an exit leads to needn't be there
@@ -112,6 +112,8 @@ class DataFlow:
         node = placed.node
         if isinstance(node, _PORTED):
             return self._leaf(placed, node, state)
+        if not placed.children and isinstance(node, Childless):
+            return dict.fromkeys(placed.outcomes, state)
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = placed.scope[name]
             state = state | declared.bit if declared.has_value else state & ~declared.bit

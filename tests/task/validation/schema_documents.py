@@ -44,8 +44,8 @@ VALUES: dict[str, list[Any]] = {
     "exits": EXITS,
     "outcomes": [{"done": "success"}, {"success": "failure"}, {"failure": "success"}, {"zz": "failure"}],
     "data": VARIABLES,
-    **dict.fromkeys(("memory", "retick", "prompt", "child_first", "failures"), [True, False]),
-    "policy": ["all", "any"],
+    **dict.fromkeys(("memory", "retick", "prompt", "child_first"), [True, False]),
+    "policy": ["all", "any", "success"],
     "cancel": ["halt", "ask", "join"],
     "order": ["declared", None],
     "rules": [
