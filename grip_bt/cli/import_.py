@@ -56,12 +56,9 @@ def add_import(parser: argparse.ArgumentParser) -> None:
         "path",
         type=Path,
         metavar="PATH",
-        help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute;"
-        " btcpp: an XML file of version 4, several, or a folder; grip: a task or configuration of the first GRIP (.ini,"
-        " .yaml), or a folder",
         help="smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"
-        " file.py:function or file.py, a program;"
-        " btcpp: an XML file of version 4; grip: a task or configuration of the first GRIP (.ini, .yaml), or a folder",
+        " file.py:function or file.py, a program; btcpp: an XML file of version 4, several, or a folder; grip: a task"
+        " or configuration of the first GRIP (.ini, .yaml), or a folder",
     )
     parser.add_argument("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
     parser.add_argument("--from", dest="source", required=True, choices=sorted(_IMPORTERS), help="format of the source")
