@@ -8,11 +8,13 @@ from importlib import import_module
 from pathlib import Path
 
 from grip_bt.app.project.catalogue import project_catalog
+from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.compilers import restructure
-from grip_bt.task import fmt, read_text
+from grip_bt.formats.pytrees import import_from_code
+from grip_bt.task import dumps, fmt, read_text
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 
@@ -84,6 +86,11 @@ def add_convert(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="for sm: approximate reactive composites by machines; the differences are shown",
     )
+    parser.add_argument(
+        "--execute",
+        action="store_true",
+        help="TASK is code that makes a tree of py_trees, as `grip run` takes it: run it to draw the tree",
+    )
     parser.add_argument("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
     parser.set_defaults(run=run)
 
@@ -92,8 +99,13 @@ def run(args: argparse.Namespace) -> int:
     """Convert one task."""
     if args.approximate and args.to != "sm":
         args.usage_error("--approximate is for --to sm")
-    document = read_text(read_file(args.task), args.task)
-    text = converted(document, project_catalog(args.task), args)
+    if args.execute:
+        refuse([f"--execute: imports and runs {args.task}"])
+        task = import_from_code(args.task, Path.cwd(), as_it_is=True).task
+        document, catalog = read_text(dumps(task), args.task), Catalog.builtin()
+    else:
+        document, catalog = read_text(read_file(args.task), args.task), project_catalog(args.task)
+    text = converted(document, catalog, args)
     if args.output == "-":
         put(text)
         return 0

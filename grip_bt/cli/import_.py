@@ -16,6 +16,7 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.formats.imported import Imported, Request, generated_by, write_generated
+from grip_bt.nodes.tree_code import is_tree_code
 from grip_bt.task import Task, dumps
 from grip_bt.task.document import read
 from grip_bt.task.validation import validate
@@ -55,9 +56,9 @@ def add_import(parser: argparse.ArgumentParser) -> None:
         "path",
         type=Path,
         metavar="PATH",
-        help="smach: a Python file, or a folder of them; pytrees: an XML file, or module:factory with --execute;"
-        " btcpp: an XML file of version 4, several, or a folder; grip: a task or configuration of the first GRIP (.ini,"
-        " .yaml), or a folder",
+        help="smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"
+        " file.py:function or file.py, a program; btcpp: an XML file of version 4, several, or a folder; grip: a task"
+        " or configuration of the first GRIP (.ini, .yaml), or a folder",
     )
     parser.add_argument("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
     parser.add_argument("--from", dest="source", required=True, choices=sorted(_IMPORTERS), help="format of the source")
@@ -128,8 +129,8 @@ def _check_options(args: argparse.Namespace, importer: _Importer) -> None:
             args.usage_error(f"{what} for --from {args.source}")
     if args.arguments is not None and not args.execute:
         args.usage_error("--arguments are for --execute")
-    if args.execute and args.source == "pytrees" and ":" not in str(args.path):
-        args.usage_error("--execute is for module:factory; an XML file is only read")
+    if args.execute and args.source == "pytrees" and not is_tree_code(str(args.path)):
+        args.usage_error("--execute is for module:function, or a Python file; an XML file is only read")
     if args.execute:
         refuse([f"--execute: imports and runs {args.path}"])
 

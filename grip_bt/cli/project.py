@@ -10,13 +10,17 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from grip_bt.app.project.folder import make_project
-from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.app.project.folder import FILE_NAME, find_project, make_project
+from grip_bt.app.project.foreign_code import refuse
+from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.cli.parser import add_no_code
 from grip_bt.cli.terminal import on_hang_up, put
-from grip_bt.task import fmt
+from grip_bt.formats.pytrees import import_from_code
+from grip_bt.nodes.tree_code import is_tree_code, place_of
+from grip_bt.task import dumps, fmt
+from grip_bt.task.validation.parts import DRAWN
 
 
 def add_new(parser: argparse.ArgumentParser) -> None:
@@ -105,7 +109,15 @@ def _both(path: str) -> tuple[str, str]:
 def add_edit(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument(
-        "path", nargs="?", default=".", type=Path, help="a project folder or a task file (default: here)"
+        "path",
+        nargs="?",
+        default=".",
+        type=Path,
+        help="a project folder or a task file (default: here); with --execute, code that makes a tree of py_trees,"
+        " as `grip run` takes it",
+    )
+    parser.add_argument(
+        "--execute", action="store_true", help="run that code to draw its tree: only for code that you trust"
     )
     parser.add_argument("--port", type=int, default=0, help="port on this machine (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
@@ -116,8 +128,28 @@ def add_edit(parser: argparse.ArgumentParser) -> None:
 def _run_edit(args: argparse.Namespace) -> int:
     from grip_gui import serve  # here, since `grip edit --help` needs no extra
 
+    if args.execute:
+        args.path = _drawn(str(args.path))
+    elif is_tree_code(str(args.path)) and not args.path.exists():
+        raise GripError(f"{args.path}: its tree is drawn by running it; if you trust it, say so with --execute")
     if not args.path.exists():
         raise DocumentError("does not exist; give a project folder or a task file", str(args.path))
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     task = args.path if args.path.is_file() and args.path.name != "grip.yaml" else None
     return serve(args.path, task=task, port=args.port, open_browser=not args.no_browser)
+
+
+def _drawn(where: str) -> Path:
+    """Write the task that draws somebody's tree, in a project of its own that may run it; return its file."""
+    refuse([f"--execute: imports and runs {where}"])
+    place = place_of(where)
+    task = import_from_code(where, Path.cwd(), as_it_is=True).task
+    name = f"{place.import_name}.{place.name}"
+    folder = find_project(place.file or Path.cwd()).state_folder / "trees" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / FILE_NAME).write_text(f"grip: 1\ncode: ['{place.import_name}:{place.name}']\n", encoding="utf-8")
+    source = where if place.file is None else str(place.file.resolve()) + where.removeprefix(str(place.file))
+    drawing = task.model_copy(update={"x": {**task.x, DRAWN: source}})
+    file = folder / f"{place.name}.yaml"
+    replace_text(file, f"# What {where} builds; a run of this runs that.\n{dumps(drawing)}")
+    return file

@@ -35,7 +35,11 @@ _WATCHDOG = 10.0
 def add_run(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     parser.add_argument(
-        "task", type=Path, nargs="?", help="the task file; with --resume or --fork, its current location"
+        "task",
+        type=Path,
+        nargs="?",
+        help="the task file; or code that makes a tree of py_trees, which is run as it is: module:function,"
+        " file.py:function(argument=3), or file.py, a program; with --resume or --fork, the task's current location",
     )
     add_run_options(parser)
     parser.add_argument("--set", dest="data", action="append", default=[], metavar="VAR=VALUE", type=_assignment)
@@ -43,6 +47,12 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
     parser.add_argument(
         "--rate", type=number(above=0), action=Given, metavar="HZ", help="tick rate [Hz] (default: tick on events)"
+    )
+    parser.add_argument(
+        "--ticks",
+        type=whole(1, 10**9),
+        metavar="N",
+        help="tick a tree of py_trees N times, whether its root ends or not (default: until it ends)",
     )
     parser.add_argument(
         "--watchdog",
@@ -153,6 +163,7 @@ def run(args: argparse.Namespace) -> int:
         data=dict(args.data),
         journal=args.journal,
         rate=args.rate,
+        ticks=args.ticks,
         watchdog=args.watchdog or None,
         breaks=args.breaks,
         paused=debug and not args.breaks,

@@ -5,13 +5,14 @@ from __future__ import annotations
 import inspect
 import logging
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
 from functools import partial
 from importlib import import_module
 from typing import Any, Protocol, cast
 
+from py_trees import decorators
 from py_trees.behaviour import Behaviour
 
 from grip_bt.base.errors import ExpressionError, ImplementationError, InvalidTaskError, NodeError, UnknownNameError
@@ -22,7 +23,9 @@ from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import UNSET, Scope, Scopes, written
 from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.condition import Condition
+from grip_bt.nodes.foreign import by_path, class_path, give_children
 from grip_bt.nodes.leaf import Leaf
+from grip_bt.nodes.tree_code import Place, TreeCodeError, find_tree
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Manifest, load_implementation
 from grip_bt.task.model import Foreign, Kind
@@ -82,14 +85,15 @@ def release(nodes: Iterable[Behaviour]) -> None:
             _log.exception("shutdown of %s", getattr(node, "path", node.name))
 
 
-BehaviourFactory = Callable[[str, str, Foreign], Behaviour]
-"""(path, name, what the document says) -> the behaviour of a foreign node."""
+BehaviourFactory = Callable[[str, str, Foreign, Sequence[Behaviour]], Behaviour]
+"""(path, name, what the document says, children) -> the behaviour of a foreign node."""
 
 
 def adopter(code: AllowedImports) -> BehaviourFactory:
     """Return what imports and makes the behaviours of foreign nodes, of such code as a project lists."""
+    trees: dict[str, Mapping[str, Behaviour]] = {}
 
-    def adopt(path: str, name: str, node: Foreign) -> Behaviour:
+    def adopt(path: str, name: str, node: Foreign, children: Sequence[Behaviour] = ()) -> Behaviour:
         """Return the behaviour of a foreign node.
 
         Args:
@@ -99,8 +103,14 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
             InvalidTaskError: it isn't listed, there is nothing at the import path, it isn't a class of behaviours or a
                 function that is listed, it can't be made of these arguments, or what it makes isn't a behaviour.
         """
+        if node.built_by:
+            if node.built_by not in trees:
+                trees[node.built_by] = _built(path, node.built_by, code)
+            return _part_of(trees[node.built_by], path, node, children)
         make = _maker(path, node.behaviour, code)
         given: dict[str, Any] = dict(node.args)
+        if children:
+            given |= {"child": children[0]} if issubclass(make, decorators.Decorator) else {"children": [*children]}
         try:
             if "name" not in given and "name" in inspect.signature(make).parameters:
                 given["name"] = name
@@ -115,6 +125,33 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
         return made
 
     return adopt
+
+
+def _built(path: str, where: str, code: AllowedImports) -> Mapping[str, Behaviour]:
+    """Return the behaviours of the tree that somebody's code builds, by path."""
+    if not code.names(where):
+        trouble = not_listed(where, code.listed)
+        raise InvalidTaskError([Issue(path, trouble.code, "error", trouble.message, trouble.fix)])
+    _look_in(code, where)
+    module, _, name = where.partition(":")
+    try:
+        return by_path(find_tree(Place(module, name)).tree.root)
+    except TreeCodeError as error:
+        raise _refused(path, str(error)) from error
+
+
+def _part_of(tree: Mapping[str, Behaviour], path: str, node: Foreign, children: Sequence[Behaviour]) -> Behaviour:
+    """Take a behaviour out of its tree; its children are replaced."""
+    made = tree.get(node.at)
+    if made is None or class_path(made) != node.behaviour:
+        what = "nothing" if made is None else f"a {type(made).__name__}"
+        raise _refused(path, f"{node.built_by} builds {what} at {node.at!r}, not {node.behaviour}; import it again")
+    made.parent = None
+    if len(made.children) != len(children):
+        raise _refused(path, f"{node.behaviour} has {len(made.children)} children, and {len(children)} here")
+    if children:
+        give_children(made, children)
+    return made
 
 
 def _maker(path: str, where: str, code: AllowedImports) -> Any:
@@ -139,8 +176,7 @@ def _maker(path: str, where: str, code: AllowedImports) -> Any:
 
 def _found(path: str, where: str, code: AllowedImports) -> Any:
     module, _, attributes = where.partition(":")
-    if code.folder is not None and code.is_third_party(where) and str(code.folder) not in sys.path:
-        sys.path.append(str(code.folder))  # last: nothing in a project takes the place of what is installed
+    _look_in(code, where)
     try:
         found: Any = import_module(module)
         for attribute in attributes.split("."):
@@ -148,6 +184,11 @@ def _found(path: str, where: str, code: AllowedImports) -> Any:
     except Exception as error:
         raise _refused(path, f"{where} can't be imported: {type(error).__name__}: {error}") from error
     return found
+
+
+def _look_in(code: AllowedImports, where: str) -> None:
+    if code.folder is not None and code.is_third_party(where) and str(code.folder) not in sys.path:
+        sys.path.append(str(code.folder))  # last: nothing in a project takes the place of what is installed
 
 
 def _refused(path: str, message: str) -> InvalidTaskError:

@@ -22,7 +22,7 @@ from grip_bt.compilers.task_machine import enclose
 from grip_bt.nodes.condition import conditional
 from grip_bt.nodes.container import KindNode, RunAnswers, container
 from grip_bt.nodes.control import ControlNode
-from grip_bt.nodes.foreign import Foreign
+from grip_bt.nodes.foreign import Foreign, Shared
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
@@ -57,7 +57,8 @@ class TreeBuilder:
 
     def _container(self, part: Part, kind: model.Kind, children: list[Node]) -> Node:
         if isinstance(kind, model.Foreign):
-            return Foreign(part.name, part.path, part.meaning, self.adopt(part.path, part.name, kind))
+            behaviour = self.adopt(part.path, part.name, kind, children)
+            return Foreign(part.name, part.path, part.meaning, behaviour, self._shared(part, kind))
         answers = RunAnswers(part.path, part.exits, part.edges)
         bind_answers(answers, part, kind, self.scopes)
         cls = ControlNode if isinstance(kind, model.Control) else KindNode
@@ -68,6 +69,15 @@ class TreeBuilder:
                 if isinstance(below, Leaf):
                     below.askers.append(node)
         return node
+
+    def _shared(self, part: Part, kind: model.Foreign) -> dict[str, Shared]:
+        """Return the variables that a foreign behaviour has on its blackboard."""
+        found: dict[str, Shared] = {}
+        for key, name in {**kind.in_, **kind.out}.items():
+            cell = part.scope.cell(name)
+            write = self.scopes.writer(part.path, key, cell) if key in kind.out else None
+            found[key] = cell, write
+        return found
 
 
 class CompiledTree:
@@ -85,6 +95,10 @@ class CompiledTree:
         self.task, self.data, self.root = resolved.task, resolved.scopes, builder.build(resolved.root)
         self.by_path, self.leaves = builder.by_path, builder.leaves
         enclose(resolved.root, self.by_path, {})
+
+    def ticker(self) -> Callable[[], object] | None:
+        """Return what ticks it, where the runner's engine isn't to."""
+        return None
 
     def observe(self, observer: Observer) -> None:
         """Have every activation and every write reported to `observer`."""

@@ -13,6 +13,9 @@ from grip_bt.base.evaluation import Evaluator, value_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.nodes.leaf import Leaf
 
+_POLL = 0.05
+"""How long [s] after a tick that wakes nobody the next one is asked for."""
+
 
 class _ExpressionLeaf(Leaf):
     """A leaf with a parameter `expression`, which names the inputs `a` to `h`."""
@@ -65,6 +68,40 @@ class Fail(Leaf):
 
     def update(self) -> Status:
         return self.fail(self.params["code"], self.params["message"])
+
+
+class PlayStatuses(Leaf):
+    """Answer ticks by a list of statuses."""
+
+    _at = 0
+
+    def prepare(self) -> None:
+        """Read the list.
+
+        Raises:
+            ValueError: it is empty, or holds something else than statuses.
+        """
+        rows = [each.partition("*") for each in self.params["statuses"]]
+        self._list = [word for word, _, count in rows for _ in range(int(count or 1))]
+        then = self.params["then"]
+        wrong = {*self._list, *([then] if then is not None else [])} - {"running", "success", "failure"}
+        if wrong or not (self._list or then):
+            raise ValueError(f"statuses are `running`, `success` and `failure`, not {sorted(wrong) or 'none'}")
+
+    def initialise(self) -> None:
+        self._at = 0 if self.params["anew"] else self._at
+
+    def update(self) -> Status:
+        """Take the next one."""
+        then: str | None = self.params["then"]
+        if self._at >= len(self._list) and then is None:
+            self._at = 0
+        word = self._list[self._at] if self._at < len(self._list) else str(then)
+        self._at += 1
+        if word == "running":
+            self.context.wake_at(self.context.clock.now() + _POLL)
+            return self.running()
+        return self.end() if word == "success" else self.fail("played")
 
 
 class Log(Leaf):

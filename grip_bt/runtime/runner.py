@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -135,7 +135,7 @@ class Runner:
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
         self._debugged = self._stale = False
-        self._engine: TickEngine | None = None
+        self._engine: Callable[[], object] | None = None
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
         self._lost = False
         self._begun = threading.Lock()
@@ -332,10 +332,12 @@ class Runner:
         if self._stale or self._engine is None:
             self._stale = False
             self._install()
-            root: Behaviour = self.compiled.root  # type: ignore[union-attr]
-            # Our nodes keep their methods; somebody's own behaviours may do what they like.
-            self._engine = TickEngine(root, fixed=not any(isinstance(node, Foreign) for node in root.iterate()))
-        self._engine.tick()
+            self._engine = self.compiled.ticker() or self._made_engine(self.compiled.root)  # type: ignore[union-attr]
+        self._engine()
+
+    def _made_engine(self, root: Behaviour) -> Callable[[], object]:
+        # Our nodes keep their methods; somebody's own behaviours may do what they like.
+        return TickEngine(root, fixed=not any(isinstance(node, Foreign) for node in root.iterate())).tick
 
     def _install(self) -> None:
         observers = [*self._observers, *([self.debugger] if self._debugged else [])]

@@ -115,7 +115,9 @@ def load(path: Path | str) -> Task:
     Raises:
         DocumentError: it can't be read, or isn't a task.
     """
-    return read_text(read_file(path), str(path)).task
+    task = read_text(read_file(path), str(path)).task
+    task._file = str(Path(path).absolute())
+    return task
 
 
 def loads(text: str, source: str = "") -> Task:

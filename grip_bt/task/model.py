@@ -7,9 +7,10 @@ of the root is `/`. Where outcomes lead: docs/task_format.md.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Literal
+from importlib import import_module
+from typing import Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, PrivateAttr, field_validator, model_validator
 
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.task.kinds import KINDS as KINDS
@@ -25,6 +26,7 @@ from grip_bt.task.kinds.foreign import Foreign as Foreign
 from grip_bt.task.kinds.guard import Guard as Guard
 from grip_bt.task.kinds.invert import Invert as Invert
 from grip_bt.task.kinds.loop import Loop as Loop
+from grip_bt.task.kinds.once import Once as Once
 from grip_bt.task.kinds.parallel import Parallel as Parallel
 from grip_bt.task.kinds.parallel import ParallelRule as ParallelRule
 from grip_bt.task.kinds.repeat import Repeat as Repeat
@@ -47,7 +49,7 @@ from grip_bt.task.parts import type_of as type_of
 Container = Kind
 AnyNode = Leaf | Kind
 Childless = Leaf | Foreign | Subtask
-"""Nodes that hold no children in the document."""
+"""Nodes that needn't hold children, and declare no variables."""
 
 
 class Task(WithFreeKeys):
@@ -65,6 +67,30 @@ class Task(WithFreeKeys):
     """Variables whose values are handed out at the end."""
     data: FrozenDict[Name, Variable | str] = FrozenDict()
     root: Node
+    _file: str = PrivateAttr("")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Task) and self.__dict__ == other.__dict__  # wherever they were read
+
+    @property
+    def file(self) -> str:
+        """The file from which it was read; empty where it was made otherwise."""
+        return self._file
+
+    def check(self) -> object:
+        """Return everything that is wrong with it, by the nodes of its project; see `grip_bt.check`."""
+        return _package().check(self)
+
+    def tree(self, **options: object) -> object:
+        """Return it as a tree of py_trees that is ready to tick; see `grip_bt.tree`."""
+        return _package().tree(self, **options)
+
+    def show(self, view: Literal["tree", "flow"] = "tree") -> object:
+        """Return a picture of it; see `grip_bt.draw`."""
+        return _package().draw(self, view)
+
+    def _repr_svg_(self) -> str:
+        return str(_package().draw(self).svg)
 
     @field_validator("grip", mode="before")
     @classmethod
@@ -87,6 +113,11 @@ class Task(WithFreeKeys):
     def variables(self) -> Mapping[str, Variable | str]:
         """The variables of the whole task: inputs, outputs and data."""
         return {**self.outputs, **self.inputs, **self.data} if self.inputs or self.outputs else self.data
+
+
+def _package() -> Any:
+    """Return the whole package: what is shown, checked and run knows more than documents."""
+    return import_module("grip_bt")
 
 
 def default_outcome(task: Task, outcome: str, meaning: str) -> str | None:

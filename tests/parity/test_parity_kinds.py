@@ -11,10 +11,12 @@ from parity_generate import make_case
 
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.task import Task
-from grip_bt.task.exploration import UNKNOWN, Oracle, TooManyError, explore
+from grip_bt.task.exploration import UNKNOWN, Labels, Oracle, TooManyError, explore
 from grip_bt.task.kind_analysis import flow, possible
 from grip_bt.task.kinds import KINDS
 from grip_bt.task.kinds.base import Kind
+from grip_bt.task.kinds.once import Once
+from grip_bt.task.parts import Edges
 from grip_bt.task.validation.analysis import TaskAnalysis
 from grip_bt.task.validation.dataflow import PossibleOutcomes
 
@@ -95,7 +97,9 @@ def test_a_kind_asks_before_it_puts(analyses, monkeypatch) -> None:
     puts = set()
     monkeypatch.setattr(Oracle, "put", lambda self, key, value: (puts.add(key), put(self, key, value)))
     explored = set()
-    for kind, labels in containers(analyses):
+    once = Once.model_validate({"kind": "once", "policy": "any", "child": {"a": {"node": "flow/succeed"}}})
+    ends = {"a": [("success", "success"), ("failure", "failure")]}
+    for kind, labels in [*containers(analyses), (once, Labels(ends, Edges(), Edges()))]:
         try:
             for _ in explore(kind, labels):
                 pass

@@ -42,8 +42,8 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
     components = {}
     for part in resolve(task, catalog).root.walk():
         if isinstance(part.node, Foreign):
-            if catalog.code.is_third_party(part.node.behaviour):
-                yield f"{part.path}: imports {part.node.behaviour}"
+            if catalog.code.is_third_party(part.node.imported):
+                yield f"{part.path}: imports {part.node.imported}"
         elif (
             part.manifest is not None and part.manifest.implementation and not {part.path, part.manifest.id} & {*mocked}
         ):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
+import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -14,19 +15,23 @@ from pydantic import TypeAdapter
 
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.runs.resume import RestoredState, changes, kept_parts
-from grip_bt.app.wiring.parts import Progress, silent
+from grip_bt.app.wiring.parts import Progress, load_part, silent
 from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.base.issue import Issue, Report
-from grip_bt.compilers import to_machine, to_tree
+from grip_bt.compilers import CompiledMachine, CompiledTree, to_machine, to_tree
+from grip_bt.formats.pytrees.adopted import AdoptedTree
+from grip_bt.nodes import tree_code
 from grip_bt.nodes.dry_run import stand_in_for_what_is_missing
 from grip_bt.nodes.mock import MockLeaf
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
 from grip_bt.runtime.journal_limit import Pruned, prune, size_of
 from grip_bt.runtime.observers import Durable
-from grip_bt.task import Document, Variable, read, read_text
+from grip_bt.task import Document, Task, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk
 from grip_bt.task.validation import validate
+from grip_bt.task.validation.parts import DRAWN
 from grip_sim.faults import Fault
 
 from ..project.folder import Project, find_project
@@ -59,6 +64,7 @@ class RunOptions:
         mocks: node -> script, as `grip_bt.app.runs.mocks` reads them.
         faults: what goes wrong in the simulated world besides its file's faults, by name.
         durable: whether no motion begins before the journal on disk says so.
+        ticks: how often somebody's own tree is ticked, whether it ends or not; None until it has ended.
         resume: the run that is resumed; None for a new one.
         video: where a film of the simulated world is written, 25 frames a second of its time; None for nowhere.
         picture: where a picture of its end is written, likewise.
@@ -79,6 +85,7 @@ class RunOptions:
     mocks: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     faults: Mapping[str, Fault] = field(default_factory=dict)
     durable: bool = False
+    ticks: int | None = None
     resume: ResumeRequest | None = None
     video: Path | None = None
     picture: Path | None = None
@@ -88,7 +95,7 @@ class RunOptions:
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target", "stand_ins"}
+_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target", "stand_ins", "ticks"}
 
 
 @dataclass
@@ -103,15 +110,23 @@ class Session:
     journal: Path
 
 
-def check_task(path: str | Path, text: str | None = None) -> tuple[Project, Document, Report]:
+def project_of(task: Task) -> Project:
+    """Return the project of the file that a task comes from; of a task that was made in Python, that of this folder."""
+    return find_project(task.file or Path.cwd())
+
+
+def check_task(path: str | Path | Task, text: str | None = None) -> tuple[Project, Document, Report]:
     """Read a task file, or what its text was at another time, and check it against its project's nodes.
 
     Raises:
         DocumentError: it can't be read.
         InvalidTaskError: it is wrong; the error holds all issues.
     """
+    if isinstance(path, Task):
+        project, text, path = project_of(path), dumps(path), path.file or path.name
+    else:
+        project = find_project(path)
     document = read(Path(path)) if text is None else read_text(text, str(path))
-    project = find_project(path)
     report = validate(document.task, catalogue_of(project), document)
     report.raise_if_invalid(str(path))
     return project, document, report
@@ -134,24 +149,14 @@ def check_inputs(document: Document, given: Mapping[str, object]) -> None:
         raise InvalidTaskError(missing, document.source)
 
 
-@contextmanager
-def open_session(
-    path: str | Path, options: RunOptions, progress: Progress = silent, hold: int | None = None
-) -> Iterator[Session]:
-    """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
-
-    Args:
-        hold: file descriptor of the channel over which somebody else may hold the robot; None for nobody.
-
-    Raises:
-        DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
-        UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
-        GripError: a part of the robot, or a component, can't be started.
-    """
-    resume, text = options.resume, None
-    if resume is not None:
+def _compiled(
+    path: str | Path | Task, options: RunOptions, progress: Progress
+) -> tuple[Project, Document, Report, CompiledTree | CompiledMachine]:
+    """Return a task file, checked and compiled."""
+    text = None
+    if options.resume is not None and not isinstance(path, Task):
         with JournalReader(options.journal or find_project(path).journal) as reader:
-            text = reader.run(resume.run).task_text
+            text = reader.run(options.resume.run).task_text
     project, document, report = check_task(path, text)
     check_inputs(document, options.data)
     catalog = catalogue_of(project)
@@ -163,7 +168,71 @@ def open_session(
     legacy = any(isinstance(node, Leaf) and node.node.startswith("smach/") for _, node in walk(task.root))
     if options.stand_ins or (legacy and options.robot == "fake"):
         stand_in_for_what_is_missing(partial(progress, "stand-in"))
-    compiled = compile_task(task, catalog, data=options.data, leaf_factory=factory)
+    return project, document, report, compile_task(task, catalog, data=options.data, leaf_factory=factory)
+
+
+def _tree_of(path: str | Path) -> str:
+    """Return the code that makes the tree which a path means, itself or by its drawing; empty where it is a task."""
+    if tree_code.is_tree_code(str(path)):
+        return str(path)
+    text = Path(path).read_text(encoding="utf-8", errors="replace") if Path(path).is_file() else ""
+    return str(read(Path(path)).task.x.get(DRAWN, "")) if f"\n{DRAWN}:" in text else ""
+
+
+def _adopted(
+    path: str | Path, where: str, options: RunOptions, progress: Progress, stack: ExitStack
+) -> tuple[Project, Document, AdoptedTree]:
+    """Run the code that makes a tree, and return the tree, with the task that draws it.
+
+    Raises:
+        GripError: somebody else's code isn't to be run, it makes no tree, or a tree isn't run so.
+    """
+    place = tree_code.place_of(where)
+    refuse([f"imports and runs {where}"])
+    project = find_project(place.file or Path.cwd() if tree_code.is_tree_code(str(path)) else path)
+    named = f"{place.import_name}:{place.name}"
+    if where != str(path) and named not in project.file.code:
+        raise GripError(f"{path} runs {where}, which grip.yaml doesn't list: `code: [{named!r}]`")
+    for word, said in (("--as sm", options.target == "sm"), ("--mock", options.mocks), ("--set", options.data)):
+        if said:
+            raise GripError(f"{word} is for tasks; {where} is run as it is: make one of it, grip import --from pytrees")
+    nodes: list[Any] = []
+
+    def node() -> object:
+        if not nodes:
+            nodes.append(load_part("ros", "a tree that takes a ROS node", "ros").TreeNode())
+            stack.callback(nodes[0].close)
+            progress("ros", "the tree gets the node /grip_tree")
+        return nodes[0].node
+
+    found = tree_code.find_tree(place, node)
+    setup = {"node": node()} if "rclpy" in sys.modules and not found.ready else {}
+    tree = AdoptedTree(found, where, options.ticks, setup, nodes[0] if nodes else None)
+    text = f"# What {where} builds; that is what runs.\n{dumps(tree.task)}"
+    return project, read_text(text, str(path)), tree
+
+
+@contextmanager
+def open_session(
+    path: str | Path | Task, options: RunOptions, progress: Progress = silent, hold: int | None = None
+) -> Iterator[Session]:
+    """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
+
+    Args:
+        hold: file descriptor of the channel over which somebody else may hold the robot; None for nobody.
+
+    Raises:
+        DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
+        UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
+        GripError: a part of the robot, or a component, can't be started.
+    """
+    resume, code = options.resume, ExitStack()
+    compiled: CompiledTree | CompiledMachine
+    if not isinstance(path, Task) and (where := _tree_of(path)):
+        project, document, compiled = tree = _adopted(path, where, options, progress, code)
+        options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
+    else:
+        project, document, report, compiled = _compiled(path, options, progress)
     working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
     for point in options.breaks:
         make_breakpoint(compiled, 0, **point)  # refused before anything is started
@@ -181,7 +250,7 @@ def open_session(
     faults = options.faults if resume is None else None  # what has happened doesn't happen again
     opening = Opening(project, options.seed, options.pace, told, hold, faults)
     parts = open_resources(opening, needs, options.robot, own)
-    with parts as resources, Journal(options.journal or project.journal) as journal:
+    with code, parts as resources, Journal(options.journal or project.journal) as journal:
         log = re_execution = None
         kept = kept_parts(resources)
         back = RestoredState()
@@ -196,7 +265,7 @@ def open_session(
             compiled,
             context,
             journal=journal,
-            task_path=str(path),
+            task_path=document.source,
             task_text=document.text,
             seed=options.seed,
             rate=options.rate,
@@ -240,18 +309,21 @@ def _filmed(resources: Resources, options: RunOptions) -> AbstractContextManager
     return resources.world.filmed(options.view, options.video, options.picture)
 
 
-def run(path: str | Path, **options: Any) -> RunResult:
-    """Run a task file to its end and return the result.
+def run(task: str | Path | Task, *, observer: Observer | None = None, **options: Any) -> RunResult:
+    """Run a task to its end and return the result.
 
     Args:
-        path: the task file.
-        **options: see `RunOptions`: target, robot, seed, pace, data, journal.
+        task: a task, its file, or code that makes a tree of py_trees: `module:function`, `file.py:function`, `file.py`.
+        observer: told of what the nodes do, after the journal.
+        **options: see `RunOptions`: target, robot, seed, pace, data, journal, ticks.
 
     Raises:
         DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    with open_session(path, RunOptions(**options)) as session:
+    with open_session(task, RunOptions(**options)) as session:
+        if observer is not None:
+            session.runner.observe(observer)
         return session.runner.run()
 
 

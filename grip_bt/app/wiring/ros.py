@@ -22,6 +22,7 @@ from grip_bt.ros.messages.client import RosMessages
 from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
+from grip_bt.ros.tree_node import TreeNode as TreeNode
 from grip_bt.task.catalog.component_file import Start, load_component
 from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
 

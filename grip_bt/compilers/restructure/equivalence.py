@@ -6,12 +6,13 @@ inexact differs: as a script, a sequence of ends of leaves that both forms can b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heappop, heappush
 from itertools import count
 from typing import Any
 
+from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.errors import DataError, EvaluationError, NodeError
@@ -250,7 +251,7 @@ class _Run:
     def _leaf(self, path: str, node: LeafNode, manifest: Manifest) -> Leaf:
         return self._scripted(path, manifest, node.with_, node.meaning)
 
-    def _foreign(self, path: str, name: str, node: ForeignNode) -> Leaf:
+    def _foreign(self, path: str, name: str, node: ForeignNode, children: Sequence[Behaviour]) -> Leaf:
         """Return what takes the place of somebody's own behaviour, which isn't imported to be compared."""
         return self._scripted(path, _FOREIGN)
 

@@ -198,7 +198,7 @@ def _element(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]
         case model.Parallel():
             return _parallel(part, node)
         case model.Retry(times=attempts):
-            return "RetryUntilSuccessful", {"num_attempts": str(attempts)}
+            return "RetryUntilSuccessful", {"num_attempts": str(-1 if attempts is None else attempts)}
         case model.Repeat(times=times):
             return "Repeat", {"num_cycles": str(-1 if times is None else times)}
         case model.Timeout(seconds=seconds):

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import operator
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Any
 
 from py_trees import behaviours, composites, decorators, timers
 from py_trees.behaviour import Behaviour
-from py_trees.common import ParallelPolicy
+from py_trees.common import ParallelPolicy, Status
 
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.task import model
 
-
-class NoEquivalentError(Exception):
-    """A behaviour has no equivalent in a task; the text says why."""
+from .keys import Keys, NoEquivalentError, NoKeys
 
 
 @dataclass(frozen=True)
@@ -23,35 +24,41 @@ class NodeSettings:
     """What a behaviour is in a task: keys of the node, and what to know about it.
 
     `failures`: a child's failure ends it at once, which its kind wouldn't. `selected`: positions of the children of a
-    parallel whose successes are its own; empty where all count.
+    parallel whose successes are its own; empty where all count. `around`: decorators between it and its child.
     """
 
     settings: dict[str, Any] = field(default_factory=dict)
     failures: bool = False
     selected: tuple[int, ...] = ()
+    around: tuple[dict[str, Any], ...] = ()
     remark: str = ""
 
 
-def convert_behaviour(behaviour: Behaviour) -> NodeSettings:
-    """Return what a behaviour of py_trees is in a task.
+def convert_behaviour(behaviour: Behaviour, keys: Keys | None = None) -> NodeSettings:
+    """Return what a behaviour of py_trees is in a task; a subclass that only constructs is what its base is.
+
+    Args:
+        keys: hands out variables; without it, nothing that is on a blackboard has an equivalent.
 
     Raises:
         NoEquivalentError: nothing; the error says why.
     """
-    known = _KNOWN.get(type(behaviour))
+    cls = type(behaviour)
+    known = _KNOWN.get(_does_as(cls))
     if known is not None:
-        return known(behaviour)
-    raise NoEquivalentError(reason_unsupported(type(behaviour)))
+        return known(behaviour, keys or NoKeys())
+    raise NoEquivalentError(f"{cls.__module__}.{cls.__name__} is no class that a task has")
 
 
-def is_known(behaviour: Behaviour) -> bool:
-    """Tell whether its class has an equivalent, or is known to have none."""
-    return type(behaviour) in _KNOWN or type(behaviour) in _WHY
-
-
-def reason_unsupported(cls: type[Behaviour]) -> str:
-    """Return why a class has no equivalent."""
-    return _WHY.get(cls) or f"{cls.__module__}.{cls.__name__} is no class that a task has"
+def _does_as(cls: type[Behaviour]) -> type[Behaviour]:
+    """Return the class of py_trees whose methods it has, but for that which constructs it."""
+    for base in cls.__mro__:
+        if base in _KNOWN:
+            return base
+        own = (name for name, value in vars(base).items() if callable(value) and not name.startswith("__"))
+        if any(hasattr(above, name) for name in own for above in base.__bases__):
+            break
+    return cls
 
 
 def _parallel(node: Any) -> NodeSettings:
@@ -74,59 +81,155 @@ def _parallel(node: Any) -> NodeSettings:
 
 
 def _timeout(node: Any) -> NodeSettings:
-    if node.duration <= 0:
-        raise NoEquivalentError(f"a Timeout of {node.duration:g} s is over at once")
-    return NodeSettings({"kind": "timeout", "seconds": float(node.duration), "child_first": True}, remark=_CLOCK)
+    return NodeSettings({"kind": "timeout", "seconds": max(0.0, node.duration), "child_first": True}, remark=_CLOCK)
 
 
 _CLOCK = "its time is that of the run's clock now"
 _OPEN = "a PassThrough is a guard that is always open"
-_KNOWN: dict[type[Behaviour], Callable[[Any], NodeSettings]] = {
-    composites.Sequence: lambda node: NodeSettings({"kind": "sequence", "memory": bool(node.memory)}),
-    composites.Selector: lambda node: NodeSettings({"kind": "fallback", "memory": bool(node.memory)}),
-    composites.Parallel: _parallel,
-    decorators.Retry: lambda node: NodeSettings({"kind": "retry", "times": max(1, node.num_failures)}),
-    decorators.Repeat: lambda node: NodeSettings(
+_COUNTED = "a Count only counts, which the journal does too: a guard that is always open"
+_OPERATORS: dict[Any, str] = {
+    **{operator.eq: "==", operator.ne: "!=", operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">="}
+}
+
+
+def _plays(statuses: Sequence[Status | str], then: Status | None = None, **more: Any) -> NodeSettings:
+    """Return the leaf that answers ticks by a list; `running*3` is three in a row."""
+    words = [str(getattr(each, "value", each)).lower() for each in statuses]
+    rows = [(word, len(list(row))) for word, row in groupby(words)]
+    said: dict[str, Any] = {"statuses": [word if n == 1 else f"{word}*{n}" for word, n in rows], **more}
+    return NodeSettings({"node": PLAYED, "with": said | ({"then": then.value.lower()} if then is not None else {})})
+
+
+def _periodic(node: Any) -> NodeSettings:
+    n = node.period  # and one tick more of each, but for the first
+    rows = [("running", n), ("success", n + 1), ("failure", n + 1), ("running", 1)]
+    return _plays([word for word, count in rows for _ in range(count)])
+
+
+def _condition(node: Any) -> NodeSettings:
+    if node.succeed_status is Status.SUCCESS:
+        return NodeSettings({"kind": "retry"})
+    if node.succeed_status is Status.FAILURE:
+        return NodeSettings({"kind": "retry"}, around=({"kind": "invert"},))
+    raise NoEquivalentError(f"a Condition that waits for {node.succeed_status.value}")
+
+
+def _one_shot(node: Any) -> NodeSettings:
+    every = {status.value.lower() for status in node.policy.value} == {"success", "failure"}
+    return NodeSettings({"kind": "once", **({"policy": "any"} if every else {})})
+
+
+def _guard(node: Any, keys: Keys) -> NodeSettings:
+    return NodeSettings({"kind": "guard", "if": keys.condition(node.condition, node.blackboard)})
+
+
+def _asks(expression: str) -> NodeSettings:
+    return NodeSettings({"node": "flow/succeed", "precondition": expression})
+
+
+def _waits(expression: str, names: Sequence[str]) -> NodeSettings:
+    letters = dict(zip(names, "abcdefgh", strict=False))
+    text = re.sub(r"[A-Za-z_]\w*", lambda found: letters.get(found[0], found[0]), expression)
+    bound = {letter: name for name, letter in letters.items()}
+    return NodeSettings({"node": "flow/wait_until", "with": {"expression": text}, "in": bound})
+
+
+def _there(node: Any, keys: Keys) -> str:
+    return f"{keys.plain(node.blackboard, node.variable_name)} != null"
+
+
+def _compared(node: Any, check: Any, keys: Keys) -> str:
+    """Return the condition of one comparison; one with a key that isn't there is false."""
+    name = keys.plain(node.blackboard, check.variable)
+    sign, value = _OPERATORS.get(check.operator), keys.literal(check.value_generator)
+    if sign is None:
+        raise NoEquivalentError(f"a comparison by {check.operator}, which is a Python function")
+    return f"{name} != null and {name} {sign} {value!r}"
+
+
+def _compared_all(node: Any, keys: Keys) -> str:
+    joined = {operator.and_: ") and (", operator.or_: ") or ("}.get(node.operator)
+    if joined is None or getattr(node, "blackboard_results", None) is not None:
+        raise NoEquivalentError("checks of several variables that keep their results, or join them by a function")
+    if node.operator is operator.or_:  # a key that isn't there fails it, whatever the others say
+        names = dict.fromkeys(keys.plain(node.blackboard, check.variable) for check in node.checks)
+        there = " and ".join(f"{name} != null" for name in names)
+        return f"{there} and (({joined.join(_compared(node, check, keys) for check in node.checks)}))"
+    return f"({joined.join(_compared(node, check, keys) for check in node.checks)})"
+
+
+def _between(node: Any, keys: Keys) -> str:
+    one, other = (keys.plain(node.blackboard, name) for name in (node.var1_key, node.var2_key))
+    sign = _OPERATORS.get(node.operator)
+    if sign is None:
+        raise NoEquivalentError(f"a comparison by {node.operator}, which is a Python function")
+    return f"{one} != null and {other} != null and {one} {sign} {other}"
+
+
+def _set(node: Any, keys: Keys) -> NodeSettings:
+    name = keys.plain(node.blackboard, node.variable_name)
+    value = keys.literal(node.variable_value_generator)
+    once = {} if node.overwrite else {"precondition": f"{name} == null"}
+    return NodeSettings({"node": "flow/set", **once, "with": {"value": value}, "out": {"value": name}})
+
+
+def _unset(node: Any, keys: Keys) -> NodeSettings:
+    name = keys.plain(node.blackboard, node.key)
+    return NodeSettings({"node": "flow/set", "with": {"value": None}, "out": {"value": name}})
+
+
+def _wait(node: Any, keys: Keys, text: str) -> NodeSettings:
+    return _waits(text, [keys.plain(node.blackboard, node.key)])
+
+
+_KNOWN: dict[type[Behaviour], Callable[[Any, Keys], NodeSettings]] = {
+    composites.Sequence: lambda node, _: NodeSettings({"kind": "sequence", "memory": bool(node.memory)}),
+    composites.Selector: lambda node, _: NodeSettings({"kind": "fallback", "memory": bool(node.memory)}),
+    composites.Parallel: lambda node, _: _parallel(node),
+    decorators.Retry: lambda node, _: NodeSettings({"kind": "retry", "times": max(1, node.num_failures)}),
+    decorators.Repeat: lambda node, _: NodeSettings(
         {"kind": "repeat", **({"times": node.num_success} if node.num_success > 0 else {})}
     ),
-    decorators.Timeout: _timeout,
-    decorators.Inverter: lambda node: NodeSettings({"kind": "invert"}),
-    decorators.FailureIsSuccess: lambda node: NodeSettings({"kind": "force", "as": "success"}),
-    decorators.SuccessIsFailure: lambda node: NodeSettings({"kind": "force", "as": "failure"}),
-    decorators.PassThrough: lambda node: NodeSettings({"kind": "guard", "if": "true"}, remark=_OPEN),
-    behaviours.Success: lambda node: NodeSettings({"node": "flow/succeed"}),
-    behaviours.Failure: lambda node: NodeSettings({"node": "flow/fail"}),
-    timers.Timer: lambda node: NodeSettings(
+    decorators.Timeout: lambda node, _: _timeout(node),
+    decorators.RunningIsFailure: lambda node, _: NodeSettings({"kind": "timeout", "seconds": 0.0, "child_first": True}),
+    decorators.SuccessIsRunning: lambda node, _: NodeSettings({"kind": "repeat"}),
+    decorators.FailureIsRunning: lambda node, _: NodeSettings({"kind": "retry"}),
+    decorators.Condition: lambda node, _: _condition(node),
+    decorators.OneShot: lambda node, _: _one_shot(node),
+    decorators.EternalGuard: _guard,
+    decorators.Inverter: lambda node, _: NodeSettings({"kind": "invert"}),
+    decorators.FailureIsSuccess: lambda node, _: NodeSettings({"kind": "force", "as": "success"}),
+    decorators.SuccessIsFailure: lambda node, _: NodeSettings({"kind": "force", "as": "failure"}),
+    decorators.PassThrough: lambda node, _: NodeSettings({"kind": "guard", "if": "true"}, remark=_OPEN),
+    decorators.Count: lambda node, _: NodeSettings({"kind": "guard", "if": "true"}, remark=_COUNTED),
+    behaviours.Success: lambda node, _: NodeSettings({"node": "flow/succeed"}),
+    behaviours.Failure: lambda node, _: NodeSettings({"node": "flow/fail"}),
+    behaviours.Running: lambda node, _: _plays(["running"]),
+    behaviours.Dummy: lambda node, _: _plays(["running"]),
+    behaviours.Periodic: lambda node, _: _periodic(node),
+    behaviours.StatusQueue: lambda node, _: _plays(node.queue, node.eventually),
+    behaviours.SuccessEveryN: lambda node, _: _plays(["failure"] * (node.every_n - 1) + ["success"]),
+    behaviours.TickCounter: lambda node, _: _plays(["running"] * node.duration + [node.completion_status], anew=True),
+    behaviours.CheckBlackboardVariableExists: lambda node, keys: _asks(_there(node, keys)),
+    behaviours.WaitForBlackboardVariable: lambda node, keys: _wait(node, keys, _there(node, keys)),
+    behaviours.CheckBlackboardVariableValue: lambda node, keys: _asks(_compared(node, node.check, keys)),
+    behaviours.WaitForBlackboardVariableValue: lambda node, keys: _wait(node, keys, _compared(node, node.check, keys)),
+    behaviours.CheckBlackboardVariableValues: lambda node, keys: _asks(_compared_all(node, keys)),
+    behaviours.CompareBlackboardVariables: lambda node, keys: _asks(_between(node, keys)),
+    behaviours.SetBlackboardVariable: _set,
+    behaviours.UnsetBlackboardVariable: _unset,
+    timers.Timer: lambda node, _: NodeSettings(
         {"node": "flow/wait", "with": {"seconds": float(node.duration)}}, remark=_CLOCK
     ),
 }
+PLAYED = "flow/play_statuses"
 ENDS = {
     "flow/succeed": {"success": "success"},
     "flow/wait": {"success": "success"},
+    "flow/set": {"success": "success"},
     "flow/fail": {"failure": "failure"},
 }
 """What the leaves that behaviours of py_trees become can end with."""
-_RUNNING = "it turns RUNNING into an end or an end into RUNNING; no task node does that"
-_BLACKBOARD = "it works on py_trees' blackboard, which a task hasn't; its variables have types and a place"
-_WHY: dict[type[Behaviour], str] = {
-    **{
-        cls: f"{cls.__name__}: {_RUNNING}"
-        for cls in (
-            *(decorators.RunningIsFailure, decorators.RunningIsSuccess, decorators.FailureIsRunning),
-            *(decorators.SuccessIsRunning, decorators.Condition),
-        )
-    },
-    decorators.OneShot: "OneShot: what it remembers outlives its container; no node of a task does that",
-    decorators.Count: "Count: its counters can't be read; leave it out",
-    decorators.EternalGuard: "EternalGuard: its condition is a Python function; write a guard with an expression",
-    **{
-        cls: f"{cls.__name__}: {_BLACKBOARD}"
-        for cls in (
-            *(decorators.StatusToBlackboard, decorators.ForEach),
-            *(found for name, found in vars(behaviours).items() if "Blackboard" in name),
-        )
-    },
-}
 
 
 def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[str, object]:

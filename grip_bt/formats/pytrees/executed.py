@@ -2,46 +2,42 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 import sys
 from typing import Any
 
-from py_trees.behaviour import Behaviour
+from grip_bt.base.errors import GripError
+from grip_bt.formats.imported import Imported, ImportRefusedError
+from grip_bt.nodes.tree_code import find_tree, place_of
+from grip_bt.task import Task
 
-from grip_bt.formats.imported import ImportRefusedError
-
-from .tree import to_task
+from .tree import drawn, to_task
 
 
-def told(where: str) -> dict[str, Any]:
-    """Return what the tree at `package.module:factory` is, as JSON holds it."""
-    module, colon, name = where.partition(":")
-    if not (module and colon and name):
-        return {"error": "write `package.module:factory`"}
+def told(where: str, as_it_is: bool = False) -> dict[str, Any]:
+    """Return what the tree that code makes is, as JSON holds it; `as_it_is` for a drawing of it."""
     try:
-        found: Any = importlib.import_module(module)
-        for part in name.split("."):
-            found = getattr(found, part)
-        found = found if isinstance(found, Behaviour) or not callable(found) else found()
-        found = getattr(found, "root", found)  # a py_trees.trees.BehaviourTree holds its root
-    except BaseException as error:  # noqa: BLE001 - somebody's code may do anything, sys.exit among it
-        return {"error": f"{type(error).__name__}: {error}"}
-    if not isinstance(found, Behaviour):
-        return {"error": f"a {type(found).__name__} came out, which is no py_trees behaviour"}
-    try:
-        made = to_task(found)
+        place = place_of(where)
+        root = find_tree(place).tree.root
+        if as_it_is:
+            return {"task": _plain(drawn(root, where)[0]), "issues": []}
+        made: Imported = to_task(root, built_by="" if place.arguments else f"{place.import_name}:{place.name}")
     except ImportRefusedError as error:
         return {"refused": [issue.as_dict() for issue in error.issues]}
-    task = made.task.model_dump(by_alias=True, exclude_unset=True, mode="json")
-    return {"task": task, "issues": [issue.as_dict() for issue in made.issues]}
+    except GripError as error:
+        return {"error": str(error)}
+    return {"task": _plain(made.task), "issues": [issue.as_dict() for issue in made.issues]}
 
 
-def main(where: str) -> None:
+def _plain(task: Task) -> dict[str, Any]:
+    return task.model_dump(by_alias=True, exclude_unset=True, mode="json")
+
+
+def main(where: str, *as_it_is: str) -> None:
     """Tell on the last line of stdout what one factory builds; what the code itself prints goes to stderr."""
     stdout, sys.stdout = sys.stdout, sys.stderr
-    answer = json.dumps(told(where))
+    answer = json.dumps(told(where, bool(as_it_is)))
     sys.stderr.flush()
     stdout.write(answer + "\n")
     stdout.flush()
@@ -49,4 +45,4 @@ def main(where: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

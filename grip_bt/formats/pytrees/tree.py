@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import re
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from py_trees.behaviour import Behaviour
@@ -13,41 +16,64 @@ from grip_bt.compilers.to_tree import CompiledTree
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import distinct, node_name
 from grip_bt.nodes.container import KindNode
+from grip_bt.nodes.foreign import Foreign, by_path, class_path
 from grip_bt.nodes.node import Node
 from grip_bt.task import model
+from grip_bt.task.validation.parts import DRAWN
 
-from .classes import ENDS, NodeSettings, NoEquivalentError, convert_behaviour, from_document, is_known, refuse_variables
+from .classes import ENDS, NodeSettings, convert_behaviour, from_document, refuse_variables
+from .keys import Keys, NoEquivalentError, is_literal, keys_of
 
 _PLAIN = {"success": "success", "failure": "failure"}
 _COMPOSITES = {name for name, kind in model.KINDS.items() if "children" in kind.model_fields}
 
 
-def to_task(tree: CompiledTree | Behaviour, name: str = "") -> Imported:
+def to_task(tree: CompiledTree | Behaviour, name: str = "", built_by: str = "") -> Imported:
     """Return the task of a tree.
 
     A compiled task gives its own document back, with what was changed on its behaviours since: nodes added, removed
-    or moved, settings changed. Any other tree is read class by class; a behaviour that has no equivalent in a task is
-    refused, never approximated.
+    or moved, settings changed. Any other tree is read behaviour by behaviour: what a kind or a node type does exactly
+    becomes one, the rest stays as it is, as foreign nodes.
 
     Args:
         tree: a compiled task, or the root of any py_trees tree.
         name: the task's name; by default the document's, or the root's.
+        built_by: the function, `package.module:name`, that builds the tree and will again for each run; without it,
+            behaviours are kept that can be made of literals, and others are refused.
 
     Raises:
         ImportRefusedError: behaviours have no equivalent; the error names each with its path and the reason.
     """
-    reader = Reader(whole=isinstance(tree, CompiledTree))
-    root = tree.root if isinstance(tree, CompiledTree) else tree
+    if isinstance(tree, CompiledTree):
+        reader: Reader = Reader(whole=True)
+        keys = reader.node(tree.root, "/")
+        reader.issues.raise_if_refused("the tree")
+        task = tree.task.model_dump(by_alias=True, exclude_unset=True, exclude={"root"})
+        made = model.Task.model_validate({**task, "root": keys, **({"name": name} if name else {})})
+        return Imported({made.name: made}, tuple(reader.issues))
+    reader = _OtherReader(tree, built_by)
+    return _imported(reader, tree, name)
+
+
+def drawn(root: Behaviour, source: str) -> tuple[model.Task, dict[str, Behaviour], Keys]:
+    """Return a task that shows a tree as it is, node by node, which behaviour each path is, and the variables of keys.
+
+    Args:
+        source: where the tree comes from; it stands in the task, `x-tree`.
+    """
+    reader = _Drawer(root)
+    task = _imported(reader, root, "", {DRAWN: source}).task
+    return task, reader.places, reader.keys
+
+
+def _imported(reader: Reader, root: Behaviour, name: str, more: Mapping[str, Any] | None = None) -> Imported:
     keys = reader.node(root, "/")
     reader.issues.raise_if_refused("the tree")
-    if isinstance(tree, CompiledTree):
-        task = tree.task.model_dump(by_alias=True, exclude_unset=True, exclude={"root"})
-    else:
-        meaning = dict(getattr(root, "meaning", _PLAIN))
-        task = {"grip": model.FORMAT_VERSION, "name": node_name(root.name)}
-        task |= {"outcomes": meaning} if meaning != _PLAIN else {}
-    task |= {"root": keys, **({"name": name} if name else {})}
-    made = model.Task.model_validate(task)
+    task = {"grip": model.FORMAT_VERSION, "name": name or node_name(root.name) or "tree", **(more or {})}
+    meaning = dict(getattr(root, "meaning", _PLAIN))
+    task |= {"outcomes": meaning} if meaning != _PLAIN else {}
+    task |= {"data": reader.keys.initial()} if reader.keys.names else {}
+    made = model.Task.model_validate({**task, "root": keys})
     return Imported({made.name: made}, tuple(reader.issues))
 
 
@@ -57,6 +83,7 @@ class Reader:
     def __init__(self, whole: bool):
         self.whole = whole
         self.issues = Issues()
+        self.keys = Keys()
 
     def node(self, behaviour: Behaviour, path: str) -> dict[str, Any]:
         """Return the keys of a node and of all below it."""
@@ -64,9 +91,16 @@ class Reader:
         keys = dict(equal.settings)
         if equal.remark:
             self.issues.add("changed", path, equal.remark)
-        if keys.get("kind") in ("foreign", "subtask"):
+        if keys.get("kind") == "subtask" or "node" in keys:
             return keys  # what is below stands elsewhere
-        children = self.children(behaviour, path)
+        if isinstance(behaviour, Foreign):
+            if not isinstance(behaviour.document, model.Foreign) or not behaviour.document.children:
+                return keys
+            behaviour = behaviour.decorated
+        inner = path
+        for n in range(len(equal.around)):
+            inner = model.join(inner, _inside(n))
+        children = self.children(behaviour, inner)
         if equal.failures:
             keys["exits"] = {
                 f"{name}.{label}": "failure"
@@ -76,7 +110,11 @@ class Reader:
             }
         if equal.selected:
             keys["rules"] = _rules(behaviour, children, equal.selected)
-        if "node" in keys:
+        if keys["kind"] == "parallel" and self.keys.names:
+            keys["order"] = "declared"  # what one writes the next one reads, in the same tick
+        for n, around in reversed([*enumerate(equal.around)]):
+            children = {_inside(n): {**around, "child": children}}
+        if keys["kind"] == "foreign" and not children:
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
 
@@ -90,16 +128,32 @@ class Reader:
                 if not self.whole:
                     refuse_variables(document)
                 return NodeSettings(from_document(behaviour, document))
-            if not is_known(behaviour):
-                name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
-                return NodeSettings(
-                    foreign_node(behaviour, name),
-                    remark="kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml",
-                )
-            return convert_behaviour(behaviour)
+            return self.other(behaviour, path)
         except NoEquivalentError as why:
             self.issues.add("no-equivalent", path, str(why))
             return NodeSettings({"kind": "sequence"})
+
+    def other(self, behaviour: Behaviour, path: str) -> NodeSettings:
+        """Return what a behaviour is that comes from no task.
+
+        Raises:
+            NoEquivalentError: nothing.
+        """
+        try:
+            return convert_behaviour(behaviour, self.keys)
+        except NoEquivalentError as why:
+            return self.foreign(behaviour, path, why)
+
+    def foreign(self, behaviour: Behaviour, path: str, why: NoEquivalentError) -> NodeSettings:
+        """Return the foreign node that holds a behaviour without equivalent.
+
+        Raises:
+            NoEquivalentError: it can't be made again.
+        """
+        if type(behaviour).__module__.startswith("py_trees."):
+            raise why
+        name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
+        return NodeSettings(foreign_node(behaviour, name), remark=_LISTED)
 
     def children(self, behaviour: Behaviour, path: str) -> dict[str, dict[str, object]]:
         """Return the children of a behaviour by name."""
@@ -111,6 +165,68 @@ class Reader:
                 self.issues.add("renamed", below, f"was called {child.name!r}")
             result[name] = self.node(child, below)
         return result
+
+
+_LISTED = "kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml"
+
+
+class _OtherReader(Reader):
+    """Reads a tree that comes from no task, and that code builds."""
+
+    def __init__(self, root: Behaviour, built_by: str):
+        super().__init__(whole=False)
+        self._built_by = built_by
+        self._at = {id(behaviour): at for at, behaviour in by_path(root).items()}
+        if built_by:
+            for behaviour in root.iterate():  # which keys are variables is known when all behaviours were looked at
+                with suppress(NoEquivalentError):
+                    convert_behaviour(behaviour, self.keys)
+
+    def foreign(self, behaviour: Behaviour, path: str, why: NoEquivalentError) -> NodeSettings:
+        reads, writes = keys_of(behaviour)
+        bound = {
+            word: shared
+            for word, found in (("in", reads), ("out", writes))
+            if (shared := {key: self.keys.names[key] for key in found if key in self.keys.names})
+        }
+        try:
+            made = super().foreign(behaviour, path, why)
+            return replace(made, settings={**made.settings, **bound})
+        except NoEquivalentError:
+            if not self._built_by:
+                raise
+        remark = f"kept as it is ({why}), as {self._built_by} builds it: list that under `code:` in grip.yaml"
+        where = {"behaviour": class_path(behaviour), "built_by": self._built_by, "at": self._at[id(behaviour)]}
+        return NodeSettings({"kind": "foreign", **where, **bound}, remark=remark)
+
+
+class _Drawer(Reader):
+    """Draws a tree as it is: each behaviour is one node, a kind only where that looks the same."""
+
+    def __init__(self, root: Behaviour):
+        super().__init__(whole=False)
+        self.places: dict[str, Behaviour] = {}
+
+    def equal(self, behaviour: Behaviour, path: str) -> NodeSettings:
+        """Return how it is drawn; there is always a way."""
+        self.places[path] = behaviour
+        if behaviour.children and not isinstance(behaviour, Node):
+            with suppress(NoEquivalentError):
+                equal = convert_behaviour(behaviour)
+                if not equal.around:
+                    return NodeSettings(equal.settings)
+        words = {"args": _literals_of(behaviour)}
+        words["in"], words["out"] = (
+            {local if local == key else f"{local} is {key}": self.keys.variable(key) for local, key in found.items()}
+            for found in keys_of(behaviour, remapped=True)
+        )
+        return NodeSettings(
+            {"kind": "foreign", "behaviour": _readable(behaviour)} | {k: v for k, v in words.items() if v}
+        )
+
+
+def _inside(n: int) -> str:
+    return f"inside_{n + 1}" if n else "inside"
 
 
 def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[int, ...]) -> list[dict[str, Any]]:
@@ -130,7 +246,7 @@ def _ends(behaviour: Behaviour, keys: Mapping[str, Any]) -> Mapping[str, str]:
     """Return each outcome of a node and what it means."""
     if isinstance(behaviour, Node):
         return behaviour.meaning
-    return ENDS.get(keys.get("node", ""), _PLAIN)
+    return _PLAIN if "precondition" in keys else ENDS.get(keys.get("node", ""), _PLAIN)
 
 
 _OF_A_RUN = {
@@ -164,7 +280,7 @@ def foreign_node(behaviour: Behaviour, name: str) -> dict[str, object]:
             continue
         if parameter.name != "name":
             value = getattr(behaviour, parameter.name, parameter.empty)
-            if not _literal(value):
+            if not is_literal(value):
                 raise NoEquivalentError(f"{where}: which {parameter.name!r} it was made with isn't known as a literal")
             if type(value) is not type(parameter.default) or value != parameter.default:
                 args[parameter.name] = value
@@ -174,12 +290,18 @@ def foreign_node(behaviour: Behaviour, name: str) -> dict[str, object]:
     return {"kind": "foreign", "behaviour": where, **({"args": args} if args else {})}
 
 
-def _literal(value: object) -> bool:
-    if isinstance(value, list):
-        return all(map(_literal, value))
-    if isinstance(value, dict):
-        return all(isinstance(key, str) and _literal(item) for key, item in value.items())
-    return value is None or type(value) in (bool, int, float, str)
+def _literals_of(behaviour: Behaviour) -> dict[str, Any]:
+    """Return the arguments of a behaviour's constructor that can be read off its attributes."""
+    try:
+        wanted = inspect.signature(type(behaviour)).parameters
+    except (TypeError, ValueError):
+        return {}
+    found = {name: getattr(behaviour, name, None) for name in wanted if name != "name"}
+    return {name: value for name, value in found.items() if value is not None and is_literal(value)}
+
+
+def _readable(behaviour: Behaviour) -> str:
+    return re.sub(r"[^\w.:]", "_", class_path(behaviour))
 
 
 def _compare(behaviour: Behaviour, where: str, args: dict[str, Any], named: bool) -> None:

@@ -18,7 +18,8 @@ from grip_bt.formats.xml_trees import DEEPEST, MOST_NODES, Element, TreeFiles
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
-from .classes import NoEquivalentError, convert_behaviour, reason_unsupported
+from .classes import convert_behaviour
+from .keys import NoEquivalentError
 from .xml_values import Constant, Names, Variables, from_text
 
 _POLICIES: dict[str, Callable[[], ParallelPolicy.Base]] = {
@@ -32,7 +33,9 @@ _DECORATORS: dict[str, tuple[type[Behaviour], dict[str, str]]] = {
     "inverter": (decorators.Inverter, {}),
     "failureissuccess": (decorators.FailureIsSuccess, {}),
     "successisfailure": (decorators.SuccessIsFailure, {}),
-    "passthrough": (decorators.PassThrough, {}),
+    **{cls.__name__.lower(): (cls, {}) for cls in (decorators.PassThrough, decorators.Count)},
+    **{cls.__name__.lower(): (cls, {}) for cls in (decorators.SuccessIsRunning, decorators.FailureIsRunning)},
+    "runningisfailure": (decorators.RunningIsFailure, {}),
 }
 """Tag -> class, and the types of its attributes."""
 _OTHERS = {n.lower(): c for n, c in vars(decorators).items() if isinstance(c, type) and issubclass(c, Behaviour)}
@@ -140,7 +143,7 @@ class _Reader:
         tag = element.tag.lower()
         if tag in _OTHERS:
             if tag not in _DECORATORS:
-                raise NoEquivalentError(reason_unsupported(_OTHERS[tag]))
+                raise NoEquivalentError(f"{_OTHERS[tag].__name__}: a task read from XML has none")
             cls, types = _DECORATORS[tag]
             given = self.settings(element, names, types)
             element.only_child()

@@ -87,7 +87,7 @@ def _tag_of(part: Part) -> tuple[str, dict[str, str]]:
         case model.Parallel():
             return "Parallel", {"policy": _policy(part, node)}
         case model.Retry(times=attempts):
-            return "Retry", {"num_failures": str(attempts)}
+            return ("FailureIsRunning", {}) if attempts is None else ("Retry", {"num_failures": str(attempts)})
         case model.Repeat(times=times):
             return "Repeat", {"num_success": str(-1 if times is None else times)}
         case model.Timeout(seconds=seconds, child_first=True):

@@ -87,6 +87,8 @@ def _of_py_trees(part: Part, builder: ModuleBuilder) -> tuple[str, dict[str, obj
             again = "synchronise=False" if retick else ""
             policy = Raw(f"py_trees.common.ParallelPolicy.SuccessOnAll({again})")
             return "py_trees.composites.Parallel", {"policy": policy}
+        case model.Retry(times=None):
+            return "py_trees.decorators.FailureIsRunning", {}
         case model.Retry(times=times):
             return "py_trees.decorators.Retry", {"num_failures": times}
         case model.Repeat(times=times):

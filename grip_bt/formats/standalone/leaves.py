@@ -60,6 +60,8 @@ def leaf(part: Part, builder: ModuleBuilder, builtin: Catalog) -> Bracketed:
 def foreign(part: Part, builder: ModuleBuilder, code: AllowedImports) -> Bracketed:
     """Return the expression that makes somebody's own behaviour, in a node that has the part's name."""
     node = cast(model.Foreign, part.node)
+    if node.children or node.built_by or node.in_ or node.out:
+        raise NotExpressibleError(part.path, "a behaviour that is part of another tree or of a blackboard,", TARGET)
     module, _, name = node.behaviour.partition(":")
     first, *rest = name.split(".")
     own = {"name": part.name} if takes_name(node.behaviour, code) else {}

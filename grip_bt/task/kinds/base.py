@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal, Name
 
 from pydantic import BaseModel, Discriminator, Field, GetCoreSchemaHandler, Tag
 from pydantic_core import CoreSchema
+from typing_extensions import TypeAliasType
 
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import Value
@@ -373,7 +374,7 @@ else:
             finally:
                 sys.setrecursionlimit(before)
 
-    Node = Annotated[Any, _AnyKind]
+    Node = TypeAliasType("Node", Annotated[Any, _AnyKind])  # by name: kinds hold nodes, which are kinds
 
 
 class Declaring(Kind):

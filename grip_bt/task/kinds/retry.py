@@ -11,14 +11,14 @@ from grip_bt.task.kinds.base import Decorator, End, Ended, Next, Questions, Run,
 
 
 class Retry(Decorator):
-    """The child again, at most `times` times in all, until it succeeds; one attempt a tick."""
+    """The child again, `times` times in all or until it succeeds; without `times`, for ever. One attempt a tick."""
 
     rank: ClassVar[int] = 50
     sign: ClassVar[str] = "↻"
     icon: ClassVar[str] = "M13.5 8a5.5 5.5 0 1 1-2-4.2M11.5 .8v3.200h-3.2"
     example: ClassVar[Mapping[str, object]] = {"times": 3}
     kind: Literal["retry"]
-    times: int = Field(ge=1)
+    times: int | None = Field(default=None, ge=1)
 
     def begin(self, state: State, q: Questions) -> Step:
         """Run the child; the state is the number of attempts that have failed."""
@@ -28,9 +28,11 @@ class Retry(Decorator):
         """Count a failure, and try again."""
         if end.meaning == "success":
             return End("success")
+        if self.times is None:
+            return Next(0)
         done = q.up(state)
         return End("failure") if q.reached(done, self.times) else Next(done)
 
     def settings(self) -> str:
         """Return how often it tries."""
-        return f"at most {self.times} attempts"
+        return "until it succeeds" if self.times is None else f"at most {self.times} attempts"

@@ -22,7 +22,8 @@ class Timeout(Decorator):
     example: ClassVar[Mapping[str, object]] = {"seconds": 10.0}
     codes: ClassVar[tuple[str, ...]] = ("time_out",)
     kind: Literal["timeout"]
-    seconds: float = Field(gt=0)
+    seconds: float = Field(ge=0)
+    """0 only with `child_first`: the child has one tick."""
     child_first: bool = False
     """The child is ticked before the clock is looked at, as by py_trees: what ends at the deadline has ended."""
 

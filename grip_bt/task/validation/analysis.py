@@ -13,6 +13,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.base.issue import Issue
 from grip_bt.task import (
     AnyNode,
+    Foreign,
     Leaf,
     StateMachine,
     Subtask,
@@ -221,7 +222,7 @@ class TaskAnalysis:
 
     def _sum_up(self, placed: PlacedNode) -> None:
         node, scope = placed.node, placed.scope
-        if isinstance(node, Leaf | Subtask):
+        if isinstance(node, Leaf | Subtask | Foreign):
             placed.reads |= _bits(scope, node.in_.values())
             placed.writes |= _bits(scope, node.out.values())
         if not isinstance(node, Leaf):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from grip_bt.task import Foreign, Leaf, Subtask
+from grip_bt.task import Leaf, Subtask
 from grip_bt.task.exploration import Labels
 from grip_bt.task.kind_analysis import edges_of, flow, possible
 from grip_bt.task.model import Childless, default_outcome
@@ -32,7 +32,7 @@ class PossibleOutcomes:
 
     def _of(self, placed: PlacedNode) -> frozenset[str]:
         node = placed.node
-        if isinstance(node, Childless):
+        if isinstance(node, Leaf) or (isinstance(node, Childless) and not placed.children):
             return frozenset(placed.outcomes)
         ends = {
             # what an exit leads to needn't be there
@@ -112,7 +112,7 @@ class DataFlow:
         node = placed.node
         if isinstance(node, _PORTED):
             return self._leaf(placed, node, state)
-        if isinstance(node, Foreign):
+        if not placed.children and isinstance(node, Childless):
             return dict.fromkeys(placed.outcomes, state)
         for name in node.data:  # a scope begins anew each time its container is entered
             declared = placed.scope[name]

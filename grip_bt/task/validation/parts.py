@@ -302,14 +302,21 @@ def _place(placed: PlacedNode) -> tuple[object, object]:
     return placed.node.with_.get("store"), placed.node.with_.get("name")
 
 
+DRAWN = "x-tree"
+"""In a task: where the tree comes from that it draws; because of the drawing nothing is imported."""
+
+
 def check_foreign(analysis: TaskAnalysis) -> None:
     """Find behaviours that the project doesn't list, and those that their module doesn't have."""
     code = analysis.catalog.code
-    for placed in analysis.containers:
+    for placed in analysis.containers if DRAWN not in analysis.task.x else ():
         if not isinstance(placed.node, Foreign):
             continue
-        where = placed.node.behaviour
-        problem = _missing(analysis, where) if code.allows(where) else not_listed(where, code.listed)
+        where, built = placed.node.imported, placed.node.built_by
+        listed = code.names(where) if built else code.allows(where)
+        problem = not_listed(where, code.listed) if not listed else None
+        if listed and not built.endswith(":__main__"):  # which is a whole program
+            problem = _missing(analysis, where)
         if problem is not None:
             analysis.add(placed.path, "behaviour", problem.code, problem.message, problem.fix)
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from grip_bt.base.errors import listing, nearest
-from grip_bt.task import Leaf, Parallel, Subtask, Variable
+from grip_bt.task import Foreign, Leaf, Parallel, Subtask, Variable
 from grip_bt.task.catalog import InputPort, OutputPort, Type, check_value, is_assignable, parse_type
 
 from .analysis import Key, PlacedNode, TaskAnalysis, VariableDeclaration
 from .codes import has_literal_form, producers
 from .outcomes import check_label, unknown_target
 
-_PORTED = (Leaf, Subtask)
+_PORTED = (Leaf, Subtask, Foreign)
 
 
 def check_variables(analysis: TaskAnalysis) -> None:

@@ -11,7 +11,7 @@ from grip_bt.task.canonical import data_of
 from grip_bt.task.canonical import file_data as plain_data
 from grip_bt.task.catalog.manifest import Manifest
 from grip_bt.task.kind_analysis import derived_edges, surely_first
-from grip_bt.task.model import AnyNode, Kind, Leaf, Subtask, Task, Variable, join, outcomes_of, walk
+from grip_bt.task.model import AnyNode, Foreign, Kind, Leaf, Subtask, Task, Variable, join, outcomes_of, walk
 from grip_gui.wire.task import Meaning, NodeView, TaskView, Transition, VariableView
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
@@ -78,7 +78,7 @@ def _node(node: AnyNode, find: FindManifest, position: dict[str, Any]) -> NodeVi
             **_ports(node),
             fields=_fields(node),
         )
-    ports = _ports(node) if isinstance(node, Subtask) else {}
+    ports = _ports(node) if isinstance(node, Subtask | Foreign) else {}
     return NodeView(
         **position,
         kind=node.kind,
@@ -91,8 +91,9 @@ def _node(node: AnyNode, find: FindManifest, position: dict[str, Any]) -> NodeVi
     )
 
 
-def _ports(node: Leaf | Subtask) -> dict[str, Any]:
-    return {"inputs": dict(node.in_), "outputs": dict(node.out), "parameters": dict(node.with_)}
+def _ports(node: Leaf | Subtask | Foreign) -> dict[str, Any]:
+    given = node.args if isinstance(node, Foreign) else node.with_
+    return {"inputs": dict(node.in_), "outputs": dict(node.out), "parameters": dict(given)}
 
 
 def _outcomes_of(face: Manifest | None, meaning: Mapping[str, Meaning]) -> dict[str, Meaning]:

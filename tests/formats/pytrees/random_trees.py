@@ -2,17 +2,50 @@
 
 from __future__ import annotations
 
+import operator
 from random import Random
 
 from py_trees import behaviours, composites, decorators, timers
 from py_trees.behaviour import Behaviour
-from py_trees.common import ParallelPolicy
+from py_trees.common import ComparisonExpression, OneShotPolicy, ParallelPolicy, Status
+
+ENDS = (Status.SUCCESS, Status.FAILURE)
+
+
+def make_leaf(random: Random, name: str) -> Behaviour:
+    """Return a leaf that counts ticks, or works on one of two keys of the blackboard."""
+    key, value = random.choice(("x", "y")), random.randint(0, 2)
+    check = ComparisonExpression(key, value, random.choice((operator.eq, operator.ne, operator.lt, operator.ge)))
+    others = [check, ComparisonExpression("y", 1, operator.le)]
+    queue = random.choices((*ENDS, Status.RUNNING), k=random.randint(1, 4))
+    return random.choice(
+        (
+            lambda: behaviours.Running(name),
+            lambda: behaviours.Periodic(name, random.randint(1, 3)),
+            lambda: behaviours.StatusQueue(name, queue, random.choice((None, *ENDS, Status.RUNNING))),
+            lambda: behaviours.SuccessEveryN(name, random.randint(1, 3)),
+            lambda: behaviours.TickCounter(name, random.randint(0, 3), random.choice(ENDS)),
+            lambda: behaviours.SetBlackboardVariable(name, key, value, random.random() < 0.7),
+            lambda: behaviours.SetBlackboardVariable(name, "z", value, True),
+            lambda: behaviours.UnsetBlackboardVariable(name, key),
+            lambda: behaviours.CheckBlackboardVariableExists(name, key),
+            lambda: behaviours.CheckBlackboardVariableValue(name, check),
+            lambda: behaviours.CheckBlackboardVariableValues(
+                name, others, random.choice((operator.and_, operator.or_))
+            ),
+            lambda: behaviours.CompareBlackboardVariables(name, "x", "y", random.choice((operator.eq, operator.gt))),
+            lambda: behaviours.WaitForBlackboardVariable(name, key),
+            lambda: behaviours.WaitForBlackboardVariableValue(name, check),
+        )
+    )()
 
 
 def make_tree(random: Random, depth: int = 4, written: bool = False) -> Behaviour:
     """Return a tree; names repeat and hold what a task doesn't allow. `written`: only what py_trees' XML can say."""
     name = random.choice(("look", "look", "a.b/c", "take it", "1st", "größe", ""))
     if depth == 0 or random.random() < 0.15:
+        if not written and random.random() < 0.7:
+            return make_leaf(random, name)
         return random.choice(
             (
                 lambda: behaviours.Success(name),
@@ -40,6 +73,14 @@ def make_tree(random: Random, depth: int = 4, written: bool = False) -> Behaviou
         )()
     child = make_tree(random, depth - 1, written)
     times = random.choice((-1, 0, 1, 2, 3))
+    if not written and random.random() < 0.5:
+        return random.choice(
+            (
+                lambda: decorators.OneShot(name, child, random.choice([*OneShotPolicy])),
+                lambda: decorators.Condition(name, child, random.choice(ENDS)),
+                lambda: decorators.EternalGuard(name, child, lambda blackboard: blackboard.z <= 1, {"z"}),
+            )
+        )()
     return random.choice(
         (
             lambda: decorators.Retry(name, child, max(0, times)),
@@ -49,5 +90,9 @@ def make_tree(random: Random, depth: int = 4, written: bool = False) -> Behaviou
             lambda: decorators.FailureIsSuccess(name, child),
             lambda: decorators.SuccessIsFailure(name, child),
             lambda: decorators.PassThrough(name, child),
+            lambda: decorators.Count(name, child),
+            lambda: decorators.SuccessIsRunning(name, child),
+            lambda: decorators.FailureIsRunning(name, child),
+            lambda: decorators.RunningIsFailure(name, child),
         )
     )()

@@ -182,7 +182,7 @@ def test_what_the_xml_cannot_say_is_refused_by_name(root: dict[str, Any], what: 
         (xml("<Sequence memory='yes'/>"), "'yes' can't be read as bool"),
         (xml("\n\n<Parallel policy='succes_on_all'/>"), r"t\.xml:3: .*'succes_on_all'; did you mean 'success_on_all'"),
         (xml("<Parallel policy='success_on_selected'/>"), "success_on_selected"),
-        (xml("<OneShot policy='x'><flow.fail/></OneShot>"), "OneShot: what it remembers"),
+        (xml("<OneShot policy='x'><flow.fail/></OneShot>"), "OneShot: a task read from XML has none"),
         (xml("<Retry><flow.fail/></Retry>"), "needs num_failures"),
         (xml("<Retry num_failures='{n}'><flow.fail/></Retry>"), "is a variable; it has to be a constant"),
         (xml("<Inverter/>"), "needs one node inside, and has 0"),

@@ -149,27 +149,27 @@ class Run(NamedTuple):
     """Tick these children now, in this order; those that run and aren't among them are halted: before, with `first`."""
 
     children: tuple[int, ...]
-    state: Any = 0
+    state: State = 0
     first: bool = False
 
 
 class Next(NamedTuple):
     """No child is ticked any more in this tick; `begin(state)` is asked in the next one, which is asked for at once."""
 
-    state: Any
+    state: State
 
 
 class Stay(NamedTuple):
     """Everything stays as it is."""
 
-    state: Any
+    state: State
 
 
 class End(NamedTuple):
     """The container has ended."""
 
     outcome: str
-    reason: Any = CHILD
+    reason: object = CHILD
     """A `Reason`, the failure of a child, None, or `CHILD`."""
 
 
@@ -187,7 +187,7 @@ class Ended(NamedTuple):
     outcome: str
     meaning: str
     code: str | None = None
-    failure: Any = None
+    failure: Failure | None = None
 
 
 class Kind(Settings):

@@ -45,7 +45,7 @@ VALUES: dict[str, list[Any]] = {
     "outcomes": [{"done": "success"}, {"success": "failure"}, {"failure": "success"}, {"zz": "failure"}],
     "data": VARIABLES,
     **dict.fromkeys(("memory", "retick", "prompt", "child_first"), [True, False]),
-    "policy": ["all", "any"],
+    "policy": ["all", "any", "success"],
     "cancel": ["halt", "ask", "join"],
     "order": ["declared", None],
     "rules": [
@@ -64,6 +64,8 @@ VALUES: dict[str, list[Any]] = {
     "as": ["success", "failure"],
     "behaviour": ["py_trees.behaviours:Success", "py_trees.behaviours:Count", "os:system", "py_trees.nope:X"],
     "args": [{}, {"name": "n"}, {"zz": [1, {"a": None}]}, {"fail_until": 1, "running_until": 2, "success_until": 3}],
+    "built_by": ["", "os:system", "py_trees.demos.selector:create_root"],
+    "at": ["/", "zz"],
     "task": ["tasks/fetch.yaml", "nope.yaml", "../up.yaml", "/etc/passwd", "\0", "a" * 300],
     "with": [{}, {"zz": 1}, {"seconds": 0, "message": "m", "code": "zz", "value": [1]}, {"name": "n", "type": "Nope["}],
     "in": [{}, {"value": "x"}, {"zz": "x"}, {"value": "zz", "": ""}, {"grasp": "g", "target": "x"}],
@@ -106,6 +108,8 @@ def of_kind(kind: str, **children: dict[str, Any]) -> dict[str, Any]:
     given = children or {"a": LEAF, "b": FAILS}
     if kind == "state_machine":
         given = {name: {"on": {"success": "done", "failure": "failure"}, **child} for name, child in given.items()}
+    if kind == "foreign":
+        return node  # whether a class takes children is known when it is made
     if "children" in keys:
         node["children"] = given
     elif "child" in keys:

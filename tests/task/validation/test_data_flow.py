@@ -46,7 +46,7 @@ variables = st.sampled_from(["u", "v"])
 names = ["c0", "c1", "c2", "c3"]
 KINDS = (
     *("sequence", "fallback", "parallel", "state_machine", "switch"),
-    *("for_each", "loop", "cooldown", "retry", "repeat", "timeout", "guard", "invert", "force"),
+    *("for_each", "loop", "cooldown", "once", "retry", "repeat", "timeout", "guard", "invert", "force"),
 )
 
 

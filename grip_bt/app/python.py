@@ -1,0 +1,70 @@
+"""What `import grip_bt as grip` offers for a task beside running it: pictures, checks, and trees that tick by hand."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.foreign_code import of_task, refuse
+from grip_bt.app.runs.execute import project_of
+from grip_bt.app.wiring.open import open_resources
+from grip_bt.app.wiring.parts import Opening, RobotKind, silent
+from grip_bt.base.files import replace_text
+from grip_bt.base.issue import Report
+from grip_bt.compilers import to_tree
+from grip_bt.formats.draw import to_svg
+from grip_bt.runtime.ticked import Tree
+from grip_bt.task import Task
+from grip_bt.task.validation import validate
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A drawing; a notebook shows it."""
+
+    svg: str
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def save(self, path: str | Path) -> None:
+        """Write it to a file."""
+        replace_text(Path(path), self.svg)
+
+
+def draw(task: Task, view: Literal["tree", "flow"] = "tree") -> Picture:
+    """Return a picture of a task, as a tree or as a flow chart; `print(grip.dumps(task))` is its text."""
+    return Picture(to_svg(task, catalogue_of(project_of(task)), view))
+
+
+def check(task: Task) -> Report:
+    """Return everything that is wrong with a task, by the nodes of its project."""
+    return validate(task, catalogue_of(project_of(task)))
+
+
+def tree(task: Task, robot: RobotKind = "fake", seed: int = 0, data: dict[str, Any] | None = None) -> Tree:
+    """Return a task as a tree of py_trees that is ready to tick; it has the robot until its `shutdown`.
+
+    Args:
+        robot: fakes, a simulated robot, or a real one over ROS 2.
+        seed: of the simulated world.
+        data: initial values for the task's variables.
+
+    Raises:
+        InvalidTaskError: the task is wrong.
+        GripError: a part of the robot, or a component, can't be started.
+    """
+    project = project_of(task)
+    catalog = catalogue_of(project)
+    refuse(of_task(project, task, catalog, robot))
+    compiled = to_tree(task, catalog, data=data)
+    leaves = [leaf.manifest for leaf in compiled.leaves.values()]
+    needs, own = {each.id for each in leaves}, {each.implementation for each in leaves}
+    with ExitStack() as stack:
+        parts = stack.enter_context(open_resources(Opening(project, seed, None, silent), needs, robot, own))
+        compiled.prepare(parts.context())
+        stack.callback(compiled.release)
+        return Tree(compiled, stack.pop_all().close)

@@ -1,0 +1,44 @@
+"""docs/python.md: what it shows runs, in order, and the names that it lists are those that there are."""
+
+import contextlib
+import io
+import re
+from pathlib import Path
+
+import grip_bt
+
+PAGE = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
+FENCES = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+SAID = [
+    "Report(issues=())\nsuccess success 3\n",
+    "/ failure no_luck\nno_luck\n",
+    "success {'n': 1}\n",
+]
+
+
+def test_its_fences_run_in_order_and_say_what_the_page_says(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert len(FENCES) == len(SAID)
+    for fence, said in zip(FENCES, SAID, strict=True):
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            exec(compile(fence, "docs/python.md", "exec"), {"__name__": "docs"})
+        assert out.getvalue() == said
+    assert (tmp_path / "count.svg").read_text().startswith("<svg")
+
+
+def test_the_names_at_the_top_are_listed_and_few():
+    table = PAGE[PAGE.index("## The names") :]
+    listed = set(re.findall(r"`(\w+)`", table))
+    assert listed == set(grip_bt.__all__) - {"__version__"}
+    assert len(grip_bt.__all__) <= 40
+
+
+def test_a_notebook_shows_a_task_and_tasks_are_equal_wherever_they_were_read(tmp_path):
+    text = "{grip: 1, name: one, root: {node: flow/succeed}}"
+    (tmp_path / "one.yaml").write_text(text)
+    task = grip_bt.load(tmp_path / "one.yaml")
+    assert task == grip_bt.loads(text)
+    assert (task.file, grip_bt.loads(text).file) == (str(tmp_path / "one.yaml"), "")
+    assert task._repr_svg_() == task.show()._repr_svg_() == grip_bt.draw(task).svg
+    assert grip_bt.run(task, robot="fake").status == "success"
+    assert (tmp_path / ".grip" / "runs.sqlite").is_file()

@@ -1,0 +1,236 @@
+"""Somebody's own tree under the runner: it does what it does under py_trees alone, and the journal has it."""
+
+from __future__ import annotations
+
+import sys
+import textwrap
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from py_trees.behaviour import Behaviour
+from py_trees.blackboard import Blackboard
+from py_trees.common import Status
+from py_trees.trees import BehaviourTree
+from random_trees import make_tree
+
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.base.errors import GripError, NodeError
+from grip_bt.compilers import Rushing
+from grip_bt.formats.pytrees.adopted import AdoptedTree
+from grip_bt.formats.pytrees.tree import drawn
+from grip_bt.nodes.node import Observer
+from grip_bt.nodes.tree_code import FoundTree, find_tree, place_of
+from grip_bt.runtime import JournalReader
+from grip_bt.task import dumps, walk
+from grip_bt.task.validation import validate
+
+CODE = """\
+import operator
+import py_trees
+from py_trees.blackboard import Blackboard
+from py_trees.common import Access, ComparisonExpression, Status
+
+
+class Measure(py_trees.behaviour.Behaviour):
+    def __init__(self, name, where):
+        super().__init__(name)
+        self.where = where
+        self.board = self.attach_blackboard_client(namespace="battery")
+        self.board.register_key("level", Access.WRITE, remap_to="/charge")
+        self.board.register_key("log", Access.WRITE)
+
+    def setup(self, **given):
+        self.given = given
+
+    def initialise(self):
+        self.board.level = 30
+        self.board.log = []
+
+    def update(self):
+        self.board.log.append("looked")
+        self.board.level -= 10
+        self.feedback_message = f"{self.board.level} %"
+        return Status.RUNNING if self.board.level else Status.FAILURE
+
+
+class Twice(py_trees.decorators.Decorator):
+    def update(self):
+        return self.decorated.status
+
+
+def create_root(where="dock", extra=None):
+    check = ComparisonExpression("charge", 15, operator.lt)
+    low = py_trees.behaviours.CheckBlackboardVariableValue("low?", check)
+    root = py_trees.composites.Parallel("watch", py_trees.common.ParallelPolicy.SuccessOnOne())
+    root.add_children([Twice("twice", Measure("measure", where)), py_trees.decorators.Inverter("fine?", low)])
+    return py_trees.composites.Sequence("root", True, [root])
+
+
+def needs(height):
+    return create_root(height)
+
+
+def main():
+    tree = py_trees.trees.BehaviourTree(create_root())
+    tree.setup()
+    tree.add_post_tick_handler(lambda tree: Blackboard.set("handled", tree.count))
+    try:
+        tree.tick_tock(period_ms=20, pre_tick_handler=lambda tree: None)
+    finally:
+        tree.shutdown()
+
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+@pytest.fixture
+def code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    Blackboard.clear()
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    file = tmp_path / "my_tree.py"
+    file.write_text(textwrap.dedent(CODE))
+    yield file
+    sys.modules.pop("my_tree", None)
+    Blackboard.clear()
+
+
+def ran(where: str, **options: Any) -> tuple[Any, list[Any]]:
+    """Run a tree; return the result and what the journal has."""
+    with open_session(where, RunOptions(robot="fake", **options)) as session:
+        result = session.runner.run()
+    with JournalReader(session.journal) as reader:
+        return result, list(reader.events(session.runner.run_id))
+
+
+def test_a_tree_runs_as_it_is_and_the_journal_has_its_nodes_and_its_blackboard(code: Path) -> None:
+    result, events = ran(f"{code}:create_root")
+    assert (result.status, result.ticks) == ("success", 1)  # that the charge isn't low is a success at once
+    paths = [(event.event, event.path) for event in events if event.event in ("enter", "exit", "interrupted")]
+    assert paths == [
+        *(("enter", path) for path in ("/", "watch", "watch/twice", "watch/twice/measure")),
+        *(("enter", path) for path in ("watch/fine?".replace("?", ""), "watch/fine/low")),
+        *(("exit", path) for path in ("watch/fine/low", "watch/fine")),
+        *(("interrupted", path) for path in ("watch/twice/measure", "watch/twice")),
+        *(("exit", path) for path in ("watch", "/")),
+    ]
+    written = {event.data["variable"]: event.path for event in events if event.event == "write"}
+    assert written == {"charge": "watch/twice/measure", "battery_log": "watch/twice/measure"}
+    assert [event.data["text"] for event in events if event.event == "message"] == ["20 %"]
+
+
+def test_a_program_is_caught_at_its_first_tick_with_its_handlers_and_its_period(code: Path) -> None:
+    found = find_tree(place_of(str(code)))
+    assert (found.ready, found.period, found.tree.count) == (True, 0.02, 0)
+    assert len(found.tree.pre_tick_handlers) == len(found.tree.post_tick_handlers) == 1
+    result, events = ran(f"{code}:main", ticks=3)
+    assert result.ticks == 3
+    handled = [event.path for event in events if event.event == "write" and event.data["variable"] == "handled"]
+    assert handled == ["/"] * 3
+
+
+def test_breakpoints_hold_a_tree_in_its_tick_and_see_its_blackboard(code: Path) -> None:
+    breaks = [{"node": "watch/fine", "condition": "charge < 25"}]
+    with open_session(f"{code}:create_root", RunOptions(robot="fake", breaks=breaks)) as session:
+        held: list[str] = []
+        session.runner.debugger.on_held(lambda at: (held.append(at.path), session.runner.resume()))
+        assert session.runner.run().status == "success"
+    assert held == ["watch/fine"]
+
+
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        (":needs", r"needs takes 'height': give it as a literal, `.*my_tree.py:needs\(height=...\)`"),
+        (":nothing", "has no 'nothing' .*create_root, needs, main"),
+        (":Status", "takes 'value'|makes no tree"),
+        (":create_root(where=x)", "arguments are literals by name"),
+    ],
+)
+def test_what_makes_no_tree_is_told(code: Path, where: str, said: str) -> None:
+    with pytest.raises(GripError, match=said):
+        find_tree(place_of(f"{code}{where}"))
+    with pytest.raises(GripError, match="no such file"):
+        find_tree(place_of("nowhere.py:create_root"))
+
+
+def test_arguments_are_given_as_literals(code: Path) -> None:
+    tree = find_tree(place_of(f"{code}:create_root(where='shelf', extra=[1, 2])")).tree
+    assert tree.root.children[0].children[0].children[0].where == "shelf"
+
+
+def test_options_of_tasks_are_refused(code: Path) -> None:
+    for options in ({"target": "sm"}, {"data": {"a": 1}}):
+        with pytest.raises(GripError, match="is for tasks"), open_session(f"{code}:create_root", RunOptions(**options)):
+            pass
+
+
+class Noted(Observer):
+    """Which nodes were active, and whether ends and beginnings fit."""
+
+    def __init__(self) -> None:
+        self.active: set[str] = set()
+
+    def entered(self, path: str) -> None:
+        assert path not in self.active
+        self.active.add(path)
+
+    def ended(self, path: str, outcome: str, failure: object) -> None:
+        self.active.remove(path)
+
+    def interrupted(self, path: str) -> None:
+        self.active.remove(path)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_random_trees_have_the_same_statuses_and_their_events_fit(seed: int) -> None:
+    def statuses(adopted: bool) -> list[Any]:
+        Blackboard.clear()
+        Blackboard.set("z", 0)
+        tree, seen = BehaviourTree(make_tree(Random(seed))), []
+        tree.add_post_tick_handler(lambda tree: seen.append([node.status for node in tree.root.iterate()]))
+        if not adopted:
+            for _ in range(8):
+                tree.tick()
+            return seen
+        compiled, noted = AdoptedTree(FoundTree(tree), "here", ticks=8), Noted()
+        compiled.observe(noted)
+        compiled.execute(Rushing())
+        assert noted.active == set()
+        assert not any(name in vars(node) for node in tree.root.iterate() for name in ("tick",) if compiled.release())
+        return seen
+
+    assert statuses(adopted=True) == statuses(adopted=False)
+
+
+def test_a_behaviour_that_raises_is_named(code: Path) -> None:
+    class Broken(Behaviour):
+        def update(self) -> Status:
+            raise ZeroDivisionError
+
+    compiled = AdoptedTree(FoundTree(BehaviourTree(Broken("broken"))), "here")
+    with pytest.raises(NodeError, match="/: ZeroDivisionError"):
+        compiled.execute(Rushing())
+
+
+def test_a_drawing_runs_the_tree_that_its_project_lists(code: Path) -> None:
+    task = drawn(find_tree(place_of(f"{code}:create_root")).tree.root, f"{code}:create_root")[0]
+    assert task.root.children["watch"].kind == "parallel"
+    twice = task.root.children["watch"].children["twice"]
+    assert (twice.behaviour, twice.children["measure"].args) == ("my_tree:Twice", {"where": "dock"})
+    measure = twice.children["measure"]
+    assert measure.out == {"/battery/level is /charge": "charge", "/battery/log": "battery_log"}
+    file = code.parent / "drawing.yaml"
+    file.write_text("# drawn\n" + dumps(task))
+    assert validate(task, catalogue_of(find_project(file))).errors == ()
+    with pytest.raises(GripError, match="doesn't list: `code: .'my_tree:create_root'"):
+        ran(str(file))
+    (code.parent / "grip.yaml").write_text("grip: 1\ncode: ['my_tree:create_root']\n")
+    result, events = ran(str(file))
+    assert result.status == "success"
+    assert {event.path for event in events if event.event == "exit"} <= {path for path, _ in walk(task.root)}

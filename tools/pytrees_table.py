@@ -1,0 +1,177 @@
+"""Run somebody's trees of py_trees as they are, and import them; print a table.
+
+    python tools/pytrees_table.py [--ticks N] [--path FOLDER ...] WHERE ...
+
+WHERE is what `grip run` takes: `module:function`, `file.py:function` or `file.py`; or a folder, all of whose functions
+that look as if they made a tree are tried. This runs their code. For each tree: how many nodes it has; whether it was
+ticked N times by the runner, drawn, and had the same statuses after each tick as under py_trees alone; and how many of
+its nodes become kinds and node types of ours when it is imported.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+LIMIT = 60.0
+"""How long [s] one tree may take."""
+NAMES = ("create_root", "create_tree", "create_bt", "make_bt", "make_tree", "build_tree", "bootstrap")
+
+
+def candidates(where: str) -> Iterator[tuple[str, str]]:
+    """Yield what is run and what is imported of each tree that a folder seems to have.
+
+    A program is run as one, and the function in it that makes its tree is imported. What is no folder names a tree.
+    """
+    if not Path(where).is_dir():
+        yield where, where
+        return
+    for file in sorted(Path(where).rglob("*.py")):
+        text = file.read_text(errors="replace")
+        if "py_trees" not in text:
+            continue
+        try:
+            tree = ast.parse(text)
+        except SyntaxError:
+            continue
+        found = [each.name for each in tree.body if isinstance(each, ast.FunctionDef)]
+        makers = [f"{file}:{name}" for name in found if name in NAMES or ("create" in name and "tree" in name)]
+        if "__main__" in text and "BehaviourTree" in text:
+            yield str(file), makers[0] if makers else str(file)
+        else:
+            yield from ((each, each) for each in makers)
+
+
+def alone(where: str, ticks: int) -> list[Any]:
+    """Tick by py_trees alone; return the statuses after each tick."""
+    from grip_bt.nodes.tree_code import find_tree, place_of
+
+    found = find_tree(place_of(where))
+    if not found.ready and "rclpy" in sys.modules:
+        from grip_bt.ros.tree_node import TreeNode
+
+        found.tree.setup(node=TreeNode().node)
+    elif not found.ready:
+        found.tree.setup()
+    seen: list[Any] = []
+    found.tree.post_tick_handlers.append(lambda tree: seen.append([each.status.name for each in tree.root.iterate()]))
+    for _ in range(ticks):
+        found.tree.tick()
+    return seen
+
+
+def under_the_runner(where: str, ticks: int, told: dict[str, Any]) -> list[Any]:
+    """Tick by the runner, with a journal; return the same."""
+    from grip_bt.app.runs.execute import RunOptions, open_session
+    from grip_bt.formats.draw import to_svg
+    from grip_bt.runtime import JournalReader
+    from grip_bt.task.catalog import Catalog
+
+    seen: list[Any] = []
+    options = RunOptions(journal=Path("table.sqlite"), ticks=ticks, rate=200.0)
+    with open_session(where, options) as session:
+        tree: Any = session.runner.compiled
+        told["nodes"] = sum(1 for _ in tree.root.iterate())
+        told["drawn"] = len(to_svg(session.document.task, Catalog.builtin(), "tree")) > 0
+        handlers = tree._found.tree.post_tick_handlers
+        handlers.append(lambda tree: seen.append([each.status.name for each in tree.root.iterate()]))
+        result = session.runner.run()
+        told["ended"] = result.status + (f": {result.error}" if result.error else "")
+        run, journal = session.runner.run_id, session.journal
+    with JournalReader(journal) as reader:
+        told["events"] = sum(1 for _ in reader.events(run))
+    return seen
+
+
+def imported(where: str, told: dict[str, Any]) -> None:
+    """Import it; count what became what."""
+    from grip_bt.formats.pytrees import import_from_code
+    from grip_bt.task.model import Foreign, walk
+
+    made = import_from_code(where, Path.cwd())
+    kinds = [node for _, node in walk(made.task.root)]
+    foreign = [node.behaviour for node in kinds if isinstance(node, Foreign)]
+    told |= {"imported": len(kinds), "kept": len(foreign), "foreign": sorted(set(foreign))}
+
+
+def one(where: str, ticks: int, what: str) -> dict[str, Any]:
+    """Return what a process of its own finds out."""
+    told: dict[str, Any] = {}
+    try:
+        if what == "alone":
+            told["seen"] = alone(where, ticks)
+        elif what == "run":
+            told["seen"] = under_the_runner(where, ticks, told)
+        else:
+            imported(where, told)
+    except BaseException as error:  # noqa: BLE001 - somebody's code may do anything
+        told["error"] = f"{type(error).__name__}: {error}".splitlines()[0]
+    return told
+
+
+def child(where: str, ticks: int, what: str) -> dict[str, Any]:
+    """Have it found out, within the limit."""
+    command = [sys.executable, __file__, "--ticks", str(ticks), "--what", what, where]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, stdin=subprocess.DEVNULL)
+    except subprocess.TimeoutExpired:
+        return {"error": f"nothing within {LIMIT:g} s"}
+    lines = [line for line in done.stdout.splitlines() if line.startswith('{"told"')]
+    return (
+        json.loads(lines[-1])["told"]
+        if lines
+        else {"error": (done.stderr.strip().splitlines() or ["it said nothing"])[-1]}
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("where", nargs="+")
+    parser.add_argument("--ticks", type=int, default=10)
+    parser.add_argument("--path", action="append", default=[], help="where their modules are looked for too")
+    parser.add_argument("--what", default="", help=argparse.SUPPRESS)
+    args = parser.parse_args()
+    if args.what:
+        print(json.dumps({"told": one(args.where[0], args.ticks, args.what)}), flush=True)
+        os._exit(0)
+    os.environ["PYTHONPATH"] = os.pathsep.join([*args.path, os.environ.get("PYTHONPATH", "")])
+    print("| tree | nodes | runs unchanged | drawn | same statuses | became ours | what is kept, or why not |")
+    print("|---|---|---|---|---|---|---|")
+    sums = [0, 0, 0, 0, 0]
+    for where, made_by in (each for given in args.where for each in candidates(given)):
+        began = time.monotonic()
+        run, plain, made = (
+            child(made_by if what == "import" else where, args.ticks, what) for what in ("run", "alone", "import")
+        )
+        runs = len(run.get("seen", ())) == args.ticks
+        same = runs and run["seen"] == plain.get("seen")
+        ours = made.get("imported", 0) - made.get("kept", 0)
+        why = (
+            run.get("error")
+            or ("" if runs else run.get("ended", ""))
+            or made.get("error")
+            or ", ".join(made["foreign"])
+        )
+        share = f"{ours} of {made['imported']}" if "imported" in made else "-"
+        words = ("yes" if said else "no" for said in (runs, run.get("drawn"), same))
+        print(f"| {where} | {run.get('nodes', '-')} | {' | '.join(words)} | {share} | {why[:160]} |", flush=True)
+        sums = [
+            a + b for a, b in zip(sums, (1, runs, bool(run.get("drawn")), ours, made.get("imported", 0)), strict=True)
+        ]
+        sys.stderr.write(f"{where}: {time.monotonic() - began:.0f} s\n")
+    print(
+        f"\n{sums[0]} trees: {sums[1]} run unchanged, {sums[2]} drawn; {sums[3]} of {sums[4]} imported nodes are ours"
+    )
+
+
+if __name__ == "__main__":
+    main()
