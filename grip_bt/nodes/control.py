@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
+
+from grip_bt.base.types import Value
 
 from .container import KindNode
 from .leaf import Leaf
@@ -21,7 +22,7 @@ class Child:
         ended: whether its last activation has ended and it wasn't reset since: not IDLE, as BehaviorTree.CPP says.
     """
 
-    def __init__(self, node: Any):
+    def __init__(self, node: Value):
         self.node, self.ended = node, False
 
     @property
@@ -67,7 +68,7 @@ class Control(Leaf):
     def halted(self) -> None:
         """Note that it was interrupted; the children still are as they were, and are halted afterwards."""
 
-    def get(self, port: str) -> Any:
+    def get(self, port: str) -> Value:
         """Return what a port holds: the variable that it is bound to, or the literal of the parameter of that name."""
         return self.read(port) if port in self.readers else self.params.get(port)
 

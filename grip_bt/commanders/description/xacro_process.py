@@ -127,7 +127,7 @@ NOWHERE = "/package-that-is-not-here"
 """Where packages that can't be found are looked for."""
 
 
-def leave_out(xacro: Any, known: Packages) -> list[str]:
+def _leave_out(xacro: Any, known: Packages) -> list[str]:
     """Have the `xacro` package leave out what files include of packages that aren't here, and calls of macros in them.
 
     Returns:
@@ -170,7 +170,7 @@ def _expanded(file: str, arguments: dict[str, str], packages: dict[str, str]) ->
     import xacro.substitution_args
 
     _guard(xacro)
-    left = leave_out(xacro, Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),)))
+    left = _leave_out(xacro, Packages({name: Path(folder) for name, folder in packages.items()}, (Path(file),)))
     sys.setrecursionlimit(DEEPEST)
     sys.dont_write_bytecode = True
     forbid_acts()

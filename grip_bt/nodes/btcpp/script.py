@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from operator import add, and_, eq, ge, gt, le, lt, mul, ne, or_, sub, truediv, xor
 from typing import Any
 
+from grip_bt.base.types import Value
+
 EPSILON = 1.1920928955078125e-07
 """Of a single float: numbers that are no further apart are equal to BT.CPP."""
 LONGEST, DEEPEST = 4000, 40
@@ -285,10 +287,10 @@ class Run:
         put: writes one.
     """
 
-    def __init__(self, get: Callable[[str], Any], put: Callable[[str, Any], None]):
+    def __init__(self, get: Callable[[str], Value], put: Callable[[str, Value], None]):
         self.get, self.put = get, put
 
-    def script(self, text: str) -> Any:
+    def script(self, text: str) -> Value:
         """Run the statements of a script; return the value of the last one.
 
         Raises:
@@ -300,7 +302,7 @@ class Run:
             value = self.value(statement)
         return value
 
-    def value(self, script: Script) -> Any:
+    def value(self, script: Script) -> Value:
         """Return what a part of a script comes to."""
         match script:
             case Literal(value=value):

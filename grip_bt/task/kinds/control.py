@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import reduce
 from operator import and_
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from pydantic import model_validator
 
-from .base import ChildEnds, Composite, End, Ended, Leaf, Questions, Step
+from .base import ChildEnds, Composite, End, Ended, Leaf, Questions, State, Step
 
 
 class Control(Composite):
@@ -57,6 +57,6 @@ class Control(Composite):
             found[label] = found.get(label, -1) & written.get(end.outcome, state)
         return found
 
-    def ended(self, state: Any, child: int, end: Ended, q: Questions) -> Step:
+    def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
         """End as the leaf did; the ends of the others are for its code."""
         return End(q.exit(end) or end.meaning)
