@@ -314,11 +314,15 @@ class StandInFinder(MetaPathFinder, Loader):
         self.made: dict[str, Callable[[ModuleType], None]] = {}
 
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
-        """Find every module that isn't part of Python or of an installed package."""
+        """Find every module that isn't part of Python or of an installed package.
+
+        Messages of a package whose sources are here, and which wasn't built, are found too.
+        """
         package = fullname.split(".")[0]
         there = sys.modules.get(package)
         generated = fullname.partition(".")[2].split(".")[0] in ("msg", "srv", "action", "cfg")
-        real = there is not None and not isinstance(there, StandInModule) and not generated
+        of_sources = generated and not any("-packages" in folder for folder in getattr(there, "__path__", ()))
+        real = there is not None and not isinstance(there, StandInModule) and not of_sources
         if package in sys.stdlib_module_names or real:
             return None
         if package not in self.packages:
