@@ -69,7 +69,7 @@ class KindSource:
 
     def text(self) -> str:
         """Return the classes."""
-        steps = [textwrap.dedent(inspect.getsource(step)).rstrip() for step in _STEPS]
+        steps = [textwrap.dedent(inspect.getsource(step)).rstrip().replace(": State", ": Any") for step in _STEPS]
         root = _class(base.Kind, "Settings", [f"{' = '.join(_FLAGS)} = False"], _ASKED)
         return "\n\n\n".join([_HEAD, *steps, root, *self._texts.values(), "# fmt: on"])
 

@@ -149,20 +149,20 @@ class Run(NamedTuple):
     """Tick these children now, in this order; those that run and aren't among them are halted: before, with `first`."""
 
     children: tuple[int, ...]
-    state: State = 0
+    state: Any = 0
     first: bool = False
 
 
 class Next(NamedTuple):
     """No child is ticked any more in this tick; `begin(state)` is asked in the next one, which is asked for at once."""
 
-    state: State
+    state: Any
 
 
 class Stay(NamedTuple):
     """Everything stays as it is."""
 
-    state: State
+    state: Any
 
 
 class End(NamedTuple):
