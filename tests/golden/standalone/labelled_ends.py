@@ -187,7 +187,7 @@ class Ended(NamedTuple):
     outcome: str
     meaning: str
     code: str | None = None
-    failure: Failure | None = None
+    failure: Any = None
 
 
 class Kind(Settings):
