@@ -401,7 +401,7 @@ def test_the_palette_has_every_node_and_kind(page: TestClient) -> None:
     assert (retry["holds"], retry["needs_child"], retry["edges"]) == ("one", True, False)
     assert (kinds["state_machine"]["edges"], kinds["parallel"]["concurrent"]) == (True, True)
     assert {f["key"]: f["type"] for f in kinds["switch"]["fields"]}["cases"] == "cases"
-    assert {"key": "times", "type": "int", "required": True} == {
+    assert {"key": "times", "type": "int", "required": False} == {
         k: retry["fields"][-1][k] for k in ("key", "type", "required")
     }
 
