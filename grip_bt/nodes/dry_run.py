@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from importlib.machinery import ModuleSpec
 
 from grip_bt import smach_compat
 from grip_bt.smach_compat import Container, State, smach_ros
 from grip_bt.smach_compat.smach_ros._port import Ros
 
-from .stand_ins import StandInFinder, stand_in
+from .stand_ins import StandInFinder, StandInModule, stand_in
 
 _BAD = re.compile("abort|fail|preempt|error|invalid|timeout|no_|not_|un", re.IGNORECASE)
 
@@ -48,13 +49,23 @@ class _TellingFinder(StandInFinder):
         return found
 
 
-def stand_in_for_what_is_missing(tell: Callable[[str], object]) -> None:
-    """Have packages that aren't installed, and what nobody offers over ROS, stood in for in this process from now on.
+@contextmanager
+def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
+    """Have packages that aren't installed, and what nobody offers over ROS, stood in for while the block runs.
 
     Args:
         tell: told of each, such as `package moveit_commander` or `service /plan`.
     """
+    installed, finder = "smach" in sys.modules, _TellingFinder(tell)
     smach_compat.install(rospy=True)
     smach_ros.use(Ros(stand_in, tell))
-    if not any(isinstance(finder, StandInFinder) for finder in sys.meta_path):
-        sys.meta_path.append(_TellingFinder(tell))
+    sys.meta_path.append(finder)
+    try:
+        yield
+    finally:
+        sys.meta_path.remove(finder)
+        for name in [name for name, module in sys.modules.items() if isinstance(module, StandInModule)]:
+            del sys.modules[name]
+        smach_ros.use(None)
+        if not installed:
+            smach_compat.uninstall()

@@ -6,6 +6,9 @@ import sys
 
 import pytest
 
+from grip_bt.app.runs.execute import RunOptions, open_session
+from grip_bt.nodes.smach_source import LegacyFinder
+
 LEGACY = """
 import rospy
 import smach
@@ -127,3 +130,11 @@ def test_without_it_the_run_says_which_package_is_missing(project):
     done = subprocess.run(command, cwd=project, capture_output=True, text=True, timeout=600)
     assert done.returncode != 0
     assert "it needs 'robot_of_ours', which isn't installed here; a dry run does without it: grip run" in done.stderr
+
+
+def test_a_dry_run_leaves_the_process_as_it_was(project):
+    before = list(sys.meta_path), set(sys.modules)
+    with open_session(project / "lift.yaml", RunOptions(stand_ins=True, robot="fake")) as session:
+        assert session.runner.run().status == "success"
+    assert [f for f in sys.meta_path if f not in before[0] and not isinstance(f, LegacyFinder)] == []
+    assert not [name for name in set(sys.modules) - before[1] if name.startswith(("robot_of_ours", "rospy", "smach."))]

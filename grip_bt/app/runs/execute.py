@@ -21,7 +21,7 @@ from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import CompiledMachine, CompiledTree, to_machine, to_tree
 from grip_bt.formats.pytrees.adopted import AdoptedTree
 from grip_bt.nodes import tree_code
-from grip_bt.nodes.dry_run import stand_in_for_what_is_missing
+from grip_bt.nodes.dry_run import dry_run
 from grip_bt.nodes.mock import MockLeaf
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
@@ -150,9 +150,9 @@ def check_inputs(document: Document, given: Mapping[str, object]) -> None:
 
 
 def _compiled(
-    path: str | Path | Task, options: RunOptions, progress: Progress
+    path: str | Path | Task, options: RunOptions, progress: Progress, code: ExitStack
 ) -> tuple[Project, Document, Report, CompiledTree | CompiledMachine]:
-    """Return a task file, checked and compiled."""
+    """Return a task file, checked and compiled; `code` is closed when its code isn't run any more."""
     text = None
     if options.resume is not None and not isinstance(path, Task):
         with JournalReader(options.journal or find_project(path).journal) as reader:
@@ -167,7 +167,7 @@ def _compiled(
     refuse(of_task(project, task, catalog, options.robot, options.mocks))
     legacy = any(isinstance(node, Leaf) and node.node.startswith("smach/") for _, node in walk(task.root))
     if options.stand_ins or (legacy and options.robot == "fake"):
-        stand_in_for_what_is_missing(partial(progress, "stand-in"))
+        code.enter_context(dry_run(partial(progress, "stand-in")))
     return project, document, report, compile_task(task, catalog, data=options.data, leaf_factory=factory)
 
 
@@ -226,13 +226,21 @@ def open_session(
         UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    resume, code = options.resume, ExitStack()
+    with ExitStack() as code, _session(path, options, progress, hold, code) as session:
+        yield session
+
+
+@contextmanager
+def _session(
+    path: str | Path | Task, options: RunOptions, progress: Progress, hold: int | None, code: ExitStack
+) -> Iterator[Session]:
+    resume = options.resume
     compiled: CompiledTree | CompiledMachine
     if not isinstance(path, Task) and (where := _tree_of(path)):
         project, document, compiled = tree = _adopted(path, where, options, progress, code)
         options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
     else:
-        project, document, report, compiled = _compiled(path, options, progress)
+        project, document, report, compiled = _compiled(path, options, progress, code)
     working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
     for point in options.breaks:
         make_breakpoint(compiled, 0, **point)  # refused before anything is started
@@ -250,7 +258,7 @@ def open_session(
     faults = options.faults if resume is None else None  # what has happened doesn't happen again
     opening = Opening(project, options.seed, options.pace, told, hold, faults)
     parts = open_resources(opening, needs, options.robot, own)
-    with code, parts as resources, Journal(options.journal or project.journal) as journal:
+    with parts as resources, Journal(options.journal or project.journal) as journal:
         log = re_execution = None
         kept = kept_parts(resources)
         back = RestoredState()
