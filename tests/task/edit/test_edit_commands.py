@@ -135,7 +135,7 @@ def test_meanings_are_set_on_leaves_containers_and_the_task():
         (SEQUENCE, Remove(path="/"), "the root can't be removed"),
         (SEQUENCE, Add(parent="look", name="x", node={"node": "a/b"}), "a leaf holds no nodes"),
         (SEQUENCE, Add(parent="/", name="look", node={"node": "a/b"}), "the name is taken"),
-        (SEQUENCE, Add(parent="/", name="x", node={"kind": "retry", "child": {"y": LEAF}}), "'times' is missing"),
+        (SEQUENCE, Add(parent="/", name="x", node={"kind": "timeout", "child": {"y": LEAF}}), "'seconds' is missing"),
         (SEQUENCE, Add(parent="/", name="x", node={"node": "a/b", "with_": {}}), "no key 'with_'"),
         (SEQUENCE, Rename(path="look", name="take"), "the name is taken"),
         (SEQUENCE, Rename(path="/", name="x"), "has no name"),

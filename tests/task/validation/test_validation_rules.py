@@ -85,11 +85,7 @@ def test_a_name_of_the_other_side_is_told_to_be_one(node, advice, catalog):
     ("type_", "advice"),
     [
         ("int", "give a literal of type int, or leave `value` out and write the variable first"),
-        (
-            "Pose",
-            "no literal is a Pose: leave `value` out and write the variable first, for instance by "
-            "pose/make or arm/read_pose",
-        ),
+        ("Pose", "give a literal of type Pose, or leave `value` out and write the variable first"),
         ("Trajectory | None", "no literal is a Trajectory: leave `value` out and write the variable first"),
     ],
 )
