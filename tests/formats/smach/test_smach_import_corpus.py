@@ -64,11 +64,3 @@ def test_the_task_does_what_the_machine_does(file, target, tmp_path):
 
 def _name(label):
     return {"done": "done_2"}.get(label, task_name(label))  # a state that is called as an outcome gets another name
-
-
-def test_a_task_that_needs_ros_says_what_is_missing(tmp_path):
-    from grip_bt.base.errors import ImplementationError
-
-    _, paths = write(DATA / "monitors.py", tmp_path)
-    with pytest.raises(ImplementationError, match="it needs 'rospy', which isn't installed here"):
-        run_task(paths["machine"])
