@@ -387,7 +387,10 @@ def test_a_legacy_file_that_calls_a_service_is_imported_and_run_by_the_commands(
     from grip_bt.ros.process import child_environment
 
     (tmp_path / "legacy_ask.py").write_text(LEGACY)
-    for words in (["import", "legacy_ask.py", "--from", "smach", "-o", "tasks/ask.yaml"], ["run", "tasks/ask.yaml"]):
+    for words in (
+        ["import", "legacy_ask.py", "--from", "smach", "--execute", "-o", "tasks/ask.yaml"],
+        ["run", "tasks/ask.yaml"],
+    ):
         done = subprocess.run(
             [sys.executable, "-m", "grip_bt.cli", *words],
             env=child_environment((), domain),

@@ -179,6 +179,12 @@ def _tree_of(path: str | Path) -> str:
     return str(read(Path(path)).task.x.get(DRAWN, "")) if f"\n{DRAWN}:" in text else ""
 
 
+def _imports_ros(found: tree_code.FoundTree) -> bool:
+    """Tell whether the code of a tree's behaviours imports rclpy, in a process that has it already."""
+    modules = {type(node).__module__ for node in found.tree.root.iterate()}
+    return any("rclpy" in vars(sys.modules.get(name, object)) or name.startswith("py_trees_ros") for name in modules)
+
+
 def _adopted(
     path: str | Path, where: str, options: RunOptions, progress: Progress, stack: ExitStack
 ) -> tuple[Project, Document, AdoptedTree]:
@@ -205,8 +211,10 @@ def _adopted(
             progress("ros", "the tree gets the node /grip_tree")
         return nodes[0].node
 
+    there = "rclpy" in sys.modules
     found = tree_code.find_tree(place, node)
-    setup = {"node": node()} if "rclpy" in sys.modules and not found.ready else {}
+    of_ros = "rclpy" in sys.modules if not there else _imports_ros(found)
+    setup = {"node": node()} if of_ros and not found.ready else {}
     tree = AdoptedTree(found, where, options.ticks, setup, nodes[0] if nodes else None)
     text = f"# What {where} builds; that is what runs.\n{dumps(tree.task)}"
     return project, read_text(text, str(path)), tree
