@@ -12,6 +12,7 @@ const text = () => readFileSync(join(folder, "tasks/short.yaml"), "utf8");
 await onPage(url, async (page, { button, choose, fileIs, item, pick, rowsAre }) => {
   await choose("Task", "tasks/short.yaml");
   await fileIs("saved");
+  await item("attempts").waitFor();
   const before = text();
   const rows = await words(page).names();
   const view = () => page.getByRole("group", { name: "View" }).locator('[aria-pressed="true"]').textContent();

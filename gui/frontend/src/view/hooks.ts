@@ -89,7 +89,8 @@ function onPressable(target: EventTarget | null): boolean {
 function onKeyDown(event: KeyboardEvent): void {
   if (useAsk.getState().question !== null || event.defaultPrevented) return;
   const action = actionFor(event);
-  if (isExpected() && !(action && EVERYWHERE.has(action.id))) return;
+  const isLetter = !event.ctrlKey && !event.metaKey && !event.altKey; // what is typed for a question that is about to come
+  if (isLetter && isExpected() && !(action && EVERYWHERE.has(action.id))) return;
   if (!action || (inField(event.target) && !action.inFields)) return;
   if (usePage.getState().room === "project" && !EVERYWHERE.has(action.id)) return;
   if (PRESSES.has(event.key) && onPressable(event.target)) return;
