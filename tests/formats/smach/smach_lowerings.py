@@ -99,6 +99,8 @@ def run_form(path, file, form, preempt_at=(), pace=0, before=0):
             activation = leaf._activation
             if leaf.state is not state and _has_returned(legacy, leaf.state) and activation is not None:
                 _await(activation.over.done, "a state never returned")
+                if form == "machine":  # its thread has to have seen that, else the request reaches a state that is over
+                    _await(lambda leaf=leaf: not leaf.active, "a state never ended")
         by_path = {leaf.state.path: leaf for leaf in leaves}
         for last in _lasts_before(state, {path: leaf.state for path, leaf in by_path.items()}):
             if last.endswith(f"/{LAST}"):
