@@ -330,8 +330,10 @@ class Server:
             film.close()
 
     def _call_truth(self, number: int) -> Answer:
-        truth = [verdict.to_json() for verdict in judge(self.world)]
-        return {"truth": truth, "measures": self.world.measures()}, None
+        return {"truth": [verdict.to_json() for verdict in judge(self.world)]}, None
+
+    def _call_measures(self, number: int) -> Answer:
+        return {"measures": self.world.measures()}, None
 
     def _call_fingerprint(self, number: int) -> Answer:
         return {"fingerprint": self.world.fingerprint()}, None

@@ -157,7 +157,7 @@ class SimReferee:
 
     def measures(self) -> dict[str, float]:
         """Return the numbers that it has of articulated objects, such as `cabinet_opened` [m]."""
-        return dict(self._client.ask("truth").fields["measures"])
+        return dict(self._client.ask("measures").fields["measures"])
 
     def fingerprint(self) -> str:
         """Return a hash over the state of everything that moves."""
