@@ -1,4 +1,4 @@
-"""Processes that the editor starts: commands tried one at a time, and the end of everything that they started."""
+"""Processes that the editor starts: what they say, and the end of everything that they started."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections import deque
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from secrets import token_hex
@@ -17,13 +18,17 @@ from typing import Any
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.interpreter import python_command
-from grip_gui.project import ProjectFolder
 from grip_gui.wire.setup import CommandResult
 
 MARK = "GRIP_RUN_MARK"
 """Environment variable that all processes of one run share."""
 GRACE = 1.0
 """How long a left-over process may take to end after SIGTERM [s]."""
+POLL = 0.02
+"""How often it is looked whether a process has ended [s]."""
+LINES_KEPT = 40
+"""How many of the last lines of output are kept, to say why a process died."""
+LONGEST_LINE = 1 << 20
 
 
 def marked(mark: str) -> list[int]:
@@ -31,24 +36,15 @@ def marked(mark: str) -> list[int]:
     needle = f"{MARK}={mark}".encode()
     found = []
     for entry in Path("/proc").iterdir():
-        if not entry.name.isdigit() or int(entry.name) == os.getpid():
-            continue
-        try:
-            environment = (entry / "environ").read_bytes()
-        except OSError:
-            continue  # it has ended, or belongs to somebody else
-        if needle in environment.split(b"\0"):
-            found.append(int(entry.name))
+        if entry.name.isdigit() and int(entry.name) != os.getpid():
+            with suppress(OSError):  # it has ended, or belongs to somebody else
+                if needle in (entry / "environ").read_bytes().split(b"\0"):
+                    found.append(int(entry.name))
     return found
 
 
 async def end_marked(mark: str, group: int | None = None) -> None:
-    """End all processes with the mark: those in `group` at once, the others with a chance to clean up.
-
-    Args:
-        mark: value of the environment variable `MARK`.
-        group: a process group to kill first, None for none.
-    """
+    """End all processes with the mark: those in the process group `group` at once, others with a chance to clean up."""
     if group is not None:
         with suppress(ProcessLookupError):
             os.killpg(group, signal.SIGKILL)
@@ -56,7 +52,7 @@ async def end_marked(mark: str, group: int | None = None) -> None:
     loop = asyncio.get_running_loop()
     deadline = loop.time() + GRACE
     while (left := marked(mark)) and loop.time() < deadline:
-        await asyncio.sleep(0.02)
+        await asyncio.sleep(POLL)
     _signal(left, signal.SIGKILL)
 
 
@@ -66,6 +62,95 @@ def _signal(pids: list[int], number: signal.Signals) -> None:
             os.kill(pid, number)
 
 
+async def _spawned(words: Sequence[str], **options: Any) -> tuple[asyncio.subprocess.Process, str]:
+    """Start a module of this Python in a process group of its own; return it, and the mark of all that it starts."""
+    mark = token_hex(8)
+    process = await asyncio.create_subprocess_exec(
+        *python_command("-m", *words),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
+        start_new_session=True,
+        **options,
+    )
+    return process, mark
+
+
+class ChildProcess:
+    """A process that talks in lines of JSON, objects with an `event` or an `id`; all else that it prints is a log."""
+
+    def __init__(self, process: asyncio.subprocess.Process, mark: str):
+        self._process, self._mark = process, mark
+        self._tail: deque[str] = deque(maxlen=LINES_KEPT)
+
+    @classmethod
+    async def start(cls, *words: str, folder: Path | None = None, longest: int = LONGEST_LINE) -> ChildProcess:
+        """Start a module with its arguments in a folder; a line of more than `longest` bytes is left out.
+
+        Raises:
+            OSError: the process can't be started.
+        """
+        return cls(*await _spawned(words, stderr=asyncio.subprocess.PIPE, limit=longest, cwd=folder))
+
+    async def follow(self, heard: Callable[[dict[str, Any]], Awaitable[None]]) -> None:
+        """Pass on what it says, and `{"event": "log", "text": ...}` for the rest, until its output ends."""
+
+        async def read(stream: asyncio.StreamReader | None) -> None:
+            assert stream is not None
+            while line := await _line(stream):
+                await heard(self._parsed(line.decode(errors="replace").rstrip()))
+
+        await asyncio.gather(read(self._process.stdout), read(self._process.stderr))
+
+    def _parsed(self, text: str) -> dict[str, Any]:
+        if text.startswith("{"):
+            with suppress(ValueError):
+                message = json.loads(text)
+                if isinstance(message, dict) and message.keys() & {"event", "id"}:
+                    return message
+        self._tail.append(text)
+        return {"event": "log", "text": text}
+
+    async def send(self, message: Mapping[str, Any]) -> None:
+        """Send it an object; nothing happens when the process is gone."""
+        stdin = self._process.stdin
+        if stdin is not None and not stdin.is_closing():
+            with suppress(BrokenPipeError, ConnectionResetError):
+                stdin.write(json.dumps(dict(message)).encode() + b"\n")
+                await stdin.drain()
+
+    async def wait(self) -> int:
+        """Wait for the end, end what it left behind, return the exit status; negative is the signal that ended it."""
+        # Not `Process.wait`: in Python 3.11 that waits for what holds the pipes too, which may be what was left behind.
+        while self._process.returncode is None:
+            await asyncio.sleep(POLL)
+        await end_marked(self._mark)
+        return self._process.returncode
+
+    def say_no_more(self) -> None:
+        """Close its standard input, at which it is expected to end."""
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+
+    async def kill(self) -> None:
+        """End the process and everything that it started, now. Idempotent."""
+        await end_marked(self._mark, group=self._process.pid if self._process.returncode is None else None)
+        while self._process.returncode is None:
+            await asyncio.sleep(POLL)
+
+    def tail(self) -> str:
+        """Return the last lines that weren't part of what it says."""
+        return "\n".join(self._tail)
+
+
+async def _line(stream: asyncio.StreamReader) -> bytes:
+    """Return the next line; of one that is longer than the limit, nothing but a note."""
+    try:
+        return await stream.readline()
+    except ValueError:
+        return b"(a line that was too long was left out)\n"
+
+
 PATIENCE = 120.0
 """How long a try may take; building interfaces the first time takes most of it [s]."""
 KEPT = 20_000
@@ -73,21 +158,21 @@ KEPT = 20_000
 
 
 class CommandRunner:
-    """Runs one try at a time."""
+    """Runs one try at a time in the project's folder; afterwards no process of it is left."""
 
-    def __init__(self, folder: ProjectFolder):
+    def __init__(self, folder: Path):
         self._folder = folder
         self._busy = asyncio.Lock()
 
     async def run(self, words: Sequence[str]) -> CommandResult:
-        """Run `grip WORDS...` in the project folder; afterwards no process of it is left."""
+        """Run `grip WORDS...`."""
         started = time.monotonic()
         ok, output = await self._ended("grip_bt.cli", words)
         shown = output if len(output) <= KEPT else "... " + output[-KEPT:]
         return CommandResult(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
 
     async def answer(self, module: str, **question: object) -> dict[str, Any]:
-        """Run a module that answers by `answer_question` in the project folder; return its answer.
+        """Run a module that answers by `answer_question`; return its answer.
 
         Raises:
             GripError: another try is under way, or it ended without an answer.
@@ -103,16 +188,7 @@ class CommandRunner:
         if self._busy.locked():
             raise GripError("another command is running; wait for it to end")
         async with self._busy:
-            mark = token_hex(8)
-            process = await asyncio.create_subprocess_exec(
-                *python_command("-m", module, *words),
-                cwd=self._folder.folder,
-                stdin=asyncio.subprocess.PIPE,
-                stdout=asyncio.subprocess.PIPE,
-                stderr=asyncio.subprocess.STDOUT,
-                env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
-                start_new_session=True,
-            )
+            process, mark = await _spawned((module, *words), stderr=asyncio.subprocess.STDOUT, cwd=self._folder)
             try:
                 async with asyncio.timeout(PATIENCE):
                     said, _ = await process.communicate(given.encode())
@@ -131,9 +207,12 @@ def answer_question(answer: Callable[..., Mapping[str, Any]]) -> int:
     """
     try:
         found = answer(**json.loads(sys.stdin.read()))
-    except ExpectedError as error:
-        found = {"error": error.message}
-    except (GripError, ValueError, OSError) as error:
-        found = {"error": str(error)}
+    except (ExpectedError, GripError, ValueError, OSError) as error:
+        found = {"error": reason_of(error)}
     sys.stdout.write("\n" + json.dumps(found) + "\n")
     return 0
+
+
+def reason_of(error: Exception) -> str:
+    """Return why something didn't work."""
+    return error.message if isinstance(error, ExpectedError) else str(error)

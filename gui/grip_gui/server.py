@@ -22,7 +22,6 @@ from starlette.exceptions import HTTPException
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
-from grip_gui.address import HOST, listen
 from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError
 from grip_gui.editing.routes import make_edit_router
@@ -30,12 +29,12 @@ from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import make_live_router
 from grip_gui.processes import CommandRunner
 from grip_gui.project import OutsideProjectError, ProjectFolder
-from grip_gui.routes import make_router
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import Launch, start_run
 from grip_gui.runs.pages import ControlTakenError
+from grip_gui.runs.routes import make_router
 from grip_gui.runs.run_control import BusyError, RunControl
-from grip_gui.security import Gate
+from grip_gui.runs.session import Launch, start_run
+from grip_gui.security import HOST, Gate, listen
 from grip_gui.setup.routes import make_setup_router
 from grip_gui.wire.runs import RunOptions
 from grip_gui.wire.task import ErrorBody
@@ -106,7 +105,7 @@ def create_app(
     for refused in (GripError, RequestValidationError, HTTPException):
         app.add_exception_handler(refused, _refuse)
     edits, window = DocumentStore(folder, desk.follow_edit), RosClientProcess(folder.folder)
-    runner = CommandRunner(folder)
+    runner = CommandRunner(folder.folder)
     app.include_router(make_edit_router(edits, desk.notify))
     app.include_router(make_setup_router(folder, runner, runs, desk.notify))
     app.include_router(make_live_router(folder, runner, window, lambda: desk.run_under_way))

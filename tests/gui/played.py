@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import warnings
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from grip_bt.runtime import Journal, RunLog
-from grip_gui.runs.launcher import RunProcess
+from grip_gui.processes import ChildProcess
 from grip_gui.wire.runs import RunOptions
 
 with warnings.catch_warnings():
@@ -68,7 +68,7 @@ def write(log: RunLog, events: list[Any]) -> None:
 
 
 @dataclass
-class PlayedRun(RunProcess):
+class PlayedRun(ChildProcess):
     """A run process that writes recorded events to the journal and obeys commands, unless it is deaf or dies."""
 
     journal: Path
@@ -108,9 +108,9 @@ class PlayedRun(RunProcess):
             self.messages.put_nowait(None)
             self.ended.set_result(status)
 
-    async def lines(self) -> AsyncIterator[dict[str, Any]]:
+    async def follow(self, heard: Callable[[dict[str, Any]], Awaitable[None]]) -> None:
         while (message := await self.messages.get()) is not None:
-            yield message
+            await heard(message)
 
     async def send(self, fields: Mapping[str, Any]) -> None:
         command = fields["command"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from grip_bt.base.errors import GripError
-from grip_gui.address import listen
+from grip_gui.security import listen
 
 
 def test_a_server_that_is_started_again_has_its_port_and_token(tmp_path: Path) -> None:

@@ -445,11 +445,11 @@ def test_a_conversion_is_shown_first_and_undone_to_the_byte(pen: Pen) -> None:
     assert shown["before"][0] == "machine: state_machine"
     assert shown["after"][0] == "machine: sequence"
     assert pen.open()["text"] == TASK
-    pen.post("convert", base=pen.view["revision"], node="machine", form="tree")
+    pen.edit(do="convert", path="machine", to="bt")
     assert next(n for n in pen.view["task"]["nodes"] if n["path"] == "machine")["kind"] == "sequence"
     assert not [p for p in pen.view["task"]["problems"] if p["severity"] == "error"]
     assert pen.step("undo")["text"] == TASK
-    assert pen.post("convert", 409, base=1, node="machine", form="tree")["kind"] == "stale"
+    assert pen.edit(409, base=1, do="convert", path="machine", to="bt")["kind"] == "stale"
 
 
 REACTIVE = """\
@@ -493,7 +493,7 @@ def test_forms_that_do_the_same_have_nothing_to_play(pen: Pen) -> None:
 def test_an_inexact_conversion_is_one_edit_that_was_asked_for(page: TestClient, project: Path) -> None:
     (project / TINY).write_text(REACTIVE)
     pen = Pen(page)
-    assert "stays" in pen.post("convert", 400, base=pen.view["revision"], node="/", form="machine")["detail"]
-    pen.post("convert", base=pen.view["revision"], node="/", form="machine", approximate=True)
+    assert "stays" in pen.edit(400, do="convert", path="/", to="sm")["detail"]
+    pen.edit(do="convert", path="/", to="sm", approximate=True)
     assert pen.view["task"]["nodes"][0]["kind"] == "state_machine"
     assert pen.step("undo")["text"] == REACTIVE

@@ -23,11 +23,11 @@ def test_forms_of_a_document_that_has_changed_are_not_looked_for_any_more(
     monkeypatch.setattr(
         "grip_gui.editing.conversion.to_trees", lambda task, catalog: (asked.append(task), to_trees(task, catalog))[1]
     )
-    with desk.reading(TINY) as opened:
+    with desk.held(TINY) as opened:
         revision, late, soon = opened.revision, forms_view(opened, catalog), forms_view(opened, catalog)
     assert soon().forms
     assert len(asked) == 1
-    with desk.changing(TINY) as opened:
+    with desk.held(TINY) as opened:
         opened.do(command_of({"do": "set", "path": "", "key": ["doc"], "value": "new"}), revision)
     found = late()
     assert (found.revision, found.forms, len(asked)) == (revision, [], 1)

@@ -230,6 +230,6 @@ def test_the_process_that_looks_at_ros_ends_when_nobody_asks_and_comes_back(proj
             while window._process is not None:
                 await asyncio.sleep(0.01)
         await window.close()  # also where it is just ending by itself
-        assert not window._listening
+        assert not window._lives
 
     asyncio.run(asyncio.wait_for(asked_twice(), 120))

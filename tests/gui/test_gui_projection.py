@@ -10,7 +10,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.task import load, loads
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import walk
-from grip_gui.view.projection import project_task
+from grip_gui.editing.projection import project_task
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "tasks" / "reactive_pick.yaml"
 
@@ -130,7 +130,7 @@ def test_containers_say_their_settings() -> None:
 
 def test_a_broken_file_is_shown_with_the_reason_and_its_line(page: TestClient, project: Path) -> None:
     (project / "tasks" / "broken.yaml").write_text("grip: 1\nname: broken\nroot: {kind: sequenz, children: {}}\n")
-    view = page.get("/api/task", params={"path": "tasks/broken.yaml"}).json()
+    view = page.get("/api/document", params={"path": "tasks/broken.yaml"}).json()["task"]
     assert view["nodes"] == []
     (problem,) = view["problems"]
     assert "tasks/broken.yaml:3" in problem["message"]
@@ -138,20 +138,20 @@ def test_a_broken_file_is_shown_with_the_reason_and_its_line(page: TestClient, p
 
 def test_a_wrong_task_is_still_drawn(page: TestClient, project: Path) -> None:
     (project / "tasks" / "wrong.yaml").write_text("grip: 1\nname: wrong\nroot: {node: no/such_node}\n")
-    view = page.get("/api/task", params={"path": "tasks/wrong.yaml"}).json()
+    view = page.get("/api/document", params={"path": "tasks/wrong.yaml"}).json()["task"]
     assert [node["label"] for node in view["nodes"]] == ["no/such_node"]
     assert any(p["severity"] == "error" and "no/such_node" in p["message"] for p in view["problems"])
 
 
 def test_a_broken_project_file_is_a_problem_and_not_a_dead_page(page: TestClient, project: Path) -> None:
     (project / "grip.yaml").write_text("grip: 1\nrobbot: x\n")
-    view = page.get("/api/task", params={"path": "tasks/tiny.yaml"}).json()
+    view = page.get("/api/document", params={"path": "tasks/tiny.yaml"}).json()["task"]
     assert view["nodes"]
     assert any(p["code"] == "project" and "robbot" in p["message"] for p in view["problems"])
 
 
 def test_a_task_file_that_is_not_there_is_named(page: TestClient) -> None:
-    answer = page.get("/api/task", params={"path": "tasks/other.yaml"})
+    answer = page.get("/api/document", params={"path": "tasks/other.yaml"})
     assert answer.status_code == 404
     assert "tasks/other.yaml" in answer.json()["detail"]
 

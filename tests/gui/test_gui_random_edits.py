@@ -39,7 +39,7 @@ class Pages:
 
     def act(self) -> None:
         page = self.random.randrange(2)
-        with self.desk.changing(PATH) as opened:
+        with self.desk.held(PATH) as opened:
             before, revision = opened.text, opened.revision
             try:
                 self._one(opened, page)
@@ -71,7 +71,7 @@ class Pages:
             opened.take_from_disk()
 
     def check(self) -> None:
-        with self.desk.reading(PATH) as opened:
+        with self.desk.held(PATH) as opened:
             if opened.history is not None:
                 document = opened.history.document
                 assert self.texts.setdefault(opened.history.at.number, document.text) == document.text
@@ -81,12 +81,12 @@ class Pages:
 
     def restart(self) -> None:
         """Let the server die and come again: what wasn't saved is there."""
-        with self.desk.reading(PATH) as opened:
+        with self.desk.held(PATH) as opened:
             text = opened.text
             if opened.file.change() and not [*(self.folder / ".grip" / "unsaved").glob("*")]:
                 text = (self.folder / PATH).read_text()  # all was saved, and then somebody else wrote over it
         self.desk = DocumentStore(ProjectFolder(self.folder))
-        with self.desk.reading(PATH) as opened:
+        with self.desk.held(PATH) as opened:
             assert opened.text == text
             self.seen, self.texts = [opened.revision] * 2, {}
 
@@ -104,7 +104,7 @@ def test_random_edits_in_two_pages_lose_and_corrupt_nothing(project: Path, seed:
 def test_undo_and_redo_of_everything_is_the_identity_on_bytes(project: Path) -> None:
     random = Random(SEED)
     desk = DocumentStore(ProjectFolder(project))
-    with desk.changing(PATH) as opened:
+    with desk.held(PATH) as opened:
         while len(opened.history.moments) < min(EDITS // 6, LIMIT):
             try:
                 if random.random() < 0.8:

@@ -156,7 +156,7 @@ def test_where_a_run_under_way_has_brought_an_arm_is_kept_as_joints_and_as_a_pos
     (project / "grip.yaml").write_text(GRIP)
     run, wanted = recorded(project)
     app, folder = FastAPI(), ProjectFolder(project)
-    app.include_router(make_live_router(folder, CommandRunner(folder), RosClientProcess(project), lambda: run))
+    app.include_router(make_live_router(folder, CommandRunner(project), RosClientProcess(project), lambda: run))
     client = TestClient(app)
     for what, part in (
         ("joints", "right"),

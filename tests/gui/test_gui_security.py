@@ -97,14 +97,14 @@ def test_the_socket_needs_the_token(stranger: TestClient, caplog: pytest.LogCapt
     ],
 )
 def test_no_path_leads_out_of_the_project(page: TestClient, path: str) -> None:
-    answer = page.get("/api/task", params={"path": path})
+    answer = page.get("/api/document", params={"path": path})
     assert answer.status_code == 403
     assert page.post("/api/session", json={"task": path, "robot": "fake", "target": "bt", "seed": 0}).status_code == 403
 
 
 def test_a_link_that_leads_out_is_not_followed(page: TestClient, project: Path) -> None:
     (project / "tasks" / "link.yaml").symlink_to(project.parent / "secret.yaml")
-    assert page.get("/api/task", params={"path": "tasks/link.yaml"}).status_code == 403
+    assert page.get("/api/document", params={"path": "tasks/link.yaml"}).status_code == 403
     assert [task["path"] for task in page.get("/api/project").json()["tasks"]] == ["tasks/tiny.yaml"]
 
 

@@ -14,7 +14,7 @@ from grip_bt.base.values import JointState, Pose
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.setup.changes import UnchangeableError, remove, rename, set_value
+from grip_gui.setup.settings_store import UnchangeableError, remove, rename, set_value
 
 GRIP = """\
 grip: 1

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import KINDS
-from grip_gui.editing.palette import kind_views
+from grip_gui.editing.projection import kind_views
 
 SRC = Path(__file__).parents[2] / "gui" / "frontend" / "src"
 ROWS = {"rules", "cases", "wait_for"}

@@ -79,7 +79,7 @@ def test_where_a_real_robot_is_can_be_kept_from_the_editor(tmp_path, domain, sta
     found = {}
     for part, what in (("right", "joints"), ("right", "pose"), ("fingers", "joints"), ("fingers", "pose")):
         request = json.dumps({"robot": "ros", "part": part, "what": what})
-        command = [sys.executable, "-m", "grip_gui.live.measuring"]
+        command = [sys.executable, "-m", "grip_gui.live.trying"]
         done = subprocess.run(
             command,
             input=request,

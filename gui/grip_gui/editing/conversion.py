@@ -6,19 +6,17 @@ from collections.abc import Callable
 
 from grip_bt.base.errors import EditError, GripError, InvalidTaskError, NodeError
 from grip_bt.base.values import Failure
-from grip_bt.compilers.restructure import Difference, Restructured, compare, moved, play, to_state_machines, to_trees
-from grip_bt.compilers.restructure.as_edit import expanded
+from grip_bt.compilers.restructure import compare, moved, play, to_state_machines, to_trees
 from grip_bt.compilers.restructure.equivalence import End
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime.value_codec import preview
 from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
-from grip_bt.task.edit import Convert
 from grip_bt.task.model import Leaf, join, outcomes_of
 from grip_gui.editing.open_document import OpenDocument
-from grip_gui.view.documents import finder
-from grip_gui.view.projection import project_task
-from grip_gui.wire.editing import ConversionView, ConvertRequest, CounterexampleView, Form, FormsView, FormView
+from grip_gui.editing.projection import project_task
+from grip_gui.editing.views import finder
+from grip_gui.wire.editing import ConversionView, CounterexampleView, Form, FormsView, FormView
 from grip_gui.wire.runs import RunEvent
 
 
@@ -30,7 +28,10 @@ def conversion_view(
     Raises:
         EditError: there is nothing to convert, or the task has errors; the second also from what is returned.
     """
-    task, file = _task(opened), opened.file.name
+    document, file = opened.document, opened.file.name
+    if document is None:
+        raise EditError("", "the text is not a valid task; fix it first")
+    task = document.task
     if path not in dict(walk(task.root)):
         raise EditError(path, "there is no such node")
     return lambda: _view(task, file, catalog, path, form, approximate)
@@ -58,25 +59,13 @@ def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approx
         script=[str(end) for end in difference.script] if difference else [],
         does_before=list(difference.before) if difference else [],
         does_after=list(difference.after) if difference else [],
-        plays=_plays(task, result, difference, catalog, file) if difference else [],
+        plays=[
+            _play(task, difference.script, catalog, file),
+            _play(result.task, moved(difference.script, result.paths), catalog, file),
+        ]
+        if difference
+        else [],
     )
-
-
-def convert(opened: OpenDocument, catalog: Catalog, request: ConvertRequest) -> None:
-    """Convert as one edit; what stays keeps its lines and comments.
-
-    Raises:
-        EditError: there is nothing to convert, or the task has errors.
-        StaleEditError: the task has changed since it was looked at.
-    """
-    command = Convert(path=request.node, to="bt" if request.form == "tree" else "sm", approximate=request.approximate)
-    opened.do(expanded(command, _task(opened), catalog), request.base)  # what was looked at is that state alone
-
-
-def _task(opened: OpenDocument) -> Task:
-    if opened.history is None or opened.draft is not None:
-        raise EditError("", "the text is not a valid task; fix it first")
-    return opened.history.document.task
 
 
 def _outline(task: Task, path: str) -> list[str]:
@@ -89,14 +78,6 @@ def _outline(task: Task, path: str) -> list[str]:
             kind = getattr(node, "kind", None) or getattr(node, "node", "")
             lines.append(f"{'  ' * depth}{names[-1] if names else task.name}: {kind}")
     return lines
-
-
-def _plays(
-    task: Task, result: Restructured, difference: Difference, catalog: Catalog, file: str
-) -> list[CounterexampleView]:
-    """Return what the form as it is does with a script, and what the other form does."""
-    other = moved(difference.script, result.paths)
-    return [_play(task, difference.script, catalog, file), _play(result.task, other, catalog, file)]
 
 
 def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> CounterexampleView:
@@ -125,7 +106,7 @@ class _Events(Observer):
         return self
 
     def add(self, path: str, event: str, outcome: str | None = None, code: str | None = None, **data: object) -> None:
-        """Note one event."""
+        """Note one event, as the journal would."""
         seq = len(self.all)
         self.all.append(RunEvent(seq=seq, t=self._now(), path=path, event=event, outcome=outcome, code=code, data=data))
 
@@ -151,19 +132,18 @@ def forms_view(opened: OpenDocument, catalog: Catalog) -> Callable[[], FormsView
 
     Once the document has changed, nobody asks about this one: the rest isn't looked for, so that edits have the time.
     """
-    revision, history = opened.revision, opened.history
-    if history is None or opened.draft is not None:
-        return lambda: FormsView(revision=revision, forms=[], error="the text is not a valid task")
-    task = history.document.task
+    revision, document = opened.revision, opened.document
 
     def found() -> FormsView:
-        try:
-            forms = _forms(task, catalog, lambda: opened.revision == revision)
-            return FormsView(revision=revision, forms=forms)
-        except InvalidTaskError:
-            return FormsView(revision=revision, forms=[], error="known once the task has no errors")
-        except GripError as error:
-            return FormsView(revision=revision, forms=[], error=str(error))
+        forms, why = [], "the text is not a valid task"
+        if document is not None:
+            try:
+                forms, why = _forms(document.task, catalog, lambda: opened.revision == revision), ""
+            except InvalidTaskError:
+                why = "known once the task has no errors"
+            except GripError as error:
+                why = str(error)
+        return FormsView(revision=revision, forms=forms, error=why)
 
     return found
 

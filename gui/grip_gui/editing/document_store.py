@@ -9,13 +9,12 @@ from threading import RLock
 from grip_bt.base.errors import DocumentError
 from grip_bt.compilers.restructure import expanded, extracted
 from grip_bt.task import Task, dumps, read_text
-from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Convert, Extract, Group, Inline
 from grip_bt.task.edit.steps import Step
-from grip_gui.editing.files import Recovery, TextFile
-from grip_gui.editing.layout import layout_path
+from grip_gui.editing.files import Recovery, TextFile, layout_path
 from grip_gui.editing.open_document import OpenDocument
+from grip_gui.editing.views import catalog_of
 from grip_gui.project import ProjectFolder
 
 
@@ -37,19 +36,10 @@ class DocumentStore:
         return {path: opened.revision for path, opened in list(self._sheets.items())}
 
     @contextmanager
-    def reading(self, path: str) -> Iterator[OpenDocument]:
-        """Hold a task file, opened where it isn't yet, while something is read from it.
+    def held(self, path: str) -> Iterator[OpenDocument]:
+        """Hold a task file, opened where it isn't yet, while something is read from it or changed.
 
-        Raises:
-            OutsideProjectError: the path leads elsewhere.
-            DocumentError: there is no such file, or it isn't text.
-        """
-        with self._lock:
-            yield self._open(path)
-
-    @contextmanager
-    def changing(self, path: str) -> Iterator[OpenDocument]:
-        """Hold a task file while it is changed; what isn't saved then is kept.
+        What isn't saved afterwards is kept.
 
         Raises:
             OutsideProjectError: the path leads elsewhere.
@@ -92,30 +82,20 @@ class DocumentStore:
             Recovery(self.folder.journal.parent / "unsaved", path).forget()
             self._sheets.pop(path, None)
 
+    def meant(self, command: AnyCommand, document: Document) -> AnyCommand:
+        """Return the edit that a command comes to here; an `extract` makes its file, which stays where it is undone.
 
-def takes_catalogue(command: AnyCommand) -> bool:
-    """Tell whether a command, or one of its parts, can be carried out only by who knows the project's nodes."""
-    if isinstance(command, Group):
-        return any(takes_catalogue(part) for part in command.commands)
-    return isinstance(command, Convert | Extract | Inline)
-
-
-def carry_out(desk: DocumentStore, opened: OpenDocument, command: AnyCommand, base: int, catalog: Catalog) -> None:
-    """Carry out a command that takes a catalogue; an `extract` makes its file, which stays where the edit is undone.
-
-    Raises:
-        EditError: it can't be carried out.
-        HandoverError: it can, but somebody could tell; `approximate` does it all the same.
-        DocumentError: the new file is there already, or can't be written.
-        OutsideProjectError: the new file isn't one of a task of the project.
-        StaleEditError: what it is about is gone since `base`.
-    """
-
-    def meant(now: AnyCommand, document: Document) -> AnyCommand:
-        if not isinstance(now, Extract):
-            return expanded(now, document.task, catalog)
-        part = extracted(now, document, catalog)
-        desk.create(part.file, part.text)
+        Raises:
+            EditError: it can't be carried out.
+            HandoverError: it can, but somebody could tell; `approximate` does it all the same.
+            DocumentError: the new file is there already, or can't be written.
+            OutsideProjectError: the new file isn't one of a task of the project.
+        """
+        if not isinstance(command, Convert | Extract | Inline | Group):
+            return command
+        catalog = catalog_of(self.folder)[0]
+        if not isinstance(command, Extract):
+            return expanded(command, document.task, catalog)
+        part = extracted(command, document, catalog)
+        self.create(part.file, part.text)
         return part.edit
-
-    opened.do(command, base, meant)

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task import Task, join, read_text, walk
 from grip_bt.task.document import Document
-from grip_bt.task.edit import AnyCommand, Edited, Group, History, Patch, command_of, path_after, rewrite
+from grip_bt.task.edit import AnyCommand, Group, History, command_of, path_after, rewrite
 from grip_bt.task.edit.history import history_path, load_history, save_history
 from grip_bt.task.edit.steps import Remark, Shift, Step, path_of
-from grip_gui.editing.files import ChangedOnDiskError, Recovery, StaleEditError, TextFile, UnfinishedTextError
-from grip_gui.editing.layout import Layout, read_layout, write_layout
+from grip_gui.editing.files import (
+    ChangedOnDiskError,
+    Layout,
+    Recovery,
+    StaleEditError,
+    TextFile,
+    UnfinishedTextError,
+    read_layout,
+    write_layout,
+)
 
 log = logging.getLogger(__name__)
 KEPT = 1000
@@ -25,8 +32,7 @@ Meaning: TypeAlias = Callable[[AnyCommand, Document], AnyCommand]
 """What a command comes to in a document, where that takes more than the document itself."""
 
 
-@dataclass(frozen=True)
-class _AppliedEdit:
+class _AppliedEdit(NamedTuple):
     """What the edit that led to a revision did, and to which task."""
 
     revision: int
@@ -94,6 +100,11 @@ class OpenDocument:
     # --- how it is --------------------------------------------------------------------------------------------------
 
     @property
+    def document(self) -> Document | None:
+        """The task that the text is now; None while it is none."""
+        return self.history.document if self.history is not None and self.draft is None else None
+
+    @property
     def text(self) -> str:
         """The text as it is now, a task or not."""
         if self.draft is not None:
@@ -123,7 +134,7 @@ class OpenDocument:
 
     # --- edits ------------------------------------------------------------------------------------------------------
 
-    def do(self, command: AnyCommand, base: int, meaning: Meaning | None = None) -> Edited:
+    def do(self, command: AnyCommand, base: int, meaning: Meaning = lambda command, _: command) -> None:
         """Carry out a command, or what it comes to in the document as it is now, that was made on the revision `base`.
 
         Raises:
@@ -132,18 +143,12 @@ class OpenDocument:
             UnfinishedTextError: the text isn't a task.
         """
         history = self._settled()
-        now = rebased(command, self._since(base))
-        edited = history.do(now if meaning is None else meaning(now, history.document))
+        before, edited = self.layout, history.do(meaning(rebased(command, self._since(base)), history.document))
         self._dropped = None
-        self._enter(edited.steps, self._previous().after(edited.steps))
-        return edited
+        self._enter(edited.steps, before)
 
     def pin(self, view: str, positions: dict[str, tuple[float, float] | None], title: str) -> None:
-        """Pin nodes at positions of a view [px], or unpin them (None); it is undone like every edit.
-
-        Raises:
-            UnfinishedTextError: the text isn't a task.
-        """
+        """Pin nodes at positions of a view [px], or unpin them (None); it is undone like every edit."""
         history = self._settled()
         layout = self.layout
         for path, spot in positions.items():
@@ -151,13 +156,13 @@ class OpenDocument:
         history.do(Group(title=title, commands=()))
         self._enter((), layout)
 
-    def write(self, text: str, base: int) -> None:
-        """Take a text that a person has typed on the state `base`; it may be no task yet.
+    def write(self, text: str, base: int | None) -> None:
+        """Take a text that a person has typed on the state `base` (None: on any); it may be no task yet.
 
         Raises:
             StaleEditError: something else has changed since, so that the text would take it back.
         """
-        if base != self.revision:
+        if base not in (None, self.revision):
             raise StaleEditError(
                 f"{self.file.name} was changed elsewhere while you were typing (revision {self.revision}, you have "
                 f"{base}); your text is still in the text view: take the new text, or put yours over it"
@@ -171,12 +176,12 @@ class OpenDocument:
         try:
             if self.history is None:
                 self._begin(text)
-                self._enter((), self.layout)
-            elif text == self.history.document.text:
-                self._enter((), self.layout)
-            else:
-                edited = self.history.do(rewrite(self.history.document, text, title))
-                self._enter(edited.steps, self._previous().after(edited.steps))
+            assert self.history is not None
+            before, document = self.layout, self.history.document
+            steps: tuple[Step, ...] = ()
+            if text != document.text:
+                steps = self.history.do(rewrite(document, text, title)).steps
+            self._enter(steps, before)
         except (DocumentError, EditError):
             self.draft = text
             self.revision += 1
@@ -184,41 +189,28 @@ class OpenDocument:
         self.draft = None
 
     def undo(self) -> None:
-        """Go to the moment before; where there is a draft, drop it (redo brings it back).
-
-        Raises:
-            EditError: there is nothing to undo.
-        """
+        """Go to the moment before, if there is one; where there is a draft, drop it (redo brings it back)."""
         if self.draft is not None and self.history is not None:
             self._dropped, self.draft = self.draft, None
             self._enter((), self.layout)
             return
         before, edited = self.layout, self._settled().undo()
-        self._enter(edited.steps, before.after(edited.steps))
+        self._enter(edited.steps, before)
 
     def redo(self, number: int | None = None) -> None:
-        """Go to the moment that was left last, or to the one of this number that was made from here.
-
-        Raises:
-            EditError: there is nothing to redo.
-        """
+        """Go to the moment that was left last, or to the one of this number that was made from here."""
         history = self._settled()
         if self._dropped is not None and number is None:
             self.draft, self._dropped = self._dropped, None
             self.revision += 1
             return
         before, edited = self.layout, history.redo(number)
-        self._enter(edited.steps, before.after(edited.steps))
+        self._enter(edited.steps, before)
 
     def go(self, number: int) -> None:
-        """Go to any moment of any branch.
-
-        Raises:
-            EditError: there is no such moment.
-        """
+        """Go to any moment of any branch."""
         before, done = self.layout, self._settled().go(number)
-        steps = tuple(step for edited in done for step in edited.steps)
-        self._enter(steps, before.after(steps))
+        self._enter(tuple(step for edited in done for step in edited.steps), before)
 
     def _settled(self) -> History:
         """Return the history, unless a draft is in the way."""
@@ -230,11 +222,6 @@ class OpenDocument:
                 why = str(error)
             raise UnfinishedTextError(self.file.name, why)
         return self.history
-
-    def _previous(self) -> Layout:
-        assert self.history is not None
-        assert self.history.at.parent is not None
-        return self._layouts.get(self.history.at.parent, self._first_layout)
 
     def _since(self, base: int) -> Iterable[tuple[Step, ...]]:
         if base == self.revision:
@@ -263,11 +250,11 @@ class OpenDocument:
             along[path] = now
         return moved
 
-    def _enter(self, steps: tuple[Step, ...], layout: Layout) -> None:
-        """Note that the document has changed; a moment whose layout isn't known gets this one."""
+    def _enter(self, steps: tuple[Step, ...], before: Layout) -> None:
+        """Note that the document has changed; a moment whose layout isn't known gets what the one before becomes."""
         assert self.history is not None
         self.revision += 1
-        self._layouts.setdefault(self.history.at.number, layout)
+        self._layouts.setdefault(self.history.at.number, before.after(steps))
         self.followed(steps)
         self._past.append(_AppliedEdit(self.revision, self._task, steps))
         self._task = self.history.document.task
@@ -299,11 +286,7 @@ class OpenDocument:
         self.revision += 1
 
     def follow_disk(self) -> None:
-        """Reload from the file where it has changed and nothing here would be lost by it.
-
-        Raises:
-            DocumentError: it can't be read.
-        """
+        """Reload from the file where it has changed and nothing here would be lost by it."""
         if self.saved and self.file.change() == "changed":
             self.take_from_disk()
 
@@ -332,7 +315,7 @@ def rebased(command: AnyCommand, since: Iterable[tuple[Step, ...]]) -> AnyComman
 
 
 def _moved(command: dict[str, Any], steps: tuple[Step, ...]) -> dict[str, Any]:
-    if command["do"] == Patch.model_fields["do"].default:
+    if command["do"] in ("patch", "convert"):  # what was looked at is one state alone
         raise StaleEditError("the task was just changed elsewhere; check it, then try again")
     moved = {key: _where(value, steps) if key in ("path", "parent") else value for key, value in command.items()}
     if command["do"] in ("set", "unset") and any(_sets(step, moved["path"], command["key"]) for step in steps):

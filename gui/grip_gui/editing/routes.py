@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 from pydantic import ValidationError
 
 from grip_bt.base.errors import EditError
 from grip_bt.task.edit import AnyCommand, command_of
-from grip_gui.editing.conversion import conversion_view, convert, forms_view
-from grip_gui.editing.document_store import DocumentStore, carry_out, takes_catalogue
+from grip_gui.editing.conversion import conversion_view, forms_view
+from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import StaleEditError
 from grip_gui.editing.open_document import OpenDocument
-from grip_gui.editing.palette import catalog_view
-from grip_gui.editing.views import check_expression, comment_view, document_view, parts_view, places_view, problems_view
-from grip_gui.view.documents import catalog_of
+from grip_gui.editing.projection import catalog_view
+from grip_gui.editing.views import (
+    catalog_of,
+    check_expression,
+    comment_view,
+    document_view,
+    parts_view,
+    places_view,
+    problems_view,
+)
 from grip_gui.wire import editing as wire
-
-T = TypeVar("T")
 
 
 def make_edit_router(desk: DocumentStore, notify: Callable[[], None]) -> APIRouter:
@@ -42,40 +47,40 @@ def _add_questions(api: APIRouter, desk: DocumentStore) -> None:
 
     @api.get("/document/forms")
     def forms(path: str) -> wire.FormsView:
-        with desk.reading(path) as opened:
+        with desk.held(path) as opened:
             find = forms_view(opened, catalog_of(folder)[0])
         return find()
 
     @api.get("/document/problems")
     def problems(path: str) -> wire.ProblemsView:
-        with desk.reading(path) as opened:
+        with desk.held(path) as opened:
             find = problems_view(folder, opened)
         return find()
 
     @api.get("/document/places")
     def places(path: str) -> wire.PlacesView:
-        with desk.reading(path) as opened:
+        with desk.held(path) as opened:
             return places_view(opened)
 
     @api.get("/document/comment")
     def comment(path: str, node: str) -> wire.CommentView:
-        with desk.reading(path) as opened:
+        with desk.held(path) as opened:
             return comment_view(opened, node)
 
     @api.get("/document/parts")
     def parts(path: str, node: Annotated[list[str], Query(max_length=1000)]) -> list[wire.Part]:
-        with desk.reading(path) as opened:
+        with desk.held(path) as opened:
             return parts_view(opened, node)
 
     @api.get("/document/conversion")
     def conversion(path: str, node: str, form: wire.Form, approximate: bool = False) -> wire.ConversionView:
-        with desk.reading(path) as opened:
+        with desk.held(path) as opened:
             find = conversion_view(opened, catalog_of(folder)[0], node, form, approximate)
         return find()
 
     @api.post("/document/expression")
     def expression(request: wire.ExpressionRequest) -> list[str]:
-        with desk.reading(request.path) as opened:
+        with desk.held(request.path) as opened:
             return check_expression(folder, opened, request)
 
 
@@ -84,7 +89,7 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
         path: str, work: Callable[[OpenDocument], object], since: int | None, status: int = 200
     ) -> Response:
         def changed() -> str:
-            with desk.changing(path) as opened:
+            with desk.held(path) as opened:
                 work(opened)
                 return document_view(desk.folder, opened, since).model_dump_json()
 
@@ -99,22 +104,12 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
     @api.post("/document/edit")
     async def edit(request: wire.EditRequest, since: int | None = None) -> Response:
         command = understood(request.command)
-        if not takes_catalogue(command):
-            return await change(request.path, lambda opened: opened.do(command, request.base), since)
-        found = catalog_of(desk.folder)[0]
-        return await change(request.path, lambda opened: carry_out(desk, opened, command, request.base, found), since)
-
-    @api.post("/document/convert")
-    async def convert_container(request: wire.ConvertRequest, since: int | None = None) -> Response:
-        found = catalog_of(desk.folder)[0]
-        return await change(request.path, lambda opened: convert(opened, found, request), since)
+        return await change(request.path, lambda opened: opened.do(command, request.base, desk.meant), since)
 
     @api.post("/document/text")
     async def text(request: wire.TextRequest, since: int | None = None) -> Response:
-        def write(opened: OpenDocument) -> None:
-            opened.write(request.text, opened.revision if request.over else request.base)
-
-        return await change(request.path, write, since)
+        base = None if request.over else request.base
+        return await change(request.path, lambda opened: opened.write(request.text, base), since)
 
     @api.post("/document/step")
     async def step(request: wire.StepRequest, since: int | None = None) -> Response:

@@ -24,7 +24,7 @@ from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
 from grip_bt.ros.messages.wire import ServerStates, entry_rows, text_of_entry, value_from_text
 from grip_bt.task.catalog.ros_config import MESSAGES
-from grip_gui.view.values import ROWS, value_view
+from grip_gui.runs.values import ROWS, value_view
 from grip_gui.wire.runs import ValueView
 
 APPEARS = 2.0

@@ -82,7 +82,7 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
         words = {"delete": {"store", "name"}, "reset": {"store"}}
         found = await asked(request.do, **request.model_dump(include=words.get(request.do, set())))
         if not found.get("error") and request.do in ("serve", "end"):
-            window.keep(request.do == "serve")
+            window.kept = request.do == "serve"
         kept = f"{found['count']} kept for later runs of the server" if "count" in found else ""
         return wire.Done(error=found.get("error", ""), said=kept)
 
@@ -108,7 +108,7 @@ def _add_tries(
         if request.robot == "run" and not joints:
             return wire.Done(error=f"no current run has measured {request.part}")
         question = request.model_dump(include={"robot", "part", "what"})
-        found = await runner.answer("grip_gui.live.measuring", **question, joints=joints)
+        found = await runner.answer("grip_gui.live.trying", **question, joints=joints)
         if "text" not in found:
             return wire.Done(error=found["error"])
         text = found["text"]
@@ -141,7 +141,7 @@ def _add_calls(api: APIRouter, folder: ProjectFolder, runner: CommandRunner) -> 
         }
         home = folder.settings_file(request.path).parent
         try:
-            return wire.TryView(**await runner.answer("grip_gui.live.calling", folder=str(home), given=given))
+            return wire.TryView(**await runner.answer("grip_gui.live.trying", folder=str(home), given=given))
         except (GripError, ValidationError) as error:
             return wire.TryView(error=str(error))
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
 from grip_bt.runtime import RunRecord as JournalRecord
-from grip_gui.view.values import unkept_view, value_view
+from grip_gui.runs.values import unkept_view, value_view
 from grip_gui.wire.runs import RunEvent, RunRecord, ValueView
 
 LISTED = 100
@@ -41,22 +41,23 @@ class JournalRuns:
             found.append(self._wire(record).model_copy(update={"damage": self._damage.get(key, "")}))
         return found
 
-    def run(self, run: str) -> RunRecord | None:
-        """Return one run, None when it isn't there."""
-        record = self._find(run)
-        return None if record is None else self._wire(record)
+    def run(self, run: str) -> RunRecord:
+        """Return one run.
+
+        Raises:
+            UnknownNameError: it isn't there.
+        """
+        return self._wire(self._find(run))
 
     def task_text(self, run: str) -> str:
         """Return the task file as it was when the run started."""
-        record = self._find(run)
-        return "" if record is None else record.task_text
+        return self._find(run).task_text
 
     def events(self, run: str, from_seq: int, limit: int) -> list[RunEvent]:
         """Return at most `limit` events from `from_seq` on, in order."""
         reader = self._reader()
         found = [] if reader is None else reader.events(run, from_seq - 1, limit)
-        fields = RunEvent.model_fields  # without the outcomes' meaning: pages know the task
-        return [RunEvent(**{name: getattr(event, name) for name in fields}) for event in found]
+        return [RunEvent.model_validate(event) for event in found]  # without the outcomes' meaning: pages know the task
 
     def value(self, run: str, seq: int) -> ValueView:
         """Return what the write with this number wrote, for looking at."""
@@ -81,17 +82,15 @@ class JournalRuns:
 
     def end_run(self, run: str) -> None:
         """Enter that a run was stopped whose process could not do so itself."""
-        record = self._find(run)
-        if record is not None and record.status in ("running", "died"):
+        if self._find(run).status in ("running", "died"):
             with Journal(self.file) as journal:
                 RunLog(journal, run).end("stopped", None)
 
-    def _find(self, run: str) -> JournalRecord | None:
+    def _find(self, run: str) -> JournalRecord:
         reader = self._reader()
-        try:
-            return None if reader is None else reader.run(run)
-        except UnknownNameError:
-            return None
+        if reader is None:
+            raise UnknownNameError("run", run, ())
+        return reader.run(run)
 
     def _reader(self) -> JournalReader | None:
         with self._lock:
@@ -105,9 +104,7 @@ class JournalRuns:
             return self._opened
 
     def _wire(self, record: JournalRecord) -> RunRecord:
-        fields = asdict(record)
-        fields.pop("task_text")
         path = Path(record.task_path)
         if path.is_relative_to(self._folder):
-            fields["task_path"] = path.relative_to(self._folder).as_posix()
-        return RunRecord(**fields)
+            record = replace(record, task_path=path.relative_to(self._folder).as_posix())
+        return RunRecord.model_validate(record)

@@ -39,10 +39,7 @@ class Presence:
 
     A page that comes back, as at a reload, is called as before. Whoever controls something while nobody holds control
     gets it. It becomes free when its page has been away for `GRACE`; a page that comes back later than that, as by a
-    slow reload, holds it again unless another one has had it.
-
-    Args:
-        changed: called after each change.
+    slow reload, holds it again unless another one has had it. `changed` is called after each change.
     """
 
     def __init__(self, changed: Callable[[], None]):
@@ -75,10 +72,7 @@ class Presence:
     # --- control ---
 
     def require(self, page: str) -> None:
-        """Check that a page may control, and give it control where nobody has it.
-
-        Args:
-            page: its id; empty for somebody without a page, who may as long as nobody holds control.
+        """Check that a page may control, and give it control where nobody has it; empty for somebody without a page.
 
         Raises:
             ControlTakenError: another page holds it.
@@ -89,11 +83,7 @@ class Presence:
             self._hold(page)
 
     def take(self, page: str, over: bool = False) -> None:
-        """Give control to a page, with `over` also from a page that holds it.
-
-        Raises:
-            ControlTakenError: another page holds it.
-        """
+        """Give control to a page, with `over` also from a page that holds it."""
         if not over:
             self.require(page)
         elif self.holder != page:

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import logging
 from collections.abc import Sequence
 from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
-from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import Launch
 from grip_gui.runs.pages import Presence
-from grip_gui.runs.session import STOP, Session
+from grip_gui.runs.session import STOP, Launch, Session
 from grip_gui.wire.runs import Breakpoint, Control, RunOptions, SessionView, SharedState
 
 log = logging.getLogger(__name__)
@@ -34,6 +32,9 @@ class RunControl:
         launch: starts a process.
         journal: the file that runs are written to; breakpoints are kept beside it.
         source: where the end of a run is entered whose process died.
+
+    Attributes:
+        viewers: events that are set whenever something has changed.
     """
 
     def __init__(self, launch: Launch, journal: Path, source: JournalRuns):
@@ -43,7 +44,7 @@ class RunControl:
         self.presence = Presence(self.notify)
         self._breakpoints = Breakpoints(journal.parent / "breakpoints.json")
         self._starting = False
-        self._viewers: set[asyncio.Event] = set()
+        self.viewers: set[asyncio.Event] = set()
 
     @property
     def view(self) -> SessionView | None:
@@ -56,14 +57,8 @@ class RunControl:
         return (self.session.view.run or "") if self.session is not None and not self.session.over else ""
 
     def show(self, run: str) -> None:
-        """Have pages show a run of the journal as if it had just ended here, until one is started.
-
-        Raises:
-            UnknownNameError: the journal has no such run.
-        """
+        """Have pages show a run of the journal as if it had just ended here, until one is started."""
         record = self._source.run(run)
-        if record is None:
-            raise UnknownNameError("run", run, (known.id for known in self._source.runs()))
         self._shown = SessionView(
             state="ended",
             task=record.task_path,
@@ -78,24 +73,15 @@ class RunControl:
     @property
     def shared_state(self) -> SharedState:
         """What all pages share."""
+        seen = self.presence
         return SharedState(
-            holder=self.presence.holder,
-            connections=self.presence.connections,
-            viewers=self.presence.viewers,
-            breakpoints=self._breakpoints.all,
+            holder=seen.holder, connections=seen.connections, viewers=seen.viewers, breakpoints=self._breakpoints.all
         )
 
     async def start(
         self, task: str, task_file: Path, options: RunOptions, page: str = "", run_to: str = ""
     ) -> SessionView:
-        """Start a run.
-
-        Args:
-            task: the task file as pages call it.
-            task_file: where it is.
-            options: how it runs.
-            page: who asks.
-            run_to: node before which it holds; empty for none.
+        """Start a run of a task's file, as the page `page` asks; it holds before the node `run_to`, empty for none.
 
         Raises:
             ControlTakenError: another page holds control.
@@ -120,12 +106,7 @@ class RunControl:
         return self.session.view
 
     async def command(self, request: Control) -> SessionView:
-        """Pass a command to the run under way; `stop` returns when its process has ended, and is anybody's.
-
-        Raises:
-            ControlTakenError: another page holds control.
-            BusyError: there is no run.
-        """
+        """Pass a command to the run under way; `stop` returns when its process has ended, and is anybody's."""
         if self.session is None:
             raise BusyError("no run was started")
         if request.command != "stop":
@@ -141,12 +122,7 @@ class RunControl:
             log.warning("the breakpoints of %s aren't kept: %s", task, error)
 
     async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> SharedState:
-        """Replace the breakpoints of a task, also in the run under way.
-
-        Raises:
-            ControlTakenError: another page holds control.
-            OSError: they can't be kept.
-        """
+        """Replace the breakpoints of a task, also in the run under way."""
         self.presence.require(page)
         self._breakpoints.set(task, points)
         if self.session is not None and not self.session.over and self.session.view.task == task:
@@ -159,22 +135,9 @@ class RunControl:
         if self.session is not None:
             await self.session.command(STOP)
 
-    # --- viewers ---
-
-    def watch(self) -> asyncio.Event:
-        """Return an event that is set whenever something has changed; give it back to `unwatch`."""
-        event = asyncio.Event()
-        event.set()
-        self._viewers.add(event)
-        return event
-
-    def unwatch(self, event: asyncio.Event) -> None:
-        """Forget a viewer."""
-        self._viewers.discard(event)
-
     def notify(self) -> None:
         """Wake all viewers."""
-        for event in self._viewers:
+        for event in self.viewers:
             event.set()
 
 
@@ -203,28 +166,17 @@ class Breakpoints:
         return self.all.get(task, [])
 
     def follow(self, task: str, steps: Sequence[Step]) -> None:
-        """Let the breakpoints of nodes that an edit has renamed or moved go with them.
-
-        Those of nodes that are gone stay: an undo brings the nodes back.
-
-        Raises:
-            OSError: they can't be kept.
-        """
+        """Let the breakpoints of nodes that an edit has renamed or moved go with them; those of removed nodes stay."""
         points = self.of(task)
         moved = [p.model_copy(update={"node": path_after(p.node, steps) or p.node}) for p in points]
         if moved != points:
             self.set(task, moved)
 
     def set(self, task: str, points: Sequence[Breakpoint]) -> None:
-        """Replace those of one task; each place once.
-
-        Raises:
-            OSError: they can't be kept.
-        """
+        """Replace those of one task; each place once."""
         once = {(p.node, p.when, p.outcome): p for p in points}
         self.all = {**self.all, task: list(once.values())}
         if not once:
             self.all.pop(task, None)
         self._file.parent.mkdir(parents=True, exist_ok=True)
-        text = json.dumps(_FILE.dump_python(self.all, mode="json"), indent=1)
-        replace_text(self._file, text + "\n")
+        replace_text(self._file, _FILE.dump_json(self.all, indent=1).decode() + "\n")

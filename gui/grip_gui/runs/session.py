@@ -6,13 +6,15 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeAlias
 
 from pydantic import ValidationError
 
+from grip_bt.base.interpreter import how_ended
+from grip_gui.processes import ChildProcess
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.runs.launcher import RunProcess
-from grip_gui.wire.runs import Breakpoint, Held, RunState, SessionView
+from grip_gui.wire.runs import Breakpoint, Held, RunOptions, RunState, SessionView
 
 log = logging.getLogger(__name__)
 
@@ -26,6 +28,23 @@ DRAIN = 1.0
 """How long the last lines of a process that has ended are waited for [s]."""
 _STATES: dict[str, RunState] = {"running": "running", "paused": "paused", "stopping": "stopping"}
 STOP: Mapping[str, Any] = {"command": "stop"}
+_Place: TypeAlias = tuple[str, str, str | None, str]
+"""Node, when, outcome and condition of a breakpoint."""
+
+
+Launch: TypeAlias = Callable[[Path, Path, RunOptions], Awaitable[ChildProcess]]
+"""Starts a run of a task's file, which writes to a journal."""
+
+
+async def start_run(task_file: Path, journal: Path, options: RunOptions) -> ChildProcess:
+    """Start `grip run --control`.
+
+    Raises:
+        OSError: the process can't be started.
+    """
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    words = ("grip_bt.cli", "run", str(task_file), "--control", "--journal", str(journal), *options.arguments())
+    return await ChildProcess.start(*words)
 
 
 class Session:
@@ -38,14 +57,14 @@ class Session:
         source: where the end of the run is entered if its process dies.
     """
 
-    def __init__(self, process: RunProcess, view: SessionView, changed: Callable[[], None], source: JournalRuns):
+    def __init__(self, process: ChildProcess, view: SessionView, changed: Callable[[], None], source: JournalRuns):
         self.view = view
         self._process, self._changed, self._source = process, changed, source
         self._acknowledged = asyncio.Event()
         self._killed_because = ""
         self._run: str | None = None
-        self._wanted: set[tuple[str, str, str | None, str]] = set()
-        self._set_points: dict[tuple[str, str, str | None, str], int] = {}
+        self._wanted: set[_Place] = set()
+        self._set_points: dict[_Place, int] = {}
         self._stopping: asyncio.Task[None] | None = None
         self._life = asyncio.create_task(self._live())
 
@@ -68,7 +87,7 @@ class Session:
 
     async def hold_at(self, points: Sequence[Breakpoint]) -> None:
         """Set these breakpoints, and clear all others."""
-        self._wanted = {_key(point) for point in points}
+        self._wanted = {(p.node.strip("/") or "/", p.when, p.outcome, p.condition) for p in points}
         for key, number in list(self._set_points.items()):
             if key not in self._wanted:
                 del self._set_points[key]
@@ -94,11 +113,7 @@ class Session:
         await self._process.kill()
 
     async def _live(self) -> None:
-        async def read() -> None:
-            async for message in self._process.lines():
-                await self._heard(message)
-
-        reader = asyncio.create_task(read())
+        reader = asyncio.create_task(self._process.follow(self._heard))
         status = await self._process.wait()
         await asyncio.wait([reader], timeout=DRAIN)
         reader.cancel()
@@ -122,7 +137,8 @@ class Session:
                     held = self.view.held if word == "paused" else None
                     self._set(state=_STATES[word], held=held)
             case {"event": "held"}:
-                self._set(held=_held(message))
+                with suppress(ValidationError):
+                    self._set(held=Held.model_validate({k: message[k] for k in Held.model_fields if k in message}))
             case {"event": "breakpoint", "id": int(number)}:
                 await self._breakpoint_is_set(message, number)
             case {"event": "refused", "message": str(why)}:
@@ -153,28 +169,16 @@ class Session:
                 await asyncio.to_thread(self._source.end_run, self.view.run)
             self._set(state="ended", status="killed", message=self._killed_because)
         else:  # its journal knows that, and it can be resumed
-            tail = self._process.tail()
-            how = f"was ended by signal {-exit_status}" if exit_status < 0 else f"ended with exit status {exit_status}"
-            said = f" Last output:\n{tail}" if tail else " No output."
-            self._set(state="ended", status="died", message=f"The run's process {how} before the task had ended.{said}")
+            tail, how = self._process.tail(), how_ended(exit_status)
+            said = f"Last output:\n{tail}" if tail else "No output."
+            why = f"The run's process {how} before the task had ended. {said}"
+            self._set(state="ended", status="died", message=why)
         self._changed()
 
     def _set(self, **changes: object) -> None:
         if any(getattr(self.view, key) != value for key, value in changes.items()):
             self.view = self.view.model_copy(update=changes)
             self._changed()
-
-
-def _key(point: Breakpoint) -> tuple[str, str, str | None, str]:
-    return point.node.strip("/") or "/", point.when, point.outcome, point.condition
-
-
-def _held(facts: Mapping[str, object]) -> Held | None:
-    """Return where a run holds; None when the process says nothing that can be understood."""
-    try:
-        return Held.model_validate({key: facts[key] for key in Held.model_fields if key in facts})
-    except ValidationError:
-        return None
 
 
 def _end(facts: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from contextlib import suppress
 from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import GripError, UnknownNameError
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.run_control import RunControl
 from grip_gui.wire import runs as wire
@@ -44,13 +44,14 @@ class ClientConnection:
     ):
         self._page = page
         self._socket, self._desk, self._source, self._revisions = socket, desk, source, revisions
-        self._changed = desk.watch()
+        self._changed = asyncio.Event()
+        self._changed.set()
+        desk.viewers.add(self._changed)
         self._run: str | None = None
         self._next = 0
         self._complete = False
+        self._told: dict[type[BaseModel], BaseModel] = {}
         self._told_revisions: dict[str, int] = {}
-        self._told: wire.SessionView | str | None = "nothing"
-        self._told_desk: wire.SharedState | None = None
         self._told_selections: dict[str, wire.Selected] = {}
 
     async def serve(self) -> None:
@@ -62,7 +63,7 @@ class ClientConnection:
         except WebSocketDisconnect:
             pass
         finally:
-            self._desk.unwatch(self._changed)
+            self._desk.viewers.discard(self._changed)
             self._desk.presence.go(self._page)
             sender.cancel()
             with suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
@@ -115,12 +116,13 @@ class ClientConnection:
         while True:
             await self._wait()
             self._changed.clear()
-            if self._desk.view != self._told:
-                self._told = self._desk.view
-                await self._write(wire.SessionFrame(session=self._told))
-            if self._desk.shared_state != self._told_desk:
-                self._told_desk = self._desk.shared_state
-                await self._write(wire.SharedStateFrame(desk=self._told_desk))
+            for frame in (
+                wire.SessionFrame(session=self._desk.view),
+                wire.SharedStateFrame(desk=self._desk.shared_state),
+            ):
+                if self._told.get(type(frame)) != frame:
+                    self._told[type(frame)] = frame
+                    await self._write(frame)
             now, before = self._desk.presence.selections(but=self._page), self._told_selections
             changed = {page: now.get(page) for page in now.keys() | before.keys() if now.get(page) != before.get(page)}
             if changed:
@@ -170,8 +172,10 @@ class ClientConnection:
         view = self._desk.view
         if self._desk.session is not None and view is not None and view.run == run:
             return view.state == "ended"
-        record = self._source.run(run)
-        return record is None or record.status != "running"
+        try:
+            return self._source.run(run).status != "running"
+        except UnknownNameError:
+            return True
 
     async def _write(self, frame: BaseModel) -> None:
         await self._socket.send_text(frame.model_dump_json())

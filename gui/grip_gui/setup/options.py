@@ -99,13 +99,6 @@ def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> li
     ]
 
 
-def robot_error(kind: str, data: object, folder: Path) -> str:
-    """Return what is wrong with the files that describe a project's robot; empty for nothing."""
-    if kind != "project" or not isinstance(data, Mapping):
-        return ""
-    return str(robot_facts(data.get("robot"), folder).get("error", ""))
-
-
 def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
     robot = data.get("robot")
     known = robot_facts(robot, folder)

@@ -1,17 +1,27 @@
-"""What a project's robot has: groups, named states, links, frames; and the planners and solvers that there are."""
+"""What a project's robot has: groups, named states, links, frames; the planners and solvers that there are; its looks.
+
+`python -m grip_gui.setup.robot_facts` draws it: its tree of joints, shapes of links in few triangles. Where the joints
+are is told apart from it; the page does the forward kinematics, so that a moment of a run is a handful of numbers.
+"""
 
 from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Mapping
-from functools import lru_cache
+import sys
+from base64 import b64encode
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import fromstring
+from xml.etree.ElementTree import Element, fromstring
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
 
+from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.errors import GripError, InvalidRobotError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.yaml.tree import parse, to_data
@@ -19,8 +29,10 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.files import FileCache, Stamps
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.packages import ROBOTS
+from grip_bt.commanders.kinematics.shapes import load_mesh
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
+from grip_gui.processes import answer_question
 
 _known: FileCache[tuple[str, str], dict[str, Any]] = FileCache()
 
@@ -45,6 +57,11 @@ def read_from(robot: object, folder: Path) -> Stamps:
     """Return the files that a robot was read from, as they were."""
     robot_facts(robot, folder)
     return _known.stamps(_key(robot, folder))
+
+
+def robot_error(data: object, folder: Path) -> str:
+    """Return what is wrong with the files that describe the robot of a project file's data; empty for nothing."""
+    return str(robot_facts(data.get("robot"), folder).get("error", "")) if isinstance(data, Mapping) else ""
 
 
 def _key(robot: object, folder: Path) -> tuple[str, str]:
@@ -113,9 +130,117 @@ def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str,
 
 @lru_cache(maxsize=4)
 def _asked(question: str, stamps: Stamps) -> dict[str, Any]:
-    command = python_command("-m", "grip_gui.setup.robot_drawing")
+    command = python_command("-m", "grip_gui.setup.robot_facts")
     try:
         done = subprocess.run(command, input=question, capture_output=True, text=True, timeout=PATIENCE, check=False)
         return dict(json.loads(done.stdout.splitlines()[-1]))
     except (OSError, subprocess.TimeoutExpired, ValueError, IndexError) as error:
         return {"error": f"the robot can't be drawn: {error}"}
+
+
+# --- the drawing ------------------------------------------------------------------------------------------------------
+
+
+def _described(robot: object, hands: Mapping[str, str], folder: str) -> dict[str, Any]:
+    source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
+    description = load_robot(source, Path(folder))
+    urdf = fromstring(description.urdf)
+    colors = {m.get("name"): c.get("rgba") for m in urdf.findall("material") if (c := m.find("color")) is not None}
+    meshes: list[dict[str, str]] = []
+    grasp = {}
+
+    @cache
+    def mesh(file: str, scale: tuple[float, ...]) -> int | None:
+        """Return the number of a mesh, None of one that can't be read."""
+        try:
+            points, triangles = coarse(load_mesh(file.removeprefix("file://"), scale, hollow=True))  # type: ignore[arg-type]
+        except GripError:  # `Check the robot` tells of it; the rest is drawn
+            return None
+        meshes.append({"points": _coded(points.astype("<f4")), "triangles": _coded(triangles.astype("<u4"))})
+        return len(meshes) - 1
+
+    for hand, group in hands.items():
+        frame = description.grasp_frames.get(group, description.grasp_frame)
+        grasp[hand] = {"link": frame.link, "at": [*frame.pose.position.tolist(), *frame.pose.quaternion.tolist()]}
+    return {
+        "name": description.name,
+        "links": [
+            {"name": link.get("name"), "shapes": list(_shapes(link, mesh, colors))} for link in urdf.iter("link")
+        ],
+        "joints": [_joint(joint) for joint in urdf.findall("joint")],
+        "meshes": meshes,
+        "rest": description.at_rest,
+        "grasp": grasp,
+    }
+
+
+_FindMesh = Callable[[str, tuple[float, ...]], "int | None"]
+
+
+def _shapes(link: Element, mesh: _FindMesh, colors: Mapping[str | None, str | None]) -> Iterator[dict[str, Any]]:
+    for visual in link.findall("visual") or link.findall("collision"):
+        geometry = visual.find("geometry")
+        if geometry is None or not len(geometry):
+            continue
+        shape = _shape(geometry[0], mesh)
+        if shape is not None:
+            material = visual.find("material")
+            named = None if material is None else colors.get(material.get("name"))
+            color = visual.find("material/color")
+            rgba = named if color is None else color.get("rgba")
+            yield {**shape, "at": _origin(visual), "color": _floats(rgba, ())}
+
+
+def _shape(body: Element, mesh: _FindMesh) -> dict[str, Any] | None:
+    match body.tag:
+        case "box":
+            return {"kind": "box", "size": _floats(body.get("size"), (0.0, 0.0, 0.0))}
+        case "cylinder" | "capsule":
+            return {"kind": "cylinder", "size": [float(body.get("radius", 0)), float(body.get("length", 0))]}
+        case "sphere":
+            return {"kind": "sphere", "size": [float(body.get("radius", 0))]}
+        case "mesh":
+            number = mesh(body.get("filename", ""), tuple(_floats(body.get("scale"), (1.0, 1.0, 1.0))))
+            return None if number is None else {"kind": "mesh", "size": [], "mesh": number}
+    return None
+
+
+def _joint(joint: Element) -> dict[str, Any]:
+    has: dict[str, Mapping[str, str]] = {part.tag: part.attrib for part in joint}
+    mimic = has.get("mimic")
+    return {
+        "name": joint.get("name"),
+        "type": joint.get("type"),
+        "parent": has.get("parent", {}).get("link", ""),
+        "child": has.get("child", {}).get("link", ""),
+        "at": _origin(joint),
+        "axis": _floats(has.get("axis", {}).get("xyz"), (1.0, 0.0, 0.0)),
+        "mimic": mimic
+        and {
+            "joint": mimic.get("joint"),
+            "multiplier": float(mimic.get("multiplier", 1.0)),
+            "offset": float(mimic.get("offset", 0.0)),
+        },
+    }
+
+
+def _origin(part: Element) -> list[float]:
+    """Return x y z [m] and the quaternion w x y z of an `origin`."""
+    origin = part.find("origin")
+    if origin is None:
+        return [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    turns = Rotation.from_euler("xyz", _floats(origin.get("rpy"), (0.0, 0.0, 0.0)))  # fixed axes, as URDF has it
+    x, y, z, w = turns.as_quat().tolist()
+    return [*_floats(origin.get("xyz"), (0.0, 0.0, 0.0)), w, x, y, z]
+
+
+def _floats(text: str | None, otherwise: tuple[float, ...]) -> list[float]:
+    return [float(word) for word in text.split()] if text else list(otherwise)
+
+
+def _coded(array: NDArray[Any]) -> str:
+    return b64encode(np.ascontiguousarray(array).tobytes()).decode()
+
+
+if __name__ == "__main__":
+    sys.exit(answer_question(_described))

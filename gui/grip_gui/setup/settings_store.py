@@ -1,11 +1,20 @@
-"""Settings files of a project: looked at, changed, saved. The page keeps the text; nothing is kept here."""
+"""Settings files of a project: looked at, changed, saved. The page keeps the text; nothing is kept here.
+
+Changes are of single values of a YAML text; comments, order and style of everything else stay.
+"""
 
 from __future__ import annotations
 
-from typing import Literal
+import io
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap, CommentedSeq
+from ruamel.yaml.error import YAMLError
 
 from grip_bt.app.project.folder import find_project
-from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.errors import DocumentError, GripError, nearest
 from grip_bt.base.message_store.yaml import text_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.yaml.models import Diagnostic, find
@@ -15,17 +24,15 @@ from grip_gui.project import ProjectFolder
 from grip_gui.wire.setup import SetupChange, SetupEntry, SetupSave, SetupText, SetupView
 from grip_gui.wire.task import Problem
 
-from .changes import UnchangeableError, remove, rename, set_value
 from .kinds import JOINT_STATES, POSES, entries, kind_of
-from .options import doubtful_names, options_of, robot_error, templates_of, wrong_options
+from .options import doubtful_names, options_of, templates_of, wrong_options
+from .robot_facts import robot_error
+
+WIDTH = 140
 
 
 class SettingsStore:
-    """What the page asks about settings files.
-
-    Args:
-        folder: the project; no path leads out of it.
-    """
+    """What the page asks about settings files."""
 
     def __init__(self, folder: ProjectFolder):
         self.folder = folder
@@ -40,12 +47,7 @@ class SettingsStore:
         return entries(self.folder, components)
 
     def open(self, path: str) -> SetupView:
-        """Return a file as it is, or as it would begin.
-
-        Raises:
-            OutsideProjectError: the path is none of a settings file.
-            DocumentError: it can't be read.
-        """
+        """Return a file as it is, or as it would begin."""
         file = TextFile(self.folder.settings_file(path), path)
         text = file.read() if file.path.exists() else kind_of(path).blank
         return self._view(path, text, file.known)
@@ -55,11 +57,7 @@ class SettingsStore:
         return self._view(request.path, request.text, "")
 
     def change(self, request: SetupChange) -> SetupView:
-        """Return the text with one value changed; nothing is written.
-
-        Raises:
-            UnchangeableError: it can't be.
-        """
+        """Return the text with one value changed; nothing is written."""
         match request.do:
             case "set":
                 text = set_value(request.text, request.key, request.value)
@@ -101,7 +99,7 @@ class SettingsStore:
             # The reader of trajectories stops at the first name that isn't there, and says less of it.
             if not faults or kind.name != "trajectories":
                 faults = [*kind.check(file, text, tree), *faults]
-            if wrong := robot_error(kind.name, data, home):
+            if kind.name == "project" and (wrong := robot_error(data, home)):
                 faults.append((f"robot: {wrong}", *find(tree, ("robot",))))
             problems = [_problem(fault, tree) for fault in faults]
             problems += [_problem(doubt, tree, "warning") for doubt in doubtful_names(kind.name, tree, data, home)]
@@ -125,12 +123,7 @@ _FILES: dict[type, str] = {Pose: POSES, JointState: JOINT_STATES}
 
 
 def keep_value(folder: ProjectFolder, name: str, value: object) -> str:
-    """Put a pose or a joint state into the file of its kind under a name; return the file's path.
-
-    Raises:
-        GripError: it is neither.
-        DocumentError: the file can't be read or written.
-    """
+    """Put a pose or a joint state into the file of its kind under a name; return the file's path."""
     if type(value) not in _FILES:
         raise GripError(f"a {type(value).__name__} can't be kept by name; poses and joint states can")
     keep_text(folder, _FILES[type(value)], name, text_of(value, DIGITS))
@@ -138,11 +131,7 @@ def keep_value(folder: ProjectFolder, name: str, value: object) -> str:
 
 
 def keep_text(folder: ProjectFolder, path: str, name: str, text: str) -> None:
-    """Put a value that is written as YAML into a file of named messages; one of this name is replaced.
-
-    Raises:
-        DocumentError: the file can't be read or written.
-    """
+    """Put a value that is written as YAML into a file of named messages; one of this name is replaced."""
     file = TextFile(folder.settings_file(path), path)
     before = file.read() if file.path.exists() else kind_of(path).blank
     file.write(set_value(before, [name], to_data(parse(text))))
@@ -168,3 +157,122 @@ def _keys_at(tree: YamlValue, line: int, column: int) -> list[str]:
                 found = keys
             todo.append((entry.value, keys))
     return found
+
+
+# --- changes of a text ------------------------------------------------------------------------------------------------
+
+
+class UnchangeableError(GripError):
+    """A value can't be put into a text."""
+
+
+def set_value(text: str, key: Sequence[str | int], value: object) -> str:
+    """Return the text with a value put at a path of keys; mappings on the way are made.
+
+    Raises:
+        UnchangeableError: the text is no mapping in YAML, or something else stands on the way.
+    """
+    yaml, root = _loaded(text)
+    parent = _parent(root, key, make=True)
+    if isinstance(parent, list) and key[-1] == len(parent):
+        parent.append(value)
+    else:
+        if isinstance(parent, list):
+            _there(parent, key)
+        parent[key[-1]] = value
+    return _dumped(yaml, root)
+
+
+def remove(text: str, key: Sequence[str | int]) -> str:
+    """Return the text without what stands at a path of keys, and without mappings that this leaves empty above it."""
+    yaml, root = _loaded(text)
+    parent = _parent(root, key)
+    _there(parent, key)
+    del parent[key[-1]]
+    for depth in range(len(key) - 1, 0, -1):
+        above = _parent(root, key[:depth])
+        if above[key[depth - 1]]:
+            break
+        del above[key[depth - 1]]
+    return _dumped(yaml, root)
+
+
+def rename(text: str, key: Sequence[str | int], name: str) -> str:
+    """Return the text with another name for an entry, in its place; those that refer to it follow."""
+    yaml, root = _loaded(text)
+    parent, old = _parent(root, key), key[-1]
+    if not isinstance(parent, CommentedMap):
+        raise UnchangeableError(f"{_said(key)} has no name")
+    _there(parent, key)
+    if name in parent and name != old:
+        raise UnchangeableError(f"{name!r} is taken; choose another name than {', '.join(map(str, parent))}")
+    _rename_key(parent, old, name)
+    if len(key) == 2:
+        _follow(root, key[0], old, name)
+    return _dumped(yaml, root)
+
+
+def _rename_key(mapping: CommentedMap, old: object, new: str) -> None:
+    """Give an entry another name, in its place and with its comment."""
+    place, value, comment = list(mapping).index(old), mapping[old], mapping.ca.items.pop(old, None)
+    del mapping[old]
+    mapping.insert(place, new, value)
+    if comment is not None:
+        mapping.ca.items[new] = comment
+
+
+def _follow(root: CommentedMap, kind: object, old: object, new: str) -> None:
+    """Have those that refer to an arm, a hand or a sensor call it by its new name."""
+    arms, ros = root.get("arms"), root.get("ros")
+    for arm in arms.values() if kind == "hands" and isinstance(arms, dict) else ():
+        if isinstance(arm, dict) and arm.get("hand") == old:
+            arm["hand"] = new
+    where = {"hands": "controllers", "arms": "controllers", "sensors": "cameras"}.get(str(kind))
+    users = ros.get(where) if isinstance(ros, dict) else None
+    if isinstance(users, CommentedMap) and old in users and new not in users:
+        _rename_key(users, old, new)
+
+
+def _loaded(text: str) -> tuple[YAML, Any]:
+    yaml = YAML(typ="rt")
+    yaml.preserve_quotes = True
+    yaml.width = WIDTH
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    try:
+        root = yaml.load(text)
+    except (YAMLError, ValueError, RecursionError) as error:
+        reason = str(error).splitlines()[0]
+        raise UnchangeableError(f"fix the text first, it is not valid YAML: {reason}") from None
+    if root is None or root == {}:
+        root = CommentedMap()
+    if not isinstance(root, dict):
+        raise UnchangeableError("fix the text first: it is not a mapping of keys to values")
+    return yaml, root
+
+
+def _dumped(yaml: YAML, root: object) -> str:
+    out = io.StringIO()
+    yaml.dump(root, out)
+    return out.getvalue()
+
+
+def _parent(root: Any, key: Sequence[str | int], make: bool = False) -> Any:
+    at = root
+    for depth, step in enumerate(key[:-1], 1):
+        if make and isinstance(at, dict) and at.get(step) is None:
+            at[step] = CommentedSeq() if isinstance(key[depth], int) else CommentedMap()
+        _there(at, key[:depth])
+        at = at[step]
+        if not isinstance(at, dict | list):
+            raise UnchangeableError(f"{_said(key[:depth])} is {at!r}, with nothing in it; remove it first")
+    return at
+
+
+def _there(parent: Any, key: Sequence[str | int]) -> None:
+    known = range(len(parent)) if isinstance(parent, list) else parent
+    if key[-1] not in known:
+        raise UnchangeableError(f"{_said(key)} isn't there{nearest(str(key[-1]), map(str, known))}")
+
+
+def _said(key: Sequence[str | int]) -> str:
+    return "/".join(map(str, key))

@@ -1,1 +1,1 @@
-"""What goes over the wire between server and page: pydantic models, from which the page's types are generated."""
+"""What goes over the wire: pydantic models, of which `python -m grip_gui.typescript` makes the page's types."""

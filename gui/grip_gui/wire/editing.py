@@ -1,4 +1,4 @@
-"""What goes over the wire while tasks are edited; beside `messages`, the other source of the TypeScript types."""
+"""What goes over the wire while tasks are edited."""
 
 from __future__ import annotations
 
@@ -17,16 +17,6 @@ Change = Literal["", "changed", "deleted"]
 # --- what can be put into a task --------------------------------------------------------------------------------------
 
 
-class ParameterFace(Wire):
-    """A literal that a leaf takes."""
-
-    name: str
-    type: str
-    doc: str
-    required: bool
-    default: Any = None
-
-
 class PortFace(Wire):
     """An input or an output of a leaf."""
 
@@ -34,6 +24,12 @@ class PortFace(Wire):
     type: str
     doc: str
     required: bool = False
+
+
+class ParameterFace(PortFace):
+    """A literal that a leaf takes."""
+
+    default: Any = None
 
 
 class NodeFace(Wire):
@@ -52,10 +48,8 @@ class CatalogView(Wire):
     """Everything that the palette offers."""
 
     nodes: list[NodeFace]
-    tasks: list[NodeFace] = []
-    """Task files of the project, as subtasks see them; their id is the file."""
-    error: str = ""
-    """Why the project's own nodes are missing."""
+    tasks: list[NodeFace] = []  # task files of the project, as subtasks see them; their id is the file
+    error: str = ""  # why the project's own nodes are missing
 
 
 # --- a document -------------------------------------------------------------------------------------------------------
@@ -73,8 +67,7 @@ class HistoryView(Wire):
     """What can be undone and redone, and the branches."""
 
     at: int
-    moments: list[HistoryEntry]
-    """The latest; those before are reached by undo."""
+    moments: list[HistoryEntry]  # the latest; those before are reached by undo
     can_undo: bool
     can_redo: bool
 
@@ -93,17 +86,14 @@ class DocumentView(Wire):
     revision: int
     text: str
     saved: bool
-    draft: bool
-    """Whether the text isn't a task; `task` is then the last one that it was."""
-    change: Change
-    """What somebody else did to the file since it was opened or saved."""
+    draft: bool  # whether the text isn't a task; `task` is then the last one that it was
+    change: Change  # what somebody else did to the file since it was opened or saved
     history: HistoryView
     layout: LayoutView
     task: TaskView
     moved: dict[str, str] = {}
     """Old path -> new path of nodes that moved since the revision that the page has; their children moved along."""
-    checked: bool = True
-    """Whether `task.problems` are known; where they aren't yet, they are asked for by themselves."""
+    checked: bool = True  # whether `task.problems` are known; where they aren't yet, they are asked for by themselves
 
 
 class ProblemsView(Wire):
@@ -119,8 +109,7 @@ class FormView(Wire):
     path: str
     both: bool
     reason: str
-    edges: list[tuple[str, str]]
-    """Which edges of it are in the way: (node, outcome)."""
+    edges: list[tuple[str, str]]  # which edges of it are in the way: (node, outcome)
 
 
 class FormsView(Wire):
@@ -135,8 +124,7 @@ class CounterexampleView(Wire):
     """One form of a task as it was run with scripted leaves: a run that no journal holds."""
 
     task: TaskView
-    status: str
-    """How it ended: success, failure, error, or stopped where it goes on and on."""
+    status: str  # how it ended: success, failure, error, or stopped where it goes on and on
     outcome: str | None
     events: list[RunEvent]
 
@@ -144,19 +132,15 @@ class CounterexampleView(Wire):
 class ConversionView(Wire):
     """What a conversion would make of a container, and what came of running both forms with scripted leaves."""
 
-    before: list[str]
-    """Kinds and names, a line a node, indented."""
+    before: list[str]  # kinds and names, a line a node, indented
     after: list[str]
-    kept: list[str]
-    """What stays as it is, and why."""
+    kept: list[str]  # what stays as it is, and why
     same: bool
     compared: str
-    script: list[str]
-    """Where they differ: how each leaf ends."""
+    script: list[str]  # where they differ: how each leaf ends
     does_before: list[str]
     does_after: list[str]
-    plays: list[CounterexampleView] = []
-    """Where they differ: what the form as it is does, and what the other one would."""
+    plays: list[CounterexampleView] = []  # where they differ: what the form as it is does, and what the other one would
 
 
 class PlacesView(Wire):
@@ -179,8 +163,7 @@ class Part(Wire):
 
     name: str
     node: dict[str, Any]
-    variables: dict[str, Any] = {}
-    """The declarations of the variables that it uses and that are declared around it."""
+    variables: dict[str, Any] = {}  # the declarations of the variables that it uses and that are declared around it
 
 
 # --- requests ---------------------------------------------------------------------------------------------------------
@@ -194,14 +177,18 @@ class EditRequest(Wire):
     command: dict[str, Any]
 
 
-class TextRequest(Wire):
-    """Take a text that was typed on a revision."""
+class SaveRequest(Wire):
+    """Save a file."""
 
     path: TaskPath
+    over: bool = False  # also over somebody else's change
+
+
+class TextRequest(SaveRequest):
+    """Take a text that was typed on a revision; what `over` replaces comes back by undo."""
+
     base: int
     text: str
-    over: bool = False
-    """Also where something has changed since; that can be undone."""
 
 
 class StepRequest(Wire):
@@ -221,14 +208,6 @@ class PinRequest(Wire):
     positions: dict[str, tuple[float, float] | None]
 
 
-class SaveRequest(Wire):
-    """Save a file."""
-
-    path: TaskPath
-    over: bool = False
-    """Also over somebody else's change."""
-
-
 class DiskRequest(Wire):
     """Reload from the file for what is here."""
 
@@ -240,17 +219,6 @@ class NewTask(Wire):
 
     path: TaskPath
     text: str | None = None
-
-
-class ConvertRequest(Wire):
-    """Convert a container, or (`/`) the whole task, to the other form."""
-
-    path: TaskPath
-    base: int
-    node: str
-    form: Form
-    approximate: bool = False
-    """Also what then isn't the same."""
 
 
 class ExpressionRequest(Wire):

@@ -18,10 +18,8 @@ class TopicView(Wire):
     """A topic that somebody publishes."""
 
     name: str
-    type: str
-    """Its ROS type."""
-    value: str
-    """What a task would get of it: the type of a sensor's output."""
+    type: str  # its ROS type
+    value: str  # what a task would get of it: the type of a sensor's output
     publishers: int
 
 
@@ -29,10 +27,8 @@ class TopicsView(Wire):
     """The topics of the running graph."""
 
     topics: list[TopicView]
-    domain: str
-    """ROS_DOMAIN_ID."""
-    error: str = ""
-    """Why nothing can be seen; empty when it can."""
+    domain: str  # ROS_DOMAIN_ID
+    error: str = ""  # why nothing can be seen; empty when it can
 
 
 class ReceiveRequest(Wire):
@@ -47,8 +43,7 @@ class ReceivedView(Wire):
     """One message, looked at."""
 
     value: ValueView | None = None
-    seconds: float = 0.0
-    """How long it took to come."""
+    seconds: float = 0.0  # how long it took to come
     error: str = ""
 
 
@@ -75,21 +70,18 @@ class LiveMessages(Wire):
     """What a running server has."""
 
     served: bool
-    ours: bool = False
-    """Whether it is served by this editor."""
+    ours: bool = False  # whether it is served by this editor
     stores: list[StoreView] = []
     messages: list[StoredMessage] = []
     domain: str = ""
-    error: str = ""
-    """Why there is none."""
+    error: str = ""  # why there is none
 
 
 class LiveMessage(Wire):
     """One of them, looked at."""
 
     value: ValueView | None = None
-    text: str = ""
-    """Its data as YAML, to be changed; empty for what is too much for that."""
+    text: str = ""  # its data as YAML, to be changed; empty for what is too much for that
     error: str = ""
 
 
@@ -106,10 +98,8 @@ class PutRequest(Wire):
 
     store: Annotated[str, Field(min_length=1, max_length=300)]
     name: Annotated[str, Field(min_length=1, max_length=300)]
-    type: Word = ""
-    """ROS type, of a store that isn't one of the standard ones."""
-    text: Typed
-    """YAML."""
+    type: Word = ""  # ROS type, of a store that isn't one of the standard ones
+    text: Typed  # YAML
 
 
 class Done(Wire):
@@ -122,14 +112,11 @@ class Done(Wire):
 class MeasureRequest(Wire):
     """Save the robot's current position now as a named message."""
 
-    robot: Literal["run"] | Robot
-    """`run`: where the run under way measured it last."""
-    part: Annotated[str, Field(max_length=200, pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
-    """An arm, or a hand."""
+    robot: Literal["run"] | Robot  # `run`: where the run under way measured it last
+    part: Annotated[str, Field(max_length=200, pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]  # an arm, or a hand
     what: Literal["joints", "pose"]
     name: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_ -]*$", max_length=200)]
-    serve: bool = False
-    """Give it to the running server too."""
+    serve: bool = False  # give it to the running server too
 
 
 class RobotParts(Wire):
@@ -138,16 +125,14 @@ class RobotParts(Wire):
     robot: str
     arms: list[str]
     hands: list[str]
-    run: str = ""
-    """The run under way, whose robot can be measured; empty for none."""
+    run: str = ""  # the run under way, whose robot can be measured; empty for none
     error: str = ""
 
 
 class Sample(Wire):
     """A value that was recorded, as an input of a component."""
 
-    source: str
-    """`run/SEQ` or `messages/STORE/NAME`: what goes back with the request."""
+    source: str  # `run/SEQ` or `messages/STORE/NAME`: what goes back with the request
     title: str
     type: str
 
@@ -174,8 +159,7 @@ class Given(Wire):
 
     port: Word
     sample: Annotated[str, Field(max_length=500)] = ""
-    text: Typed = ""
-    """YAML; used when no sample is named. Empty for nothing."""
+    text: Typed = ""  # YAML; used when no sample is named. Empty for nothing.
 
 
 class TryRequest(Wire):
@@ -198,8 +182,7 @@ class TryView(Wire):
     outcome: str = ""
     fields: list[FieldResult] = []
     milliseconds: float = 0.0
-    started: str = ""
-    """How the component came up."""
+    started: str = ""  # how the component came up
     error: str = ""
 
 
@@ -213,14 +196,10 @@ class ShapeView(Wire):
     """A body of a link."""
 
     kind: Literal["box", "cylinder", "sphere", "mesh"]
-    size: list[float]
-    """Edge lengths; radius and height; radius [m]."""
-    at: Place
-    """In the link."""
-    color: list[float] = []
-    """Red, green, blue, opacity of 1; empty where the description says none."""
-    mesh: int = -1
-    """Number of the mesh."""
+    size: list[float]  # edge lengths; radius and height; radius [m]
+    at: Place  # in the link
+    color: list[float] = []  # red, green, blue, opacity of 1; empty where the description says none
+    mesh: int = -1  # number of the mesh
 
 
 class LinkView(Wire):
@@ -242,12 +221,10 @@ class JointView(Wire):
     """A joint of a robot."""
 
     name: str
-    type: str
-    """As in a URDF: fixed, revolute, continuous, prismatic ..."""
+    type: str  # as in a URDF: fixed, revolute, continuous, prismatic ...
     parent: str
     child: str
-    at: Place
-    """In the parent link."""
+    at: Place  # in the parent link
     axis: list[float]
     mimic: MimicView | None = None
 
@@ -255,10 +232,8 @@ class JointView(Wire):
 class MeshView(Wire):
     """Triangles, in base64."""
 
-    points: str
-    """float32, little-endian: x y z of each [m]."""
-    triangles: str
-    """uint32, little-endian: three points each."""
+    points: str  # float32, little-endian: x y z of each [m]
+    triangles: str  # uint32, little-endian: three points each
 
 
 class FrameView(Wire):
@@ -275,10 +250,8 @@ class GeometryView(Wire):
     links: list[LinkView] = []
     joints: list[JointView] = []
     meshes: list[MeshView] = []
-    rest: dict[str, float] = {}
-    """Joint -> where it is unless told otherwise [rad or m]."""
-    grasp: dict[str, FrameView] = {}
-    """Hand -> the frame in which it holds things."""
+    rest: dict[str, float] = {}  # joint -> where it is unless told otherwise [rad or m]
+    grasp: dict[str, FrameView] = {}  # hand -> the frame in which it holds things
     error: str = ""
 
 
@@ -286,12 +259,9 @@ class SceneItem(Wire):
     """An object of the planning scene."""
 
     kind: Literal["box", "cylinder", "sphere", "mesh", "cells"]
-    size: list[float]
-    """Of a mesh, the edge lengths of the box around it; of cells, the edge length of one."""
-    body: str = ""
-    """Which body of the record, of a mesh and of cells."""
-    at: Place
-    """In the world; in the grasp frame of the hand that holds it."""
+    size: list[float]  # of a mesh, the edge lengths of the box around it; of cells, the edge length of one
+    body: str = ""  # which body of the record, of a mesh and of cells
+    at: Place  # in the world; in the grasp frame of the hand that holds it
     hand: str
     fixed: bool
 
@@ -299,21 +269,16 @@ class SceneItem(Wire):
 class MotionSample(Wire):
     """What has changed at one time."""
 
-    t: float
-    """On the run's clock [s]."""
-    q: dict[str, list[float]] = {}
-    """Part -> positions of its joints [rad or m]."""
-    scene: dict[str, SceneItem] | None = None
-    """All objects; None where none has changed."""
+    t: float  # on the run's clock [s]
+    q: dict[str, list[float]] = {}  # part -> positions of its joints [rad or m]
+    scene: dict[str, SceneItem] | None = None  # all objects; None where none has changed
 
 
 class MotionView(Wire):
     """How a run's robot has moved, from some place of the record on."""
 
-    parts: dict[str, list[str]] = {}
-    """Part -> its joints; only at the beginning of the record."""
+    parts: dict[str, list[str]] = {}  # part -> its joints; only at the beginning of the record
     bodies: dict[str, MeshView] = {}
     """What meshes and maps of cells look like; each body once in a record. Of cells, their middles."""
     samples: list[MotionSample]
-    next: int
-    """Where to go on."""
+    next: int  # where to go on

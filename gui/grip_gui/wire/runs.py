@@ -33,13 +33,11 @@ class RunRecord(Wire):
     task_path: str
     target: str
     seed: int | None
-    started: float
-    """Seconds since the epoch."""
+    started: float  # seconds since the epoch
     ended: float | None
     status: str
     outcome: str | None
-    damage: str = ""
-    """What of it can't be read, in a sentence; empty where nothing is known to be damaged."""
+    damage: str = ""  # what of it can't be read, in a sentence; empty where nothing is known to be damaged
 
 
 class RunView(Wire):
@@ -53,8 +51,7 @@ class RunEvent(Wire):
     """One line of the journal."""
 
     seq: int
-    t: float
-    """On the run's clock [s]."""
+    t: float  # on the run's clock [s]
     path: str
     event: str
     outcome: str | None = None
@@ -67,36 +64,27 @@ class NamedPlace(Wire):
 
     name: str
     frame: str
-    at: list[float]
-    """x y z [m], then the quaternion w x y z."""
+    at: list[float]  # x y z [m], then the quaternion w x y z
 
 
 class ValueView(Wire):
     """What was written to a variable, for looking at."""
 
     type: str
-    text: str
-    """One line."""
-    rows: list[list[str]] = []
-    """Name and value of its parts; of lists, the first ones."""
-    picture: str = ""
-    """A drawing of it as a `data:` address; empty where there is none."""
-    caption: str = ""
-    """What the drawing shows."""
-    places: list[NamedPlace] = []
-    """Poses in it: its own, or those of grasps."""
+    text: str  # one line
+    rows: list[list[str]] = []  # name and value of its parts; of lists, the first ones
+    picture: str = ""  # a drawing of it as a `data:` address; empty where there is none
+    caption: str = ""  # what the drawing shows
+    places: list[NamedPlace] = []  # poses in it: its own, or those of grasps
 
 
 class CloudView(Wire):
     """Points that a variable holds, for drawing them in space."""
 
     frame: str = ""
-    points: str = ""
-    """float32, little-endian, in base64: x y z of each [m]; empty where the value isn't a cloud."""
-    colors: str = ""
-    """uint8, in base64: red green blue of each; empty where it has none."""
-    of: int = 0
-    """How many points there are; only some of many are drawn."""
+    points: str = ""  # float32, little-endian, in base64: x y z of each [m]; empty where the value isn't a cloud
+    colors: str = ""  # uint8, in base64: red green blue of each; empty where it has none
+    of: int = 0  # how many points there are; only some of many are drawn
 
 
 # --- the run under way ------------------------------------------------------------------------------------------------
@@ -132,22 +120,18 @@ class Held(Wire):
 
     path: str
     when: When
-    why: str
-    """`breakpoint`, `step` or `run_to`."""
+    why: str  # `breakpoint`, `step` or `run_to`
     outcome: str | None = None
     code: str | None = None
-    message: str | None = None
-    """Why a condition couldn't be computed, and the like."""
+    message: str | None = None  # why a condition couldn't be computed, and the like
 
 
 class RunOptions(Wire):
     """What a run is started with."""
 
     robot: Robot = "sim"
-    target: Target = "bt"
-    """`bt` (behaviour tree) or `sm` (state machine)."""
-    seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
-    """Seed of everything random."""
+    target: Target = "bt"  # `bt` (behaviour tree) or `sm` (state machine)
+    seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0  # seed of everything random
     pace: Annotated[float, Field(gt=0, le=1000)] | None = 1.0
     """Simulated seconds in a second; None for as fast as it goes."""
     mocks: Annotated[dict[NodePath, Annotated[str, Field(min_length=1, max_length=1000)]], Field(max_length=MOST)] = {}
@@ -166,8 +150,7 @@ class StartRun(RunOptions):
     task: Annotated[str, Field(max_length=1024)]
     begin_at: Path = ""
     """Run from here: what comes before this node is passed over as if it had gone well; empty for the beginning."""
-    run_to: Path = ""
-    """Hold before this node; empty for nowhere."""
+    run_to: Path = ""  # hold before this node; empty for nowhere
     page: PageId = ""
 
 
@@ -175,12 +158,9 @@ class Control(Wire):
     """Ask the run under way for something."""
 
     command: Command
-    how: How = "tick"
-    """Of `step`."""
-    node: Path = ""
-    """Of `run_to`."""
-    when: When = "before"
-    """Of `run_to`."""
+    how: How = "tick"  # of `step`
+    node: Path = ""  # of `run_to`
+    when: When = "before"  # of `run_to`
     page: PageId = ""
 
     @model_validator(mode="after")
@@ -205,23 +185,16 @@ class SessionView(RunOptions):
     state: RunState
     task: str
     seed: int = 0
-    run: str | None = None
-    """Id in the journal; None until the process has said it."""
-    held: Held | None = None
-    """Where it holds; None while it runs, and when it was just paused."""
-    status: str | None = None
-    """How it ended: success, failure, error, stopped, killed, or died."""
+    run: str | None = None  # id in the journal; None until the process has said it
+    held: Held | None = None  # where it holds; None while it runs, and when it was just paused
+    status: str | None = None  # how it ended: success, failure, error, stopped, killed, or died
     outcome: str | None = None
     message: str = ""
     """What a person should know: the last line of output while starting, what was refused, or why it is gone."""
-    contradiction: str = ""
-    """Why the referee contradicts a success; empty where it doesn't."""
-    zombies: list[str] = []
-    """What hung at the end and was left behind."""
-    rest: str = ""
-    """What was measured of the robot after a stop or an error, in words."""
-    unconfirmed: list[str] = []
-    """Parts and nodes of which nobody can say that they have stopped; `rest` says why."""
+    contradiction: str = ""  # why the referee contradicts a success; empty where it doesn't
+    zombies: list[str] = []  # what hung at the end and was left behind
+    rest: str = ""  # what was measured of the robot after a stop or an error, in words
+    unconfirmed: list[str] = []  # parts and nodes of which nobody can say that they have stopped; `rest` says why
 
 
 # --- who holds control ------------------------------------------------------------------------------------------------
@@ -232,33 +205,25 @@ class ControlRequest(Wire):
 
     page: Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z0-9_-]+$")]
     take: bool = True
-    over: bool = False
-    """Also from a page that holds it now."""
+    over: bool = False  # also from a page that holds it now
 
 
 class Viewer(Wire):
     """A page that looks on."""
 
     page: str
-    name: str
-    """What people call it; no two have the same."""
-    colour: int
-    """Number of its colour, from 0."""
-    task: str = ""
-    """The task file that it shows; empty for the project's files."""
+    name: str  # what people call it; no two have the same
+    colour: int  # number of its colour, from 0
+    task: str = ""  # the task file that it shows; empty for the project's files
 
 
 class SharedState(Wire):
     """What all pages share: who looks on, who holds control, and where runs hold."""
 
-    holder: str | None = None
-    """Id of the page that holds control; None when nobody does."""
-    connections: int = 0
-    """How many pages look on."""
-    viewers: list[Viewer] = []
-    """Those of them that have said who they are."""
-    breakpoints: dict[str, list[Breakpoint]] = {}
-    """Task file -> breakpoints."""
+    holder: str | None = None  # id of the page that holds control; None when nobody does
+    connections: int = 0  # how many pages look on
+    viewers: list[Viewer] = []  # those of them that have said who they are
+    breakpoints: dict[str, list[Breakpoint]] = {}  # task file -> breakpoints
 
 
 # --- socket -----------------------------------------------------------------------------------------------------------
@@ -276,8 +241,7 @@ class Introduce(Wire):
     """Page to server: what people call this page, and what it shows."""
 
     type: Literal["introduce"] = "introduce"
-    name: Annotated[str, Field(max_length=40, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
-    """Empty for the one that it has."""
+    name: Annotated[str, Field(max_length=40, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""  # empty for the one that it has
     task: Annotated[str, Field(max_length=1024)] = ""
 
 
@@ -285,8 +249,7 @@ class Selection(Wire):
     """Page to server: the nodes that are selected on it; a page sends it when that changes."""
 
     type: Literal["selection"] = "selection"
-    task: Annotated[str, Field(max_length=1024)] = ""
-    """The task file that they are nodes of."""
+    task: Annotated[str, Field(max_length=1024)] = ""  # the task file that they are nodes of
     nodes: Annotated[list[Annotated[str, Field(max_length=3000)]], Field(max_length=64)] = []
     """Their paths, the one with the focus first; of very many, some."""
 
@@ -311,8 +274,7 @@ class EventsFrame(Wire):
     type: Literal["events"] = "events"
     run: str
     events: list[RunEvent]
-    complete: bool
-    """Whether the run has ended and this was its last part."""
+    complete: bool  # whether the run has ended and this was its last part
 
 
 class RefusedFrame(Wire):
@@ -340,8 +302,7 @@ class SelectionsFrame(Wire):
     """Server to page: what other pages have selected, of those alone where it has changed."""
 
     type: Literal["selections"] = "selections"
-    selections: dict[str, Selected | None]
-    """Page -> its selection; None where nothing is selected, or the page is gone."""
+    selections: dict[str, Selected | None]  # page -> its selection; None where nothing is selected, or the page is gone
 
 
 ServerFrame = Annotated[

@@ -30,8 +30,7 @@ class Template(Wire):
     """Something to begin with."""
 
     title: str
-    key: list[str]
-    """Where it goes; where its last word is taken, a number is added."""
+    key: list[str]  # where it goes; where its last word is taken, a number is added
     value: Any
 
 
@@ -42,14 +41,10 @@ class SetupView(Wire):
     kind: str
     title: str
     text: str
-    known: str
-    """Tells the file's bytes that the text began with; goes back with the request to save."""
-    data: Any
-    """None where the text is no YAML."""
-    shape: dict[str, Any]
-    """JSON Schema of the data."""
-    options: dict[str, list[str]]
-    """Path of keys, with `*` for any, -> what may stand there."""
+    known: str  # tells the file's bytes that the text began with; goes back with the request to save
+    data: Any  # None where the text is no YAML
+    shape: dict[str, Any]  # JSON Schema of the data
+    options: dict[str, list[str]]  # path of keys, with `*` for any, -> what may stand there
     templates: list[Template]
     problems: list[Problem]
 
@@ -68,8 +63,7 @@ class SetupChange(Wire):
     text: SetupTextField
     do: Literal["set", "remove", "rename"] = "set"
     key: Annotated[list[Step], Field(min_length=1, max_length=20)]
-    value: Any = None
-    """Of `set`: the value; of `rename`: the new name."""
+    value: Any = None  # of `set`: the value; of `rename`: the new name
 
 
 class SetupSave(Wire):
@@ -78,16 +72,14 @@ class SetupSave(Wire):
     path: SetupPath
     text: SetupTextField
     known: Annotated[str, Field(max_length=100)] = ""
-    over: bool = False
-    """Also over what somebody else has written."""
+    over: bool = False  # also over what somebody else has written
 
 
 class CommandRequest(Wire):
     """Try what is configured."""
 
     what: Literal["robot", "generate", "test"]
-    path: SetupPath
-    """The component's file, or `grip.yaml`."""
+    path: SetupPath  # the component's file, or `grip.yaml`
     page: PageId = ""
 
 
@@ -103,8 +95,7 @@ class CommandResult(Wire):
 class InterfaceRequest(Wire):
     """An interface to be wrapped: pasted, or the name of an installed type."""
 
-    text: Annotated[str, Field(max_length=100_000)] = ""
-    """The .srv, .action or .msg file; empty for an installed type."""
+    text: Annotated[str, Field(max_length=100_000)] = ""  # the .srv, .action or .msg file; empty for an installed type
     type: Annotated[str, Field(max_length=300)]
     """Such as `std_srvs/srv/Trigger`; of a pasted text, what it shall be called."""
     outcomes: Annotated[str, Field(max_length=2000)] = ""
@@ -112,8 +103,7 @@ class InterfaceRequest(Wire):
     failures: Annotated[list[Annotated[str, Field(max_length=200)]], Field(max_length=100)] = []
     name: Annotated[str, Field(max_length=200)] = ""
     server: Annotated[str, Field(max_length=300)] = ""
-    create: bool = False
-    """Write the component's folder and generate its node; without it only look."""
+    create: bool = False  # write the component's folder and generate its node; without it only look
 
 
 class FieldView(Wire):
@@ -129,14 +119,10 @@ class InterfaceView(Wire):
 
     fields: list[FieldView]
     problems: list[str]
-    suggestion: str
-    """Outcomes that would be possible."""
-    text: str
-    """The component file, as it would be written."""
-    path: str
-    """The component file that was written; empty when none was."""
-    output: str
-    """What generating said."""
+    suggestion: str  # outcomes that would be possible
+    text: str  # the component file, as it would be written
+    path: str  # the component file that was written; empty when none was
+    output: str  # what generating said
 
 
 class RecordRequest(Wire):
@@ -159,5 +145,4 @@ class ImportView(Wire):
     """What became of it."""
 
     probe: CommandResult
-    tasks: list[str]
-    """Task files that were written."""
+    tasks: list[str]  # task files that were written

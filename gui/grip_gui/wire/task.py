@@ -1,22 +1,21 @@
-"""What goes over the wire between the server and the page: the one source of the TypeScript types.
-
-`python -m grip_gui.typescript` writes these models to `frontend/src/protocol/generated.ts`; a test keeps the two equal.
-"""
+"""What goes over the wire about tasks."""
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 Meaning = Literal["success", "failure"]
 FieldType = Literal["bool", "int", "float", "choice", "text", "expression", "variable", "child", "cases", "json"]
 
 
 class Wire(BaseModel):
-    """Base of all messages: unknown keys are refused."""
+    """Base of all messages: unknown keys are refused; they can be made of objects with the same attributes."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", json_schema_serialization_defaults_required=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", from_attributes=True, json_schema_serialization_defaults_required=True
+    )
 
 
 # --- the task, as the page draws it -----------------------------------------------------------------------------------
@@ -25,12 +24,9 @@ class Wire(BaseModel):
 class Transition(Wire):
     """An edge of a state machine, or of the root: what happens after one outcome of a node."""
 
-    outcome: str
-    """`outcome`, or `outcome.code` where a failure code refines it."""
-    target: str
-    """Name of a sibling, or of an outcome of the container."""
-    ends: bool
-    """Whether the target is an outcome of the container rather than a sibling."""
+    outcome: str  # `outcome`, or `outcome.code` where a failure code refines it
+    target: str  # name of a sibling, or of an outcome of the container
+    ends: bool  # whether the target is an outcome of the container rather than a sibling
 
 
 class NodeView(Wire):
@@ -39,41 +35,31 @@ class NodeView(Wire):
     path: str
     parent: str | None
     name: str
-    kind: str
-    """`leaf`, or the kind of the container."""
-    label: str
-    """What the node does, in short: the catalogue id of a leaf, the settings of a container."""
+    kind: str  # `leaf`, or the kind of the container
+    label: str  # what the node does, in short: the catalogue id of a leaf, the settings of a container
     doc: str = ""
     children: list[str] = []
-    outcomes: dict[str, Meaning] = {}
-    """Every outcome and what it means to the parent."""
-    initial: bool = False
-    """Whether its container begins with it, whatever happens."""
+    outcomes: dict[str, Meaning] = {}  # every outcome and what it means to the parent
+    initial: bool = False  # whether its container begins with it, whatever happens
     on: list[Transition] = []
     derived: list[Transition] = []
     """Where its ends lead by the kind of its container, by their meaning; one that isn't here ends the container with
     that meaning."""
-    inputs: dict[str, str] = {}
-    """Input port -> variable."""
-    outputs: dict[str, str] = {}
-    """Output port -> variable."""
+    inputs: dict[str, str] = {}  # input port -> variable
+    outputs: dict[str, str] = {}  # output port -> variable
     parameters: dict[str, Any] = {}
-    fields: dict[str, Any] = {}
-    """The node's other keys, as they stand in the file."""
+    fields: dict[str, Any] = {}  # the node's other keys, as they stand in the file
 
 
 class VariableView(Wire):
     """A variable that the task declares."""
 
-    scope: str
-    """Path of the declaring container; empty for the task itself."""
+    scope: str  # path of the declaring container; empty for the task itself
     name: str
     type: str
     doc: str = ""
-    initial: str | None = None
-    """The initial value as JSON, None when there is none."""
-    whole: bool = True
-    """Whether `initial` is all of it, and not just its beginning."""
+    initial: str | None = None  # the initial value as JSON, None when there is none
+    whole: bool = True  # whether `initial` is all of it, and not just its beginning
     ports: list[Literal["input", "output"]] = []
     """How the task's file hands it in and out; empty for a variable of its own."""
 
@@ -82,8 +68,7 @@ class FixView(Wire):
     """A way to fix a problem with one press."""
 
     title: str
-    command: dict[str, Any]
-    """What to send as an edit."""
+    command: dict[str, Any]  # what to send as an edit
 
 
 class Problem(Wire):
@@ -96,21 +81,20 @@ class Problem(Wire):
     fix: str = ""
     line: int | None = None
     column: int | None = None
-    key: list[str] = []
-    """Keys within the node that lead to it; empty for the node as a whole."""
+    key: list[
+        Annotated[str, BeforeValidator(str)]
+    ] = []  # keys within the node that lead to it; empty for the node as a whole
     fixes: list[FixView] = []
 
 
 class TaskView(Wire):
     """A task file. `nodes` is empty when the text can't be read as a task; `problems` then says why."""
 
-    path: str
-    """Relative to the project folder, with `/`."""
+    path: str  # relative to the project folder, with `/`
     name: str
     doc: str = ""
     outcomes: dict[str, Meaning] = {}
-    nodes: list[NodeView] = []
-    """Parents first, in document order; the root is the first."""
+    nodes: list[NodeView] = []  # parents first, in document order; the root is the first
     variables: list[VariableView] = []
     problems: list[Problem] = []
 
@@ -138,21 +122,15 @@ class KindView(Wire):
 
     kind: str
     title: str
-    icon: str
-    """An SVG path in a square of 16."""
+    icon: str  # an SVG path in a square of 16
     doc: str
-    holds: Literal["none", "one", "many"]
-    """How many children."""
+    holds: Literal["none", "one", "many"]  # how many children
     needs_child: bool
-    edges: bool
-    """Whether its children's outcomes say who is next."""
-    concurrent: bool
-    """Whether its children run at the same time."""
-    declares: bool
-    """Whether it has variables and outcomes of its own."""
+    edges: bool  # whether its children's outcomes say who is next
+    concurrent: bool  # whether its children run at the same time
+    declares: bool  # whether it has variables and outcomes of its own
     fields: list[SettingView]
-    blank: dict[str, Any]
-    """Settings that a new one needs."""
+    blank: dict[str, Any]  # settings that a new one needs
 
 
 class ProjectView(Wire):
@@ -162,15 +140,12 @@ class ProjectView(Wire):
     folder: str
     tasks: list[TaskEntry]
     kinds: list[KindView]
-    robots: list[str]
-    """What a run may be started on."""
-    selected: str | None = None
-    """The task that `grip edit` was asked to open."""
+    robots: list[str]  # what a run may be started on
+    selected: str | None = None  # the task that `grip edit` was asked to open
 
 
 class ErrorBody(Wire):
     """Body of every refused request."""
 
     detail: str
-    kind: str = ""
-    """`stale`, `disk`, `unfinished` or `held` where the page can do something about it."""
+    kind: str = ""  # `stale`, `disk`, `unfinished` or `held` where the page can do something about it

@@ -88,15 +88,6 @@ export interface ConversionView {
   plays: CounterexampleView[];
 }
 
-/** Convert a container, or (`/`) the whole task, to the other form. */
-export interface ConvertRequest {
-  path: string;
-  base: number;
-  node: string;
-  form: "tree" | "machine";
-  approximate: boolean;
-}
-
 /** One form of a task as it was run with scripted leaves: a run that no journal holds. */
 export interface CounterexampleView {
   task: TaskView;
@@ -808,12 +799,12 @@ export interface Template {
   value: unknown;
 }
 
-/** Take a text that was typed on a revision. */
+/** Take a text that was typed on a revision; what `over` replaces comes back by undo. */
 export interface TextRequest {
   path: string;
+  over: boolean;
   base: number;
   text: string;
-  over: boolean;
 }
 
 /** A topic that somebody publishes. */

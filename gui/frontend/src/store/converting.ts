@@ -6,7 +6,7 @@ import type { ConversionView, NodeView } from "../protocol/generated";
 import { askChoice, askText, type Option } from "./ask";
 import { chooseTask, openTask } from "./desk";
 import { useDocument } from "./document";
-import { convert, edit } from "./editing";
+import { edit } from "./editing";
 import { type Above, usePage } from "./page";
 import { keepPlays, showPlay, sideOf, SIDES, useRun } from "./run";
 import { loadProject, useProject } from "./tasks";
@@ -65,7 +65,7 @@ async function decide(request: Wish, found: ConversionView): Promise<void> {
   }
   if (answer === null) return;
   if (sideOf(useRun.getState().record) !== null) await openTask(request.path, request.node);
-  if (answer === "yes") await convert(request.node, request.form, request.approximate);
+  if (answer === "yes") await edit({ do: "convert", path: request.node, to: request.form === "tree" ? "bt" : "sm", approximate: request.approximate });
 }
 
 const ROUGHLY = "roughly";

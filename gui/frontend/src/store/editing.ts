@@ -176,10 +176,6 @@ export function pin(view: PinRequest["view"], positions: Record<string, [number,
   return send(({ path, revision }) => server.pin({ path, view, positions }, revision));
 }
 
-export function convert(node: string, form: "tree" | "machine", approximate: boolean): Promise<boolean> {
-  return send(({ path, revision }) => server.convert({ path, base: revision, node, form, approximate }, revision));
-}
-
 let typed: (() => Promise<unknown>) | null = null;
 
 /** Say how to send what is being typed in the text view; null when that is closed. */
