@@ -96,7 +96,8 @@ def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: i
 
 
 def _show(task: Path, args: argparse.Namespace) -> int:
-    from grip_gui import RunOptions, serve
+    from grip_gui.server import serve
+    from grip_gui.wire.runs import RunOptions
 
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     options = RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace or 1.0)

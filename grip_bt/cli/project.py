@@ -126,7 +126,7 @@ def add_edit(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_edit(args: argparse.Namespace) -> int:
-    from grip_gui import serve  # here, since `grip edit --help` needs no extra
+    from grip_gui.server import serve  # here, since `grip edit --help` needs no extra
 
     if args.execute:
         args.path = _drawn(str(args.path))

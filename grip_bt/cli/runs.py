@@ -188,7 +188,7 @@ def _run_replay(args: argparse.Namespace) -> int:
     with JournalReader(file) as reader:
         found = find_run(reader, args.run_name)
         if args.gui:
-            from grip_gui import serve  # here, since runs are replayed without the page too
+            from grip_gui.server import serve  # here, since runs are replayed without the page too
 
             folder = file.resolve().parent.parent if file.parent.name == ".grip" else find_project(Path()).folder
             return serve(folder, show_run=found, journal=file, open_browser=not args.no_browser)

@@ -20,14 +20,10 @@ from grip_bt.base.failures import ExpectedError
 from grip_bt.base.interpreter import python_command
 from grip_gui.wire.setup import CommandResult
 
-MARK = "GRIP_RUN_MARK"
-"""Environment variable that all processes of one run share."""
-GRACE = 1.0
-"""How long a left-over process may take to end after SIGTERM [s]."""
-POLL = 0.02
-"""How often it is looked whether a process has ended [s]."""
-LINES_KEPT = 40
-"""How many of the last lines of output are kept, to say why a process died."""
+MARK = "GRIP_RUN_MARK"  # environment variable that all processes of one run share
+GRACE = 1.0  # how long a left-over process may take to end after SIGTERM [s]
+POLL = 0.02  # how often it is looked whether a process has ended [s]
+LINES_KEPT = 40  # how many of the last lines of output are kept, to say why a process died
 LONGEST_LINE = 1 << 20
 
 
@@ -85,11 +81,7 @@ class ChildProcess:
 
     @classmethod
     async def start(cls, *words: str, folder: Path | None = None, longest: int = LONGEST_LINE) -> ChildProcess:
-        """Start a module with its arguments in a folder; a line of more than `longest` bytes is left out.
-
-        Raises:
-            OSError: the process can't be started.
-        """
+        """Start a module with its arguments in a folder; a line of more than `longest` bytes is left out."""
         return cls(*await _spawned(words, stderr=asyncio.subprocess.PIPE, limit=longest, cwd=folder))
 
     async def follow(self, heard: Callable[[dict[str, Any]], Awaitable[None]]) -> None:
@@ -151,10 +143,8 @@ async def _line(stream: asyncio.StreamReader) -> bytes:
         return b"(a line that was too long was left out)\n"
 
 
-PATIENCE = 120.0
-"""How long a try may take; building interfaces the first time takes most of it [s]."""
-KEPT = 20_000
-"""How much of what it says is shown, the end of it [characters]."""
+PATIENCE = 120.0  # how long a try may take; building interfaces the first time takes most of it [s]
+KEPT = 20_000  # how much of what it says is shown, the end of it [characters]
 
 
 class CommandRunner:
@@ -172,11 +162,7 @@ class CommandRunner:
         return CommandResult(ok=ok, command="grip " + " ".join(words), output=shown, seconds=time.monotonic() - started)
 
     async def answer(self, module: str, **question: object) -> dict[str, Any]:
-        """Run a module that answers by `answer_question`; return its answer.
-
-        Raises:
-            GripError: another try is under way, or it ended without an answer.
-        """
+        """Run a module that answers by `answer_question`; return its answer."""
         _, output = await self._ended(module, (), json.dumps(question))
         for line in reversed(output.splitlines()):
             if line.startswith("{"):

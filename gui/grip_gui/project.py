@@ -17,14 +17,7 @@ class OutsideProjectError(GripError):
 
 
 class ProjectFolder:
-    """A folder with a grip.yaml (or just task files).
-
-    Args:
-        folder: the project folder.
-
-    Raises:
-        DocumentError: the folder isn't there.
-    """
+    """A folder with a grip.yaml (or just task files)."""
 
     def __init__(self, folder: Path | str):
         self.folder = Path(folder).resolve()
@@ -58,12 +51,7 @@ class ProjectFolder:
         return file
 
     def new_task_file(self, path: str) -> Path:
-        """Return where a new task file goes, at a path below `tasks/` that came from outside.
-
-        Raises:
-            OutsideProjectError: the path leads elsewhere, or isn't one of a task file.
-            DocumentError: something is there.
-        """
+        """Return where a new task file goes, at a path below `tasks/` that came from outside; nothing is there yet."""
         file = self.settings_file(path)
         if PurePosixPath(path).parts[0] != "tasks" or file.name.endswith(".layout.yaml"):
             raise OutsideProjectError(path, "isn't a place for a task")
@@ -88,11 +76,7 @@ class ProjectFolder:
         return file
 
     def relative(self, file: Path) -> str:
-        """Return a file's path relative to the project folder.
-
-        Raises:
-            OutsideProjectError: it lies outside.
-        """
+        """Return a file's path relative to the project folder; outside of it there is none."""
         resolved = file.resolve()
         if not resolved.is_relative_to(self.folder):
             raise OutsideProjectError(str(file), "lies outside the project folder")

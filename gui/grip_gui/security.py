@@ -22,8 +22,7 @@ from grip_bt.base.errors import GripError
 
 log = logging.getLogger(__name__)
 
-LARGEST_BODY = 64 * 1024
-"""Longest body of a request [bytes]."""
+LARGEST_BODY = 64 * 1024  # longest body of a request [bytes]
 LARGEST_DOCUMENT = 16 * 1024 * 1024
 """Longest body of a request about a document: a task's longest text, with room for escapes [bytes]."""
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
@@ -45,10 +44,6 @@ class Gate:
     carries the port, since browsers share the cookies of a host between its ports. Requests that change something, and
     the socket, must come from this origin, which a foreign page can't forge; the host must be a loopback name, which
     stops DNS rebinding.
-
-    Args:
-        app: what is guarded.
-        token: this start's secret.
     """
 
     def __init__(self, app: ASGIApp, token: str):
@@ -91,7 +86,7 @@ class Gate:
             return 401, "open the address that `grip edit` printed: it carries the token of this start"
         length = headers.get("content-length", "0")
         if not length.isdigit() or int(length) > _limit(scope):
-            return 413, _too_large(scope)
+            return 413, f"a request may have {_limit(scope)} bytes"
         return None
 
     def _given(self, scope: Scope) -> str | None:
@@ -120,7 +115,7 @@ class Gate:
             seen += len(message.get("body", b"")) if message["type"] == "http.request" else 0
             if seen > most:
                 log.warning("refused a body of more than %d bytes from %s", most, scope.get("client"))
-                raise HTTPException(413, _too_large(scope))
+                raise HTTPException(413, f"a request may have {most} bytes")
             return message
 
         async def dressed(message: Message) -> None:
@@ -132,12 +127,7 @@ class Gate:
 
 
 def _limit(scope: Scope) -> int:
-    path = str(scope["path"])
-    return LARGEST_DOCUMENT if path.startswith(("/api/document/", "/api/setup/")) else LARGEST_BODY
-
-
-def _too_large(scope: Scope) -> str:
-    return f"a request may have {_limit(scope)} bytes"
+    return LARGEST_DOCUMENT if str(scope["path"]).startswith(("/api/document/", "/api/setup/")) else LARGEST_BODY
 
 
 def cookie_name(scope: Any) -> str:
@@ -160,9 +150,6 @@ def listen(file: Path, port: int) -> tuple[socket.socket, str]:
     Args:
         file: where they are kept, readable for its owner alone; one that isn't, or can't be read, counts for nothing.
         port: 0 takes the one from before where that is free, else any.
-
-    Raises:
-        GripError: the port is taken.
     """
     before, token = _read(file)
     listener = None

@@ -77,10 +77,7 @@ def create_app(
         show_run: the run that the page shows first.
 
     Raises:
-        UnknownNameError: that run isn't in the journal.
-        DocumentError: the folder, or the task, isn't there.
-        OutsideProjectError: the task isn't in the folder.
-        MissingPartError: the page wasn't built.
+        GripError: that run, the folder or the task isn't there, or the page wasn't built.
     """
     if not (STATIC / "index.html").is_file():
         raise MissingPartError("the editor's page", "npm ci && npm run build in gui/frontend")
@@ -143,19 +140,14 @@ def serve(
     show_run: str | None = None,
     journal: Path | None = None,
 ) -> int:
-    """Serve a project's editor until Ctrl-C; afterwards no process of it is left.
+    """Serve a project's editor until Ctrl-C; afterwards no process of it is left. Return the exit status.
 
     Args:
         project: a project folder, or anything in it.
-        task: the task file to open first.
-        autostart: start a run of `task` at once, with these options.
+        task: the task file to open first; for `autostart` and `show_run` see `create_app`.
         port: 0 takes the one from before, where that is free, else any.
         open_browser: open the page when there is a display. The address is printed in any case.
-        show_run: the run that the page shows first.
         journal: where runs are read; None for the project's own.
-
-    Returns:
-        the exit status: 0.
 
     Raises:
         GripError: the project or the task isn't usable, or the port is taken.

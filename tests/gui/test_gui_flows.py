@@ -7,7 +7,7 @@ import os
 import shutil
 from pathlib import Path
 
-from grip_gui.editing.views import view_of_file
+from grip_gui.editing.views import view_of_text
 from grip_gui.project import ProjectFolder
 
 ROOT = Path(__file__).parents[2]
@@ -24,7 +24,8 @@ def test_the_measured_charts_are_those_of_the_tasks(tmp_path: Path) -> None:
     tasks = [path.stem for path in (ROOT / "tests" / "gui" / "flows" / "tasks").iterdir()]
     drawn = {}
     for task in sorted([*tasks, "fill_shelf", "reactive_pick"]):
-        view = view_of_file(ProjectFolder(project), f"tasks/{task}.yaml").model_dump(by_alias=True, mode="json")
+        text = (project / "tasks" / f"{task}.yaml").read_text()
+        view = view_of_text(ProjectFolder(project), text, f"tasks/{task}.yaml").model_dump(by_alias=True, mode="json")
         assert not [problem for problem in view["problems"] if problem["severity"] == "error"]
         drawn[task] = {
             "name": task,

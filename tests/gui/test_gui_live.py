@@ -206,7 +206,10 @@ def test_a_component_is_called_with_a_sample_and_answers_field_by_field(
     request = {"path": "components/switcher/component.yaml", "given": [{"port": "data", "sample": sample["source"]}]}
     view = ask(page, "component", request)
     assert (view["error"], view["outcome"]) == ("", "'done'")
-    assert {f["name"]: f["value"]["text"] for f in view["fields"]} == {"success": "True", "message": "switched on"}
+    assert {name: value["text"] for name, value in view["fields"].items()} == {
+        "success": "True",
+        "message": "switched on",
+    }
     request["given"] = [{"port": "data", "text": "maybe"}]
     assert "data" in ask(page, "component", request)["error"]
 

@@ -19,7 +19,7 @@ from grip_bt.base.values import CameraInfo, DepthImage, Grasp, Image, JointState
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.runs.values import LARGEST, PLACES, POINTS, ROWS, cloud_view, drawn_cloud, drawn_depth, png, value_view
+from grip_gui.runs.journal import LARGEST, PLACES, POINTS, ROWS, cloud_view, drawn_cloud, drawn_depth, png, value_view
 
 
 def pixels_of(data: bytes) -> NDArray[np.uint8]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import PurePosixPath
 
 from grip_bt.base.errors import EditError, GripError, InvalidTaskError, NodeError
 from grip_bt.base.values import Failure
@@ -49,22 +50,22 @@ def _view(task: Task, file: str, catalog: Catalog, path: str, form: Form, approx
     kept = [str(note) for note in result.notes if not note.by_design]
     if result.task == task:
         raise EditError(path, "; ".join(kept) or f"it has the form of a {form} already")
-    difference = comparison.difference
+    difference, shown = comparison.difference, {}
+    if difference:
+        plays = (task, difference.script), (result.task, moved(difference.script, result.paths))
+        shown = {
+            "script": [str(end) for end in difference.script],
+            "does_before": list(difference.before),
+            "does_after": list(difference.after),
+            "plays": [_play(each, script, catalog, file) for each, script in plays],
+        }
     return ConversionView(
         before=_outline(task, path),
         after=_outline(result.task, result.paths.get(path, path)),
         kept=kept,
         same=difference is None,
         compared=str(comparison),
-        script=[str(end) for end in difference.script] if difference else [],
-        does_before=list(difference.before) if difference else [],
-        does_after=list(difference.after) if difference else [],
-        plays=[
-            _play(task, difference.script, catalog, file),
-            _play(result.task, moved(difference.script, result.paths), catalog, file),
-        ]
-        if difference
-        else [],
+        **shown,
     )
 
 
@@ -73,10 +74,9 @@ def _outline(task: Task, path: str) -> list[str]:
     lines = []
     for each, node in walk(task.root):
         if path == "/" or each == path or each.startswith(f"{path}/"):
-            names = [] if each == "/" else each.split("/")
-            depth = len(names) - (0 if path == "/" else len(path.split("/")))
+            depth = len(PurePosixPath("/", each).parts) - len(PurePosixPath("/", path).parts)
             kind = getattr(node, "kind", None) or getattr(node, "node", "")
-            lines.append(f"{'  ' * depth}{names[-1] if names else task.name}: {kind}")
+            lines.append(f"{'  ' * depth}{each.rpartition('/')[2] or task.name}: {kind}")
     return lines
 
 

@@ -12,19 +12,14 @@ from grip_bt.task import Task, dumps, read_text
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Convert, Extract, Group, Inline
 from grip_bt.task.edit.steps import Step
-from grip_gui.editing.files import Recovery, TextFile, layout_path
+from grip_gui.editing.files import TextFile, layout_path, recovery_of
 from grip_gui.editing.open_document import OpenDocument
 from grip_gui.editing.views import catalog_of
 from grip_gui.project import ProjectFolder
 
 
 class DocumentStore:
-    """The task files that pages have opened.
-
-    Args:
-        folder: no path leads out of it.
-        followed: told of each edit's file and steps, for what else speaks of its nodes; in the thread of the edit.
-    """
+    """The task files that pages have opened; `followed` is told of each edit's file and steps, in the edit's thread."""
 
     def __init__(self, folder: ProjectFolder, followed: Callable[[str, tuple[Step, ...]], object] = lambda *_: None):
         self.folder, self._followed = folder, followed
@@ -56,7 +51,7 @@ class DocumentStore:
         if path not in self._sheets:
             file = self.folder.task_file(path)
             layout = layout_path(file)
-            kept = Recovery(self.folder.journal.parent / "unsaved", path)
+            kept = recovery_of(self.folder.journal.parent / "unsaved", path)
             opened = OpenDocument(TextFile(file, path), TextFile(layout, layout.name), kept)
             opened.followed = lambda steps: self._followed(path, steps)
             self._sheets[path] = opened
@@ -79,7 +74,7 @@ class DocumentStore:
                     raise DocumentError(f"{file.stem!r} isn't a name for a task", file.stem) from error
             read_text(text, path)
             TextFile(file, path).write(text)
-            Recovery(self.folder.journal.parent / "unsaved", path).forget()
+            recovery_of(self.folder.journal.parent / "unsaved", path).remove()
             self._sheets.pop(path, None)
 
     def meant(self, command: AnyCommand, document: Document) -> AnyCommand:
@@ -88,8 +83,6 @@ class DocumentStore:
         Raises:
             EditError: it can't be carried out.
             HandoverError: it can, but somebody could tell; `approximate` does it all the same.
-            DocumentError: the new file is there already, or can't be written.
-            OutsideProjectError: the new file isn't one of a task of the project.
         """
         if not isinstance(command, Convert | Extract | Inline | Group):
             return command

@@ -7,8 +7,6 @@ node a line, so that changes are read and merged easily. What this version doesn
 
 from __future__ import annotations
 
-import json
-import logging
 import math
 from collections.abc import Iterable, Mapping
 from hashlib import blake2b
@@ -23,8 +21,6 @@ from grip_bt.base.yaml.writer import write
 from grip_bt.task.edit.steps import Step, path_after
 from grip_gui.wire.editing import Change
 
-log = logging.getLogger(__name__)
-
 
 class StaleEditError(GripError):
     """An edit was made on an older state, and what it is about has changed since."""
@@ -32,9 +28,6 @@ class StaleEditError(GripError):
 
 class UnfinishedTextError(GripError):
     """A drawn edit was asked for while the text isn't a task."""
-
-    def __init__(self, path: str, why: str):
-        super().__init__(f"{path}: the text is not a valid task ({why}); fix it in the text view, or undo")
 
 
 class ChangedOnDiskError(GripError):
@@ -51,11 +44,7 @@ _BOM = b"\xef\xbb\xbf"
 
 
 class TextFile:
-    """One file, and what was last read from it or written to it.
-
-    Args:
-        path: where it is; it may not be there yet.
-        name: how it is called in messages.
+    """One file, called `name` in messages, and what was last read from it or written to it.
 
     Attributes:
         known: tells the bytes that were last read or written; empty for a file that wasn't there.
@@ -67,11 +56,7 @@ class TextFile:
         self._mark = b""
 
     def read(self) -> str:
-        """Return the text, and remember it as known.
-
-        Raises:
-            DocumentError: it can't be read, or isn't text.
-        """
+        """Return the text, and remember it as known; DocumentError where it can't be read, or isn't text."""
         self.known = self._digest()
         text = read_file(self.path)
         with self.path.open("rb") as file:
@@ -86,11 +71,7 @@ class TextFile:
         return "changed" if digest else "deleted"
 
     def write(self, text: str) -> None:
-        """Replace the file by a text, wholly or not at all; its permissions stay.
-
-        Raises:
-            DocumentError: it can't be written.
-        """
+        """Replace the file by a text, wholly or not at all (DocumentError); its permissions stay."""
         data = self._mark + text.encode("utf-8")
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -115,39 +96,10 @@ def _digest(data: bytes) -> str:
     return blake2b(data, digest_size=16).hexdigest()
 
 
-class Recovery:
-    """The text of one task file that was never saved, and what was known of the file when it was made.
-
-    Args:
-        folder: where such texts are kept.
-        name: the task's path in the project.
-    """
-
-    def __init__(self, folder: Path, name: str):
-        digest = blake2b(name.encode(), digest_size=8).hexdigest()
-        self._file = TextFile(folder / f"{Path(name).stem}-{digest}.json", name)
-
-    def find(self) -> tuple[str, str] | None:
-        """Return the text that was left behind, and what it knew of the file; None where nothing was."""
-        if not self._file.path.exists():
-            return None
-        try:
-            data = json.loads(self._file.read())
-            return str(data["text"]), str(data["known"])
-        except (DocumentError, ValueError, KeyError, TypeError) as error:
-            log.warning("the unsaved text of %s can't be read: %s", self._file.name, error)
-            return None
-
-    def keep(self, text: str, known: str) -> None:
-        """Keep a text; that it can't be kept keeps nobody from editing."""
-        try:
-            self._file.write(json.dumps({"known": known, "text": text}))
-        except DocumentError as error:
-            log.warning("unsaved changes aren't kept: %s", error)
-
-    def forget(self) -> None:
-        """Forget the text: it was saved."""
-        self._file.remove()
+def recovery_of(folder: Path, name: str) -> TextFile:
+    """Return the file in a folder that keeps what was never saved of the project's task file `name`."""
+    digest = blake2b(name.encode(), digest_size=8).hexdigest()
+    return TextFile(folder / f"{Path(name).stem}-{digest}.json", name)
 
 
 Position = tuple[int, int]
@@ -192,11 +144,7 @@ def layout_path(task: Path) -> Path:
 
 
 def read_layout(text: str) -> Layout:
-    """Read a layout. Entries that aren't ones of a layout are kept aside or passed over, never refused.
-
-    Raises:
-        DocumentError: it isn't YAML.
-    """
+    """Read a layout, of YAML. Entries that aren't ones of a layout are kept aside or passed over, never refused."""
     data = to_data(parse(text)) if text.strip() else None
     if not isinstance(data, dict):
         return Layout()

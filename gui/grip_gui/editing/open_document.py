@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeAlias
@@ -15,7 +16,6 @@ from grip_bt.task.edit.steps import Remark, Shift, Step, path_of
 from grip_gui.editing.files import (
     ChangedOnDiskError,
     Layout,
-    Recovery,
     StaleEditError,
     TextFile,
     UnfinishedTextError,
@@ -24,8 +24,7 @@ from grip_gui.editing.files import (
 )
 
 log = logging.getLogger(__name__)
-KEPT = 1000
-"""So many edits back an edit of a page that was late is still carried over."""
+KEPT = 1000  # so many edits back an edit of a page that was late is still carried over
 FROM_DISK = "take the file's text"
 RECOVERED = "recover unsaved changes"
 Meaning: TypeAlias = Callable[[AnyCommand, Document], AnyCommand]
@@ -51,7 +50,7 @@ class OpenDocument:
         DocumentError: the file can't be read.
     """
 
-    def __init__(self, file: TextFile, layout: TextFile, recovery: Recovery):
+    def __init__(self, file: TextFile, layout: TextFile, recovery: TextFile):
         self.file, self._layout_file, self._recovery = file, layout, recovery
         self.history: History | None = None
         self.draft: str | None = None
@@ -70,17 +69,23 @@ class OpenDocument:
             self.draft = text
         self._saved = text
         self._saved_layout = write_layout(self.layout)
-        left = recovery.find()  # by a server that died; where the file has changed since, a save asks first
-        if left is not None:
-            self._put_text(left[0], RECOVERED)
-            self.file.known = left[1]
+        if recovery.path.exists():
+            try:
+                left = json.loads(recovery.read())
+                self._put_text(str(left["text"]), RECOVERED)
+                self.file.known = str(left["known"])  # where the file has changed since, a save asks first
+            except (DocumentError, ValueError, KeyError, TypeError) as error:
+                log.warning("the unsaved text of %s can't be read: %s", file.name, error)
 
     def keep_unsaved(self) -> None:
-        """Keep a copy of what isn't saved, or forget the copy of what is."""
+        """Keep a copy of what isn't saved, or forget the copy of what is; that it can't be kept stops no edit."""
         if self.text == self._saved and not self.file.change():
-            self._recovery.forget()
-        else:
-            self._recovery.keep(self.text, self.file.known)
+            self._recovery.remove()
+            return
+        try:
+            self._recovery.write(json.dumps({"known": self.file.known, "text": self.text}))
+        except DocumentError as error:
+            log.warning("unsaved changes aren't kept: %s", error)
 
     def _begin(self, text: str) -> None:
         """Go on with the history that was kept beside the file; begin a new one where there is none."""
@@ -220,7 +225,9 @@ class OpenDocument:
                 why = "it differs from what it says"
             except DocumentError as error:
                 why = str(error)
-            raise UnfinishedTextError(self.file.name, why)
+            raise UnfinishedTextError(
+                f"{self.file.name}: the text is not a valid task ({why}); fix it in the text view, or undo"
+            )
         return self.history
 
     def _since(self, base: int) -> Iterable[tuple[Step, ...]]:
@@ -267,7 +274,6 @@ class OpenDocument:
 
         Raises:
             ChangedOnDiskError: somebody else has.
-            DocumentError: it can't be written.
         """
         change = self.file.change()
         if change and not over:
@@ -291,11 +297,7 @@ class OpenDocument:
             self.take_from_disk()
 
     def take_from_disk(self) -> None:
-        """Reload from the file as an edit, so that undo brings back what was here.
-
-        Raises:
-            DocumentError: it can't be read.
-        """
+        """Reload from the file as an edit, so that undo brings back what was here."""
         text = self.file.read()
         if self.draft is not None and self.history is not None:
             self.undo()

@@ -23,8 +23,7 @@ from grip_gui.wire.task import FieldType, KindView, Meaning, NodeView, SettingVi
 
 FindManifest: TypeAlias = Callable[[str], "Manifest | None"]
 _SHOWN = {"node", "kind", "children", "child", "with", "in", "out"}
-PREVIEW = 2000
-"""Longest initial value that is shown whole, in characters."""
+PREVIEW = 2000  # longest initial value that is shown whole, in characters
 
 
 def project_task(task: Task, path: str, find: FindManifest) -> TaskView:

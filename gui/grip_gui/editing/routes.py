@@ -148,11 +148,7 @@ def _step(opened: OpenDocument, request: wire.StepRequest) -> None:
 
 
 def understood(command: object) -> AnyCommand:
-    """Return the command that a page has sent.
-
-    Raises:
-        EditError: it is none.
-    """
+    """Return the command that a page has sent."""
     try:
         return command_of(command)
     except ValidationError as error:

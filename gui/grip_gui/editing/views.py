@@ -10,7 +10,6 @@ from contextlib import suppress
 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError, EditError, GripError, SubtaskError, UnknownNameError
-from grip_bt.base.yaml.tree import read_file
 from grip_bt.task import read_text, walk
 from grip_bt.task.catalog import Catalog, Manifest, manifest_of_task
 from grip_bt.task.document import Document
@@ -23,19 +22,8 @@ from grip_gui.project import ProjectFolder
 from grip_gui.wire import editing as wire
 from grip_gui.wire.task import FixView, Problem, TaskView
 
-SHOWN = 200
-"""Moments of a history that a page gets."""
-FIXED = 100
-"""Problems for which fixes are looked for; who has more begins with these."""
-
-
-def view_of_file(folder: ProjectFolder, path: str) -> TaskView:
-    """Return the view of a task file of the project, whether it is open or not."""
-    file = folder.task_file(path)
-    try:
-        return view_of_text(folder, read_file(file), path)
-    except DocumentError as error:
-        return _unreadable(path, problem_of("document", error))
+SHOWN = 200  # moments of a history that a page gets
+FIXED = 100  # problems for which fixes are looked for; who has more begins with these
 
 
 def view_of_text(folder: ProjectFolder, text: str, path: str) -> TaskView:
@@ -180,11 +168,7 @@ def comment_view(opened: OpenDocument, path: str) -> wire.CommentView:
 
 
 def parts_view(opened: OpenDocument, paths: list[str]) -> list[wire.Part]:
-    """Return copies of nodes, to be pasted elsewhere.
-
-    Raises:
-        EditError: there is no such node.
-    """
+    """Return copies of nodes, to be pasted elsewhere."""
     if opened.history is None:
         return []
     task = opened.history.document.task

@@ -24,14 +24,12 @@ from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
 from grip_bt.ros.messages.wire import ServerStates, entry_rows, text_of_entry, value_from_text
 from grip_bt.task.catalog.ros_config import MESSAGES
-from grip_gui.runs.values import ROWS, value_view
+from grip_gui.runs.journal import ROWS, value_view
 from grip_gui.wire.runs import ValueView
 
-APPEARS = 2.0
-"""How long a server of messages may take to be found [s]."""
+APPEARS = 2.0  # how long a server of messages may take to be found [s]
 ANSWERS = 10.0
-FOUND = 1.5
-"""How long the graph is looked at before what is in it counts as all [s]."""
+FOUND = 1.5  # how long the graph is looked at before what is in it counts as all [s]
 
 
 class RosInspector:
@@ -84,31 +82,28 @@ class RosInspector:
         view = message_view(kind.__name__ if fields_of(entry.value) is None else type_name(kind), entry.value)
         return {"value": view.model_dump(), "text": text_of_entry(store, entry.value)}
 
-    def put(self, store: str, name: str, type: str, text: str) -> dict[str, Any]:
+    def put(self, store: str, name: str, type: str, text: str) -> None:
         """Add or replace one."""
         value = value_from_text(store, name, text, type, ServerStates(self._messages, self._done))
         self._done(self._messages.put(store, name, value, "by hand in the editor"))
-        return {}
 
-    def delete(self, store: str, name: str) -> dict[str, Any]:
+    def delete(self, store: str, name: str) -> None:
         """Remove one."""
         self._done(self._messages.delete(store, name))
-        return {}
 
-    def reset(self, store: str) -> dict[str, Any]:
+    def reset(self, store: str) -> None:
         """Empty a store, or all, and have the server read its files again."""
         self._done(self._messages.reset(store))
-        return {}
 
     def save(self) -> dict[str, Any]:
         """Have the server keep everything."""
         return {"count": self._done(self._messages.save())}
 
-    def serve(self) -> dict[str, Any]:
+    def serve(self) -> None:
         """Serve the messages of the project of this folder."""
         with self._lock:
             if self._server is not None:
-                return {}
+                return
             project = find_project(Path.cwd())
             bus = Bus("grip_messages", domain_id=int(self.domain))
             try:
@@ -117,15 +112,13 @@ class RosInspector:
                 bus.close()
                 raise
             self._server = bus
-        return {}
 
-    def end(self) -> dict[str, Any]:
+    def end(self) -> None:
         """Serve no more."""
         with self._lock:
             bus, self._server = self._server, None
         if bus is not None:
             bus.close()
-        return {}
 
     def close(self) -> None:
         """Leave the graph."""

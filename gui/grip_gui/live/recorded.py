@@ -11,12 +11,11 @@ from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.motion_record import motion_file
 from grip_bt.base.errors import GripError
-from grip_bt.base.message_store import MessageLibrary
+from grip_bt.base.message_store import STANDARD, MessageLibrary
 from grip_bt.runtime import JournalReader
 from grip_gui.wire.live import ComponentForm, MotionSample, MotionView, RequestPort, Sample
 
-MOST = 1 << 20
-"""Most that is read at once [bytes]."""
+MOST = 1 << 20  # most that is read at once [bytes]
 
 
 def motion_of(journal: Path, run: str, after: int) -> MotionView:
@@ -56,12 +55,6 @@ def last_state(journal: Path, run: str, part: str) -> dict[str, float]:
 
 RUNS, EACH = 10, 12
 """Runs that are looked through, the latest ones, and samples of a port."""
-_STORES = {
-    "JointState": "joint_states",
-    "Pose": "poses",
-    "Trajectory": "trajectories",
-    "dict[str, Pose]": "robot_poses",
-}
 
 
 def form_of(folder: Path, home: Path) -> ComponentForm:
@@ -71,7 +64,7 @@ def form_of(folder: Path, home: Path) -> ComponentForm:
         name = next((name for name, place in project.component_folders().items() if place == home), home.name)
         manifest = catalogue_of(project).get(f"component/{name}")
     except GripError as error:
-        return ComponentForm(name=home.name, inputs=[], error=f"Generate its node first. {error}")
+        return ComponentForm(name=home.name, error=f"Generate its node first. {error}")
     recorded = list(_written(project.journal))
     inputs = [
         RequestPort(name=port, type=face.type, doc=face.doc, samples=_fitting(face.type, recorded, folder))
@@ -81,11 +74,7 @@ def form_of(folder: Path, home: Path) -> ComponentForm:
 
 
 def source_of(sample: str) -> dict[str, Any]:
-    """Return where a sample is: `{run, seq}` or `{store, name}`.
-
-    Raises:
-        GripError: the text names none.
-    """
+    """Return where a sample is: `{run, seq}` or `{store, name}`."""
     kind, _, rest = sample.partition(":")
     first, _, second = rest.partition("/")
     if kind == "run" and second.isdigit():
@@ -111,7 +100,7 @@ def _written(journal: Path) -> Iterable[tuple[str, Sample]]:
 
 def _fitting(type_name: str, recorded: Iterable[tuple[str, Sample]], folder: Path) -> list[Sample]:
     found = [sample for written, sample in recorded if written == type_name][:EACH]
-    store = _STORES.get(type_name)
+    store = next((name for name, held in STANDARD.items() if held == type_name), None)
     if store is not None and (folder / "messages").is_dir():
         try:
             names = MessageLibrary(folder / "messages").store(store).names()

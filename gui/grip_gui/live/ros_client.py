@@ -23,13 +23,10 @@ from grip_gui.processes import ChildProcess, reason_of
 
 IDLE = 60.0
 """How long it stays without a question [s]; a connection to ROS takes a second to come up, and costs a little CPU."""
-PATIENCE = 60.0
-"""Longest time to an answer [s]."""
+PATIENCE = 60.0  # longest time to an answer [s]
 LONGEST_LINE = 1 << 26
-CLOSING = 5.0
-"""How long it may take to end [s]."""
-WORKERS = 4
-"""Questions at a time: one that waits for a message keeps no other waiting."""
+CLOSING = 5.0  # how long it may take to end [s]
+WORKERS = 4  # questions at a time: one that waits for a message keeps no other waiting
 
 
 class RosClientError(GripError):
@@ -37,14 +34,10 @@ class RosClientError(GripError):
 
 
 class RosClientProcess:
-    """Asks the process; all methods belong to the event loop.
-
-    Args:
-        project: the project's folder, in which the process works.
-        idle: how long the process stays without a question [s].
+    """Asks the process, which works in the project's folder; all methods belong to the event loop.
 
     Attributes:
-        kept: whether the process stays also when nobody asks, because it serves something.
+        kept: whether the process stays also when nobody asks for `idle` seconds, because it serves something.
     """
 
     def __init__(self, project: Path, idle: float = IDLE):
@@ -57,11 +50,7 @@ class RosClientProcess:
         self._lives: set[asyncio.Task[None]] = set()
 
     async def ask(self, do: str, **fields: object) -> dict[str, Any]:
-        """Return the answer to a question.
-
-        Raises:
-            RosClientError: it can't be answered; the message says why.
-        """
+        """Return the answer to a question; RosClientError says why there is none."""
         async with self._starting:
             process = self._process or await self._start()
         number, answer = next(self._numbers), asyncio.get_running_loop().create_future()
@@ -155,7 +144,7 @@ def main() -> int:
             with opening:
                 if not looker:
                     looker.append(RosInspector())
-            return {"value": getattr(looker[0], do)(**fields)}
+            return {"value": getattr(looker[0], do)(**fields) or {}}
         except (GripError, ValueError, OSError, ImportError, ExpectedError) as error:
             return {"error": reason_of(error)}
         except Exception as error:  # noqa: BLE001 - one question that can't be answered ends no other

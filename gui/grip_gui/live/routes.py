@@ -30,19 +30,11 @@ RunId = Annotated[str, Query(pattern=r"^[A-Za-z0-9_-]+$", max_length=200)]
 def make_live_router(
     folder: ProjectFolder, runner: CommandRunner, window: RosClientProcess, run: Callable[[], str]
 ) -> APIRouter:
-    """Return the routes below `/api/live`.
-
-    Args:
-        folder: the project.
-        runner: tries one thing at a time.
-        window: looks at ROS.
-        run: returns the run under way, empty for none.
-    """
+    """Return the routes below `/api/live`; `run` returns the run under way, empty for none."""
     api = APIRouter(prefix="/api/live")
     _add_graph(api, window)
+    _add_project(api, folder, run)
     _add_tries(api, folder, runner, window, run)
-    _add_calls(api, folder, runner)
-    _add_space(api, folder)
     return api
 
 
@@ -59,7 +51,7 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
 
     @api.get("/topics")
     async def topics() -> wire.TopicsView:
-        return wire.TopicsView(**{"topics": [], "domain": "", **await asked("topics")})
+        return wire.TopicsView(**await asked("topics"))
 
     @api.post("/receive")
     async def receive(request: wire.ReceiveRequest) -> wire.ReceivedView:
@@ -67,7 +59,7 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
 
     @api.get("/messages")
     async def messages() -> wire.LiveMessages:
-        return wire.LiveMessages(**{"served": False, **await asked("messages")})
+        return wire.LiveMessages(**await asked("messages"))
 
     @api.get("/message")
     async def message(store: str, name: str) -> wire.LiveMessage:
@@ -87,49 +79,41 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
         return wire.Done(error=found.get("error", ""), said=kept)
 
 
-def _add_tries(
-    api: APIRouter, folder: ProjectFolder, runner: CommandRunner, window: RosClientProcess, run: Callable[[], str]
-) -> None:
-    """Add what is tried with the project's own parts."""
-    asked = partial(_asked, window)
+def _add_project(api: APIRouter, folder: ProjectFolder, run: Callable[[], str]) -> None:
+    """Add what the project's files and the records of its runs say."""
 
     @api.get("/robot")
     def robot() -> wire.RobotParts:
         try:
             file = find_project(folder.folder).file
         except GripError as error:
-            return wire.RobotParts(robot="", arms=[], hands=[], error=str(error))
-        name = file.robot if isinstance(file.robot, str) else "described in grip.yaml" if file.robot else ""
-        return wire.RobotParts(robot=name, arms=list(file.arms), hands=list(file.hands), run=run())
+            return wire.RobotParts(error=str(error))
+        return wire.RobotParts(arms=list(file.arms), hands=list(file.hands), run=run())
 
-    @api.post("/measure")
-    async def measure(request: wire.MeasureRequest) -> wire.Done:
-        joints = last_state(folder.journal, run(), request.part) if request.robot == "run" and run() else None
-        if request.robot == "run" and not joints:
-            return wire.Done(error=f"no current run has measured {request.part}")
-        question = request.model_dump(include={"robot", "part", "what"})
-        found = await runner.answer("grip_gui.live.trying", **question, joints=joints)
-        if "text" not in found:
-            return wire.Done(error=found["error"])
-        text = found["text"]
-        path, store = (POSES, "poses") if request.what == "pose" else (JOINT_STATES, "joint_states")
-        await asyncio.to_thread(keep_text, folder, path, request.name, text)
-        said = f"{request.name} was written into {path}"
-        if request.serve:
-            given = await asked("put", store=store, name=request.name, type="", text=text)
-            if given.get("error"):
-                return wire.Done(said=said, error=given["error"])
-            said += ", and the server has it"
-        return wire.Done(said=said)
+    @api.get("/geometry")
+    def looks() -> wire.GeometryView:
+        try:
+            file = find_project(folder.folder).file
+        except GripError as error:
+            return wire.GeometryView(error=str(error))
+        robot = file.robot if file.robot is None or isinstance(file.robot, str) else file.robot.model_dump(mode="json")
+        hands = {arm.hand: arm.group for arm in file.arms.values() if arm.hand is not None}
+        return wire.GeometryView.model_validate(geometry(robot, hands, folder.folder))
 
-
-def _add_calls(api: APIRouter, folder: ProjectFolder, runner: CommandRunner) -> None:
-    """Add what is asked of components."""
+    @api.get("/motion")
+    def motion(run: RunId, after: Annotated[int, Query(ge=0, le=2**40)] = 0) -> wire.MotionView:
+        return motion_of(folder.journal, run, after)
 
     @api.get("/component")
     def component(path: str) -> wire.ComponentForm:
         kind_of(path)
         return form_of(folder.folder, folder.settings_file(path).parent)
+
+
+def _add_tries(
+    api: APIRouter, folder: ProjectFolder, runner: CommandRunner, window: RosClientProcess, run: Callable[[], str]
+) -> None:
+    """Add what is tried with the project's own parts."""
 
     @api.post("/component")
     async def call(request: wire.TryRequest) -> wire.TryView:
@@ -145,20 +129,21 @@ def _add_calls(api: APIRouter, folder: ProjectFolder, runner: CommandRunner) -> 
         except (GripError, ValidationError) as error:
             return wire.TryView(error=str(error))
 
-
-def _add_space(api: APIRouter, folder: ProjectFolder) -> None:
-    """Add what is drawn of the robot."""
-
-    @api.get("/geometry")
-    def looks() -> wire.GeometryView:
-        try:
-            file = find_project(folder.folder).file
-        except GripError as error:
-            return wire.GeometryView(error=str(error))
-        robot = file.robot if file.robot is None or isinstance(file.robot, str) else file.robot.model_dump(mode="json")
-        hands = {arm.hand: arm.group for arm in file.arms.values() if arm.hand is not None}
-        return wire.GeometryView.model_validate(geometry(robot, hands, folder.folder))
-
-    @api.get("/motion")
-    def motion(run: RunId, after: Annotated[int, Query(ge=0, le=2**40)] = 0) -> wire.MotionView:
-        return motion_of(folder.journal, run, after)
+    @api.post("/measure")
+    async def measure(request: wire.MeasureRequest) -> wire.Done:
+        joints = last_state(folder.journal, run(), request.part) if request.robot == "run" and run() else None
+        if request.robot == "run" and not joints:
+            return wire.Done(error=f"no current run has measured {request.part}")
+        question = request.model_dump(include={"robot", "part", "what"})
+        found = await runner.answer("grip_gui.live.trying", **question, joints=joints)
+        if "text" not in found:
+            return wire.Done(error=found["error"])
+        text = found["text"]
+        path, store = (POSES, "poses") if request.what == "pose" else (JOINT_STATES, "joint_states")
+        await asyncio.to_thread(keep_text, folder, path, request.name, text)
+        said, why = f"{request.name} was written into {path}", ""
+        if request.serve:
+            given = await _asked(window, "put", store=store, name=request.name, type="", text=text)
+            why = given.get("error", "")
+            said += "" if why else ", and the server has it"
+        return wire.Done(said=said, error=why)

@@ -28,7 +28,7 @@ from grip_bt.runtime import JournalReader
 from grip_bt.task.catalog.component_file import ComponentFile, load_component
 from grip_gui.processes import answer_question
 from grip_gui.setup.settings_store import DIGITS
-from grip_gui.wire.live import FieldResult, TryView
+from grip_gui.wire.live import TryView
 
 
 def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
@@ -52,11 +52,11 @@ def tried(folder: Path, given: Mapping[str, Mapping[str, Any]]) -> TryView:
         reply = operation.result()
         spent = (time.perf_counter() - began) * 1e3
         ready = f"{component.server} was ready after {components.ready_seconds:.2f} s{built}"
-    fields = []
+    fields = {}
     for name, value in reply.items():
         declared = component.ports.get(name)
         type_name = declared.type if declared is not None and fields_of(value) is None else type(value).__name__
-        fields.append(FieldResult(name=name, value=message_view(type_name, value)))
+        fields[name] = message_view(type_name, value)
     return TryView(outcome=label_of(component, reply), fields=fields, milliseconds=spent, started=ready)
 
 

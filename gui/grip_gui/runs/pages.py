@@ -10,12 +10,9 @@ from itertools import count
 from grip_bt.base.errors import GripError
 from grip_gui.wire.runs import Introduce, Selected, Selection, Viewer
 
-GRACE = 5.0
-"""How long control waits for a page that has gone away, which a reload does for a moment [s]."""
-COLOURS = 8
-"""How many colours there are; with more pages some look alike, and their names tell them apart."""
-REMEMBERED = 100
-"""How many pages that have gone are known again when they come back."""
+GRACE = 5.0  # how long control waits for a page that has gone away, which a reload does for a moment [s]
+COLOURS = 8  # how many colours there are; with more pages some look alike, and their names tell them apart
+REMEMBERED = 100  # how many pages that have gone are known again when they come back
 
 
 class ControlTakenError(GripError):
@@ -27,6 +24,7 @@ class ControlTakenError(GripError):
 
 @dataclass
 class _Page:
+    page: str
     name: str
     colour: int
     task: str = ""
@@ -60,9 +58,7 @@ class Presence:
     @property
     def viewers(self) -> list[Viewer]:
         """Who looks on, in the order in which they came; without those that haven't said which page they are."""
-        return [
-            Viewer(page=page, name=each.name, colour=each.colour, task=each.task) for page, each in self._pages.items()
-        ]
+        return [Viewer.model_validate(each) for each in self._pages.values()]
 
     def selections(self, but: str = "") -> dict[str, Selected]:
         """Return what is selected on each page but one, where anything is."""
@@ -163,7 +159,7 @@ class Presence:
     def _known(self, page: str) -> _Page:
         before = self._gone.pop(page, None)
         if before is None:
-            return _Page(self._free("Viewer", first=1), self._free_colour())
+            return _Page(page, self._free("Viewer", first=1), self._free_colour())
         before.name = self._free(before.name)
         return before
 

@@ -10,15 +10,15 @@ from fastapi import APIRouter, Path, WebSocket
 
 from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.yaml.tree import read_file
 from grip_bt.task.model import KINDS
 from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.projection import kind_views
-from grip_gui.editing.views import view_of_file, view_of_text
+from grip_gui.editing.views import view_of_text
 from grip_gui.project import ProjectFolder
-from grip_gui.runs.journal import JournalRuns
+from grip_gui.runs.journal import JournalRuns, cloud_view
 from grip_gui.runs.run_control import RunControl
 from grip_gui.runs.stream import ClientConnection
-from grip_gui.runs.values import cloud_view
 from grip_gui.wire import runs as wire
 from grip_gui.wire.task import NodeView, ProjectView, TaskView
 
@@ -66,6 +66,10 @@ def make_router(
 def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
     """Add what starts and controls runs."""
 
+    @api.get("/session")
+    async def session() -> wire.SessionView | None:
+        return desk.view
+
     @api.post("/session", status_code=201)
     async def start(request: wire.StartRun) -> wire.SessionView:
         file = folder.task_file(request.task)
@@ -100,9 +104,11 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
 
 
 def _options(folder: ProjectFolder, request: wire.StartRun) -> wire.RunOptions:
-    passed = mocks_before(view_of_file(folder, request.task), request.begin_at) if request.begin_at else {}
     fields = request.model_dump(include=set(wire.RunOptions.model_fields))
-    return wire.RunOptions(**{**fields, "mocks": passed | request.mocks})
+    if request.begin_at:
+        view = view_of_text(folder, read_file(folder.task_file(request.task)), request.task)
+        fields["mocks"] = mocks_before(view, request.begin_at) | request.mocks
+    return wire.RunOptions(**fields)
 
 
 # --- from the middle ------------------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from grip_gui.runs.session import STOP, Launch, Session
 from grip_gui.wire.runs import Breakpoint, Control, RunOptions, SessionView, SharedState
 
 log = logging.getLogger(__name__)
+_FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Breakpoint]])
 
 
 class BusyError(GripError):
@@ -26,12 +27,7 @@ class BusyError(GripError):
 
 
 class RunControl:
-    """The run under way, if any.
-
-    Args:
-        launch: starts a process.
-        journal: the file that runs are written to; breakpoints are kept beside it.
-        source: where the end of a run is entered whose process died.
+    """The run under way, if any; breakpoints are kept beside the file of the journal.
 
     Attributes:
         viewers: events that are set whenever something has changed.
@@ -42,7 +38,8 @@ class RunControl:
         self.session: Session | None = None
         self._shown: SessionView | None = None
         self.presence = Presence(self.notify)
-        self._breakpoints = Breakpoints(journal.parent / "breakpoints.json")
+        self._file = journal.parent / "breakpoints.json"
+        self._breakpoints = _kept(self._file)
         self._starting = False
         self.viewers: set[asyncio.Event] = set()
 
@@ -75,7 +72,7 @@ class RunControl:
         """What all pages share."""
         seen = self.presence
         return SharedState(
-            holder=seen.holder, connections=seen.connections, viewers=seen.viewers, breakpoints=self._breakpoints.all
+            holder=seen.holder, connections=seen.connections, viewers=seen.viewers, breakpoints=self._breakpoints
         )
 
     async def start(
@@ -99,7 +96,7 @@ class RunControl:
         view = SessionView(state="starting", task=task, **options.model_dump())
         self.session = Session(process, view, self.notify, self._source)
         # The process keeps what comes before there is a run, so that no breakpoint is set too late.
-        await self.session.hold_at(self._breakpoints.of(task))
+        await self.session.hold_at(self._breakpoints.get(task, []))
         if run_to:
             await self.session.command({"command": "run_to", "node": run_to})
         self.notify()
@@ -115,18 +112,24 @@ class RunControl:
         return self.session.view
 
     def follow_edit(self, task: str, steps: Sequence[Step]) -> None:
-        """Let the breakpoints of a task follow an edit of it; a run under way goes on with those that it has."""
-        try:
-            self._breakpoints.follow(task, steps)
-        except OSError as error:
-            log.warning("the breakpoints of %s aren't kept: %s", task, error)
+        """Let the breakpoints of nodes that an edit moved go with them; those of removed nodes stay, for an undo.
+
+        A run under way goes on with those that it has.
+        """
+        points = self._breakpoints.get(task, [])
+        moved = [p.model_copy(update={"node": path_after(p.node, steps) or p.node}) for p in points]
+        if moved != points:
+            try:
+                self._set_breakpoints(task, moved)
+            except OSError as error:
+                log.warning("the breakpoints of %s aren't kept: %s", task, error)
 
     async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> SharedState:
         """Replace the breakpoints of a task, also in the run under way."""
         self.presence.require(page)
-        self._breakpoints.set(task, points)
+        self._set_breakpoints(task, points)
         if self.session is not None and not self.session.over and self.session.view.task == task:
-            await self.session.hold_at(self._breakpoints.of(task))
+            await self.session.hold_at(self._breakpoints.get(task, []))
         self.notify()
         return self.shared_state
 
@@ -140,43 +143,19 @@ class RunControl:
         for event in self.viewers:
             event.set()
 
-
-_FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Breakpoint]])
-
-
-class Breakpoints:
-    """Where runs hold, for each task of the project: kept beside the journal, not in the task.
-
-    Args:
-        file: where they are kept; one that can't be read counts as empty.
-    """
-
-    def __init__(self, file: Path):
-        self._file = file
-        self.all: dict[str, list[Breakpoint]] = {}
-        try:
-            self.all = _FILE.validate_json(file.read_bytes())
-        except FileNotFoundError:
-            pass
-        except (OSError, ValidationError) as error:
-            log.warning("breakpoints of %s left out: %s", file, str(error).splitlines()[0])
-
-    def of(self, task: str) -> list[Breakpoint]:
-        """Return those of one task."""
-        return self.all.get(task, [])
-
-    def follow(self, task: str, steps: Sequence[Step]) -> None:
-        """Let the breakpoints of nodes that an edit has renamed or moved go with them; those of removed nodes stay."""
-        points = self.of(task)
-        moved = [p.model_copy(update={"node": path_after(p.node, steps) or p.node}) for p in points]
-        if moved != points:
-            self.set(task, moved)
-
-    def set(self, task: str, points: Sequence[Breakpoint]) -> None:
+    def _set_breakpoints(self, task: str, points: Sequence[Breakpoint]) -> None:
         """Replace those of one task; each place once."""
         once = {(p.node, p.when, p.outcome): p for p in points}
-        self.all = {**self.all, task: list(once.values())}
-        if not once:
-            self.all.pop(task, None)
+        others = {other: kept for other, kept in self._breakpoints.items() if other != task}
+        self._breakpoints = others | ({task: list(once.values())} if once else {})
         self._file.parent.mkdir(parents=True, exist_ok=True)
-        replace_text(self._file, _FILE.dump_json(self.all, indent=1).decode() + "\n")
+        replace_text(self._file, _FILE.dump_json(self._breakpoints, indent=1).decode() + "\n")
+
+
+def _kept(file: Path) -> dict[str, list[Breakpoint]]:
+    """Return task -> its breakpoints, from a file; nothing from one that can't be read."""
+    try:
+        return _FILE.validate_json(file.read_bytes()) if file.exists() else {}
+    except (OSError, ValidationError) as error:
+        log.warning("breakpoints of %s left out: %s", file, str(error).splitlines()[0])
+        return {}

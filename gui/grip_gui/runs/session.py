@@ -22,10 +22,8 @@ ACKNOWLEDGE = 0.5
 """A run that hasn't acknowledged a stop after this time is killed [s]; its parent needs a tenth of that."""
 ACKNOWLEDGE_STARTING = 2.0
 """Likewise while it is being started, when Python may still be loading and nothing moves [s]."""
-WIND_DOWN = 10.0
-"""A run that has acknowledged a stop may take this long to end [s]."""
-DRAIN = 1.0
-"""How long the last lines of a process that has ended are waited for [s]."""
+WIND_DOWN = 10.0  # a run that has acknowledged a stop may take this long to end [s]
+DRAIN = 1.0  # how long the last lines of a process that has ended are waited for [s]
 _STATES: dict[str, RunState] = {"running": "running", "paused": "paused", "stopping": "stopping"}
 STOP: Mapping[str, Any] = {"command": "stop"}
 _Place: TypeAlias = tuple[str, str, str | None, str]
@@ -37,11 +35,7 @@ Launch: TypeAlias = Callable[[Path, Path, RunOptions], Awaitable[ChildProcess]]
 
 
 async def start_run(task_file: Path, journal: Path, options: RunOptions) -> ChildProcess:
-    """Start `grip run --control`.
-
-    Raises:
-        OSError: the process can't be started.
-    """
+    """Start `grip run --control`."""
     journal.parent.mkdir(parents=True, exist_ok=True)
     words = ("grip_bt.cli", "run", str(task_file), "--control", "--journal", str(journal), *options.arguments())
     return await ChildProcess.start(*words)
@@ -50,11 +44,7 @@ async def start_run(task_file: Path, journal: Path, options: RunOptions) -> Chil
 class Session:
     """One run in its own process.
 
-    Args:
-        process: the process.
-        view: what is known at the start.
-        changed: called after each change of `view`, and when new events can be read from the journal.
-        source: where the end of the run is entered if its process dies.
+    `changed` is called after each change of `view`, and when new events can be read from the journal `source`.
     """
 
     def __init__(self, process: ChildProcess, view: SessionView, changed: Callable[[], None], source: JournalRuns):
@@ -162,17 +152,16 @@ class Session:
 
     async def _ended(self, exit_status: int) -> None:
         self._acknowledged.set()
-        if self.view.status is not None:
-            self._set(state="ended", message=self._killed_because or self.view.message)
-        elif self._killed_because:
+        status, why = self.view.status, self._killed_because or self.view.message
+        if status is None and self._killed_because:
+            status = "killed"
             if self.view.run is not None:
                 await asyncio.to_thread(self._source.end_run, self.view.run)
-            self._set(state="ended", status="killed", message=self._killed_because)
-        else:  # its journal knows that, and it can be resumed
-            tail, how = self._process.tail(), how_ended(exit_status)
+        elif status is None:
+            status, tail = "died", self._process.tail()  # its journal knows that, and it can be resumed
             said = f"Last output:\n{tail}" if tail else "No output."
-            why = f"The run's process {how} before the task had ended. {said}"
-            self._set(state="ended", status="died", message=why)
+            why = f"The run's process {how_ended(exit_status)} before the task had ended. {said}"
+        self._set(state="ended", status=status, message=why)
         self._changed()
 
     def _set(self, **changes: object) -> None:

@@ -19,16 +19,11 @@ from grip_gui.wire import runs as wire
 log = logging.getLogger(__name__)
 
 CLIENT_FRAME: TypeAdapter[wire.Subscribe | wire.Introduce | wire.Selection] = TypeAdapter(wire.ClientFrame)
-FRAME = 1 / 30
-"""Shortest time between two frames to one viewer [s]."""
-BATCH = 1000
-"""Most events in one frame."""
-POLL = 1.0
-"""How often the journal is asked about a run that another process executes [s]."""
-LARGEST_MESSAGE = 4096
-"""Longest message that a viewer may send, in characters."""
-STRIKES = 20
-"""After this many refused messages the connection is closed."""
+FRAME = 1 / 30  # shortest time between two frames to one viewer [s]
+BATCH = 1000  # most events in one frame
+POLL = 1.0  # how often the journal is asked about a run that another process executes [s]
+LARGEST_MESSAGE = 4096  # longest message that a viewer may send, in characters
+STRIKES = 20  # after this many refused messages the connection is closed
 
 
 class ClientConnection:

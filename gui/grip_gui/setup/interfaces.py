@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -23,33 +24,15 @@ from grip_gui.project import ProjectFolder
 from grip_gui.wire.setup import FieldView, InterfaceRequest, InterfaceView
 
 _TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
-_OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)
-"""A field of another package's type."""
+_OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)  # a field of another package's type
 _NOTHING = YamlMapping({}, 1, 1)
-_PACKAGE = """\
-<?xml version="1.0"?>
-<package format="3">
-  <name>{name}</name>
-  <version>0.1.0</version>
-  <description>Interfaces of a component.</description>
-  <maintainer email="maintainer@example.com">maintainer</maintainer>
-  <license>Apache-2.0</license>
-  <buildtool_depend>ament_cmake</buildtool_depend>
-  <buildtool_depend>rosidl_default_generators</buildtool_depend>
-{depends}  <exec_depend>rosidl_default_runtime</exec_depend>
-  <member_of_group>rosidl_interface_packages</member_of_group>
-</package>
-"""
+_PACKAGE = files("grip_bt.codegen") / "repository/python/interfaces/component_name_interfaces/package.xml"
 
 
 def look_at(folder: ProjectFolder, request: InterfaceRequest) -> InterfaceView:
     """Return what an interface has, and what keeps it from being a component; nothing is written.
 
     The project's own interface packages are known besides the installed ones.
-
-    Raises:
-        DocumentError: it can't be read, or isn't installed.
-        GripError: its name, its outcomes, or the component's name are none.
     """
     with _found(folder, request) as found:
         return _view(folder, request, found.interface)
@@ -60,7 +43,6 @@ def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceVie
 
     Raises:
         ContractError: something keeps it from being a component.
-        GripError: the folder has a component file already, or something can't be read.
     """
     with _found(folder, request) as found:
         view = _view(folder, request, found.interface)
@@ -137,7 +119,9 @@ def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
         file.write_text(request.text, encoding="utf-8")
         needed = sorted(set(_OTHER.findall(request.text)) - {name["package"]})
         depends = "".join(f"  <depend>{other}</depend>\n" for other in needed)
-        (package / "package.xml").write_text(_PACKAGE.format(name=name["package"], depends=depends), encoding="utf-8")
+        described = re.sub(r"( *<depend>.*\n)+", depends, _PACKAGE.read_text(encoding="utf-8"))
+        described = described.replace("component_name_interfaces", name["package"])
+        (package / "package.xml").write_text(described, encoding="utf-8")
         try:
             yield from_file(file)
         except DocumentError as error:

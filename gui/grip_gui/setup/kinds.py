@@ -21,22 +21,13 @@ from grip_gui.project import OutsideProjectError, ProjectFolder
 from grip_gui.wire.setup import SetupEntry, Template
 
 JOINT_STATES, POSES, TRAJECTORIES = (f"messages/{name}.yaml" for name in ("joint_states", "poses", "trajectories"))
-_NUMBERS = {"type": "object", "additionalProperties": {"type": "number"}}
-_POSITION = {"type": "object", "properties": {axis: {"type": "number"} for axis in "xyz"}, "title": "Position [m]"}
-_TURN = {
-    "type": "object",
-    "properties": {axis: {"type": "number"} for axis in ("r", "p", "y")},
-    "title": "Roll, pitch, yaw [rad]",
-}
-_POSE = {
-    "type": "object",
-    "properties": {"reference_frame": {"type": "string"}, "position": _POSITION, "orientation": _TURN},
-}
-_WAYPOINT = {
-    "type": "object",
-    "properties": {name: {"type": "number"} for name in ("interpolate_time", "pause_time")}
-    | {"name": {"type": "string"}},
-}
+_NUMBER, _TEXT = {"type": "number"}, {"type": "string"}
+_NUMBERS = {"type": "object", "additionalProperties": _NUMBER}
+_POSITION = {"type": "object", "properties": dict.fromkeys("xyz", _NUMBER), "title": "Position [m]"}
+_TURN = {"type": "object", "properties": dict.fromkeys("rpy", _NUMBER), "title": "Roll, pitch, yaw [rad]"}
+_POSE = {"type": "object", "properties": {"reference_frame": _TEXT, "position": _POSITION, "orientation": _TURN}}
+_TIMES = {"interpolate_time": _NUMBER, "pause_time": _NUMBER}
+_WAYPOINT = {"type": "object", "properties": {**_TIMES, "name": _TEXT}}
 
 
 @dataclass(frozen=True)
@@ -163,11 +154,7 @@ _COMPONENT_PATH = re.compile(r"^[A-Za-z0-9_./-]+/[A-Za-z0-9_-]+/component\.yaml$
 
 
 def kind_of(path: str) -> Kind:
-    """Return what a file is by its path.
-
-    Raises:
-        OutsideProjectError: it is none of a project's settings files.
-    """
+    """Return what a file is by its path; one that is none of a project's settings files is refused."""
     if path == "grip.yaml":
         return PROJECT
     if path in _MESSAGES:

@@ -9,6 +9,7 @@ from typing import Any, get_args
 from grip_bt.app.project.catalogue import project_parts_of
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError, listing, nearest
+from grip_bt.base.message_store import STANDARD
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_parts import Unit
@@ -19,24 +20,24 @@ from grip_sim.worlds import read_world, world_files
 from .kinds import JOINT_STATES, POSES, TRAJECTORIES, Kind
 from .robot_facts import data_in, is_path, project_robot_facts, robot_facts
 
-STORES = ["joint_states", "poses", "robot_poses", "trajectories", "plans", "grasps", "clouds", "images"]
 FREE = ["none", "x", "y", "z", "orientation"]
 SHAPES = ["box", "cylinder", "sphere"]
-CLOSED = {
-    "robot",
-    "arms/*/planner",
-    "arms/*/kinematics",
-    "arms/*/group",
-    "arms/*/hand",
-    "hands/*/group",
-    "ros/controllers/?",
-    "ros/cameras/?",
-    "world",
-    "*/*/name",
-}
+CLOSED = set(
+    "robot world arms/*/planner arms/*/kinematics arms/*/group arms/*/hand hands/*/group ros/controllers/? "
+    "ros/cameras/? */*/name".split()
+)
 """Where nothing else than the options may stand; at `?`, as a key."""
-_WAY = ("home", "above")
-"""What a way goes through in a project that has named no joint state yet: the page says so."""
+_PLACES = {
+    "planners": "arms/*/planner",
+    "kinematics": "arms/*/kinematics",
+    "robots": "robot/ready robot/arm robot/hand robot/robots/*/robot",
+    "links": "robot/mount/link robot/grasp_frames/*/link robot/end_effectors/*/parent_link",
+    "frames": "sensors/*/mount/on",
+    "groups": "arms/*/group hands/*/group robot/end_effectors/*/group robot/end_effectors/*/parent_group "
+    "robot/grasp_frames/? robot/fingers/? robot/states/?",
+}
+"""What is known about a robot -> where it may stand."""
+_WAY = ("home", "above")  # what a way goes through in a project that has named no joint state yet: the page says so
 _NONE_YET = {
     "arms/*/hand": "name it under `hands` first",
     "ros/controllers/?": "name it under `arms` or `hands` first",
@@ -56,8 +57,7 @@ def options_of(kind: str, data: object, folder: Path) -> dict[str, list[str]]:
                 "ports/*/unit": list(get_args(Unit)),
             }
         case "joint_states":
-            groups = project_robot_facts(folder).get("groups", {})
-            return {"*/?": sorted({joint for group in groups.values() for joint in group})}
+            return {"*/?": _joints_in(project_robot_facts(folder))}
         case "trajectories":
             return {"*/*/name": _names_in(folder / JOINT_STATES)}
         case "poses":
@@ -85,7 +85,7 @@ def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> li
     known = project_robot_facts(folder)
     if kind == "joint_states":
         pattern, what = ["*", "?"], "joint"
-        allowed = sorted({joint for group in known.get("groups", {}).values() for joint in group})
+        allowed = _joints_in(known)
     elif kind == "poses":
         pattern, what = ["*", "reference_frame"], "frame"
         allowed = [*known.get("frames", ()), *_keys_in(data_in(folder / "grip.yaml") or {}, "sensors")]
@@ -102,21 +102,9 @@ def doubtful_names(kind: str, tree: YamlValue, data: object, folder: Path) -> li
 def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
     robot = data.get("robot")
     known = robot_facts(robot, folder)
-    places = {
-        "arms/*/planner": "planners",
-        "arms/*/kinematics": "kinematics",
-        "robot/ready": "robots",
-        "robot/arm": "robots",
-        "robot/hand": "robots",
-        "robot/robots/*/robot": "robots",
-        "robot/mount/link": "links",
-        "robot/grasp_frames/*/link": "links",
-        "robot/end_effectors/*/parent_link": "links",
-        "sensors/*/mount/on": "frames",
-    }
+    found = {place: list(known[name]) for name in _PLACES.keys() & known for place in _PLACES[name].split()}
     if not isinstance(robot, str) or not is_path(robot, folder):
-        places["robot"] = "robots"  # where it is a file, its path is as good
-    found = {place: list(known[name]) for place, name in places.items() if name in known}
+        found["robot"] = list(known["robots"])  # where it is a file, its path is as good
     found |= {
         "ros/controllers/?": [*_keys_in(data, "arms"), *_keys_in(data, "hands")],
         "ros/cameras/?": _cameras_in(data),
@@ -127,17 +115,13 @@ def _project(data: Mapping[str, object], folder: Path) -> dict[str, list[str]]:
         "sensors/*/topics/*/type": sorted(MESSAGES),
         "sensors/*/topics/*/message": sorted(set(MESSAGES.values())),
     }
-    if groups := list(known.get("groups", ())):
-        of_groups = (
-            "arms/*/group",
-            "hands/*/group",
-            "robot/end_effectors/*/group",
-            "robot/end_effectors/*/parent_group",
-        )
-        found |= dict.fromkeys(of_groups, groups)
-        found |= dict.fromkeys(("robot/grasp_frames/?", "robot/fingers/?", "robot/states/?"), groups)
-        found["robot/accelerations/?"] = [*groups, *sorted({j for joints in known["groups"].values() for j in joints})]
+    if groups := known.get("groups"):
+        found["robot/accelerations/?"] = [*groups, *_joints_in(known)]
     return found
+
+
+def _joints_in(known: Mapping[str, Any]) -> list[str]:
+    return sorted({joint for group in known.get("groups", {}).values() for joint in group})
 
 
 def _world_cameras(world: object, folder: Path) -> list[str]:
@@ -174,18 +158,11 @@ def _joint_states(known: Mapping[str, Any]) -> list[Template]:
 
 
 def _of_real_robot(data: Mapping[str, object]) -> Iterator[Template]:
-    """Yield a controller of each arm and hand that the file names, and topics of each camera, as RGB-D drivers do.
-
-    They are put into what is said of the real robot already, which stays.
-    """
+    """Yield a controller of each arm and hand that the file names, and topics of each camera, as RGB-D drivers do."""
     parts = [*_keys_in(data, "arms"), *_keys_in(data, "hands")]
     if controllers := {name: {"trajectory": f"/{name}_controller/follow_joint_trajectory"} for name in parts}:
         yield Template(title="controllers of the real robot", key=["ros", "controllers"], value=controllers)
-    topics = {
-        "image": "color/image_raw",
-        "depth": "aligned_depth_to_color/image_raw",
-        "info": "color/camera_info",
-    }
+    topics = {"image": "color/image_raw", "depth": "aligned_depth_to_color/image_raw", "info": "color/camera_info"}
     if cameras := {name: {key: f"/{name}/{topic}" for key, topic in topics.items()} for name in _cameras_in(data)}:
         yield Template(title="cameras of the real robot", key=["ros", "cameras"], value=cameras)
 
@@ -232,7 +209,7 @@ def names_of(folder: Path) -> dict[str, list[str]]:
     """
     messages = [name for path in (POSES, JOINT_STATES, TRAJECTORIES) for name in _names_in(folder / path)]
     found = {
-        "messages/*/store": STORES,
+        "messages/*/store": list(STANDARD),
         "messages/*/name": sorted(set(messages)),
         "arm/*/free": FREE,
         "scene/add_shape/shape": SHAPES,

@@ -110,17 +110,13 @@ def _read(robot: object, folder: Path) -> dict[str, Any]:
     return found | {"links": links, "frames": ["world", *links]}
 
 
-PATIENCE = 60.0
-"""How long the process may take [s]."""
+PATIENCE = 60.0  # how long the process may take [s]
 
 
 def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str, Any]:
     """Return what a robot looks like: `links`, `joints`, `meshes`, `rest`, `grasp`; else `error`.
 
-    Args:
-        robot: what a project says of it.
-        hands: hand -> its arm's group, to tell where what it holds is.
-        folder: that relative paths begin in.
+    `hands` has the group of each hand's arm, to tell where what it holds is; else see `robot_facts`.
     """
     if not robot:
         return {"error": "grip.yaml names no robot"}
@@ -164,9 +160,7 @@ def _described(robot: object, hands: Mapping[str, str], folder: str) -> dict[str
         grasp[hand] = {"link": frame.link, "at": [*frame.pose.position.tolist(), *frame.pose.quaternion.tolist()]}
     return {
         "name": description.name,
-        "links": [
-            {"name": link.get("name"), "shapes": list(_shapes(link, mesh, colors))} for link in urdf.iter("link")
-        ],
+        "links": {link.get("name"): list(_shapes(link, mesh, colors)) for link in urdf.iter("link")},
         "joints": [_joint(joint) for joint in urdf.findall("joint")],
         "meshes": meshes,
         "rest": description.at_rest,

@@ -19,22 +19,14 @@ from grip_gui.setup.options import names_of
 from grip_gui.setup.settings_store import SettingsStore, keep_value
 from grip_gui.wire import setup as wire
 
-_LEGACY = "legacy"
-"""Where a file that is imported is kept, so that an import can be done again."""
+_LEGACY = "legacy"  # where a file that is imported is kept, so that an import can be done again
 _SUFFIXES = {"smach": ".py", "btcpp": ".xml", "pytrees": ".xml"}
 
 
 def make_setup_router(
     folder: ProjectFolder, runner: CommandRunner, source: JournalRuns, changed: Callable[[], None]
 ) -> APIRouter:
-    """Return the routes below `/api/setup`.
-
-    Args:
-        folder: the project.
-        runner: tries one thing at a time.
-        source: where values of runs are read.
-        changed: called in the event loop when the project's nodes may be others.
-    """
+    """Return the routes below `/api/setup`; `changed` is called in the loop when the project's nodes may be others."""
     api = APIRouter(prefix="/api/setup")
     desk = SettingsStore(folder)
 
@@ -94,12 +86,7 @@ def make_setup_router(
 
 
 def _kept_words(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str, ...]:
-    """Keep a file that is imported, which is read and never executed; return the words of the import.
-
-    Raises:
-        GripError: the name is none of such a file, or another file of this name is kept already.
-        DocumentError: it can't be written.
-    """
+    """Keep a file that is imported, which is read and never executed; return the words of the import."""
     suffix, given = _SUFFIXES[request.source], PurePosixPath(request.name)
     if given.suffix != suffix or given.name != request.name:
         raise GripError(

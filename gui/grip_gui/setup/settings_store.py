@@ -74,7 +74,6 @@ class SettingsStore:
 
         Raises:
             ChangedOnDiskError: somebody else has changed the file since it was opened.
-            DocumentError: it can't be written.
         """
         kind_of(request.path)
         file = TextFile(self.folder.settings_file(request.path), request.path)
@@ -117,8 +116,7 @@ class SettingsStore:
         )
 
 
-DIGITS = 9
-"""Digits after the point of what was measured: nanometres, which no robot measures."""
+DIGITS = 9  # digits after the point of what was measured: nanometres, which no robot measures
 _FILES: dict[type, str] = {Pose: POSES, JointState: JOINT_STATES}
 
 

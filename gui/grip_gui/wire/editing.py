@@ -14,8 +14,6 @@ View = Literal["flow", "tree"]
 Form = Literal["tree", "machine"]
 Change = Literal["", "changed", "deleted"]
 
-# --- what can be put into a task --------------------------------------------------------------------------------------
-
 
 class PortFace(Wire):
     """An input or an output of a leaf."""
@@ -50,9 +48,6 @@ class CatalogView(Wire):
     nodes: list[NodeFace]
     tasks: list[NodeFace] = []  # task files of the project, as subtasks see them; their id is the file
     error: str = ""  # why the project's own nodes are missing
-
-
-# --- a document -------------------------------------------------------------------------------------------------------
 
 
 class HistoryEntry(Wire):
@@ -137,9 +132,9 @@ class ConversionView(Wire):
     kept: list[str]  # what stays as it is, and why
     same: bool
     compared: str
-    script: list[str]  # where they differ: how each leaf ends
-    does_before: list[str]
-    does_after: list[str]
+    script: list[str] = []  # where they differ: how each leaf ends
+    does_before: list[str] = []
+    does_after: list[str] = []
     plays: list[CounterexampleView] = []  # where they differ: what the form as it is does, and what the other one would
 
 
@@ -164,9 +159,6 @@ class Part(Wire):
     name: str
     node: dict[str, Any]
     variables: dict[str, Any] = {}  # the declarations of the variables that it uses and that are declared around it
-
-
-# --- requests ---------------------------------------------------------------------------------------------------------
 
 
 class EditRequest(Wire):

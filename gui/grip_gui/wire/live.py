@@ -26,8 +26,8 @@ class TopicView(Wire):
 class TopicsView(Wire):
     """The topics of the running graph."""
 
-    topics: list[TopicView]
-    domain: str  # ROS_DOMAIN_ID
+    topics: list[TopicView] = []
+    domain: str = ""  # ROS_DOMAIN_ID
     error: str = ""  # why nothing can be seen; empty when it can
 
 
@@ -69,7 +69,7 @@ class StoreView(Wire):
 class LiveMessages(Wire):
     """What a running server has."""
 
-    served: bool
+    served: bool = False
     ours: bool = False  # whether it is served by this editor
     stores: list[StoreView] = []
     messages: list[StoredMessage] = []
@@ -122,9 +122,8 @@ class MeasureRequest(Wire):
 class RobotParts(Wire):
     """What can be measured of the project's robot."""
 
-    robot: str
-    arms: list[str]
-    hands: list[str]
+    arms: list[str] = []
+    hands: list[str] = []
     run: str = ""  # the run under way, whose robot can be measured; empty for none
     error: str = ""
 
@@ -150,7 +149,7 @@ class ComponentForm(Wire):
     """What a component can be tried with."""
 
     name: str
-    inputs: list[RequestPort]
+    inputs: list[RequestPort] = []
     error: str = ""
 
 
@@ -169,24 +168,15 @@ class TryRequest(Wire):
     given: Annotated[list[Given], Field(max_length=100)] = []
 
 
-class FieldResult(Wire):
-    """A field of a component's answer."""
-
-    name: str
-    value: ValueView
-
-
 class TryView(Wire):
     """How a component answered."""
 
     outcome: str = ""
-    fields: list[FieldResult] = []
+    fields: dict[str, ValueView] = {}
     milliseconds: float = 0.0
     started: str = ""  # how the component came up
     error: str = ""
 
-
-# --- the robot in space -----------------------------------------------------------------------------------------------
 
 Place = Annotated[list[float], Field(min_length=7, max_length=7)]
 """x y z [m], then the quaternion w x y z."""
@@ -200,13 +190,6 @@ class ShapeView(Wire):
     at: Place  # in the link
     color: list[float] = []  # red, green, blue, opacity of 1; empty where the description says none
     mesh: int = -1  # number of the mesh
-
-
-class LinkView(Wire):
-    """A link of a robot."""
-
-    name: str
-    shapes: list[ShapeView]
 
 
 class MimicView(Wire):
@@ -247,7 +230,7 @@ class GeometryView(Wire):
     """What the project's robot looks like."""
 
     name: str = ""
-    links: list[LinkView] = []
+    links: dict[str, list[ShapeView]] = {}
     joints: list[JointView] = []
     meshes: list[MeshView] = []
     rest: dict[str, float] = {}  # joint -> where it is unless told otherwise [rad or m]

@@ -10,19 +10,12 @@ from grip_gui.wire.task import TaskView, Wire
 
 RunState = Literal["starting", "running", "paused", "stopping", "ended"]
 Robot = Literal["sim", "fake", "ros"]
-Target = Literal["bt", "sm"]
-Command = Literal["pause", "resume", "step", "run_to", "preempt", "stop"]
-How = Literal["tick", "in", "over", "out"]
 When = Literal["before", "after"]
 Path = Annotated[str, Field(max_length=4096)]
 NodePath = Annotated[str, Field(min_length=1, max_length=4096)]
 PageId = Annotated[str, Field(max_length=64, pattern=r"^[A-Za-z0-9_-]*$")]
 """How a page is called among the viewers; it makes it up itself. Empty for somebody who watches nothing."""
-MOST = 500
-"""Most breakpoints of a task, and most mocks of a run."""
-
-
-# --- runs of the journal ----------------------------------------------------------------------------------------------
+MOST = 500  # most breakpoints of a task, and most mocks of a run
 
 
 class RunRecord(Wire):
@@ -87,9 +80,6 @@ class CloudView(Wire):
     of: int = 0  # how many points there are; only some of many are drawn
 
 
-# --- the run under way ------------------------------------------------------------------------------------------------
-
-
 class Breakpoint(Wire):
     """Where runs of a task are to hold."""
 
@@ -130,7 +120,7 @@ class RunOptions(Wire):
     """What a run is started with."""
 
     robot: Robot = "sim"
-    target: Target = "bt"  # `bt` (behaviour tree) or `sm` (state machine)
+    target: Literal["bt", "sm"] = "bt"  # `bt` (behaviour tree) or `sm` (state machine)
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0  # seed of everything random
     pace: Annotated[float, Field(gt=0, le=1000)] | None = 1.0
     """Simulated seconds in a second; None for as fast as it goes."""
@@ -157,8 +147,8 @@ class StartRun(RunOptions):
 class Control(Wire):
     """Ask the run under way for something."""
 
-    command: Command
-    how: How = "tick"  # of `step`
+    command: Literal["pause", "resume", "step", "run_to", "preempt", "stop"]
+    how: Literal["tick", "in", "over", "out"] = "tick"  # of `step`
     node: Path = ""  # of `run_to`
     when: When = "before"  # of `run_to`
     page: PageId = ""
@@ -171,12 +161,8 @@ class Control(Wire):
 
     def fields(self) -> dict[str, Any]:
         """Return it as the control protocol of a run has it."""
-        more: dict[str, Any] = {}
-        if self.command == "step":
-            more = {"how": self.how}
-        elif self.command == "run_to":
-            more = {"node": self.node, "when": self.when}
-        return {"command": self.command, **more}
+        more = {"step": {"how"}, "run_to": {"node", "when"}}
+        return self.model_dump(include={"command", *more.get(self.command, ())})
 
 
 class SessionView(RunOptions):
@@ -195,9 +181,6 @@ class SessionView(RunOptions):
     zombies: list[str] = []  # what hung at the end and was left behind
     rest: str = ""  # what was measured of the robot after a stop or an error, in words
     unconfirmed: list[str] = []  # parts and nodes of which nobody can say that they have stopped; `rest` says why
-
-
-# --- who holds control ------------------------------------------------------------------------------------------------
 
 
 class ControlRequest(Wire):
@@ -226,9 +209,6 @@ class SharedState(Wire):
     breakpoints: dict[str, list[Breakpoint]] = {}  # task file -> breakpoints
 
 
-# --- socket -----------------------------------------------------------------------------------------------------------
-
-
 class Subscribe(Wire):
     """Page to server: send this run's events from `from_seq` on."""
 
@@ -245,13 +225,18 @@ class Introduce(Wire):
     task: Annotated[str, Field(max_length=1024)] = ""
 
 
-class Selection(Wire):
-    """Page to server: the nodes that are selected on it; a page sends it when that changes."""
+class Selected(Wire):
+    """What is selected on a page."""
 
-    type: Literal["selection"] = "selection"
     task: Annotated[str, Field(max_length=1024)] = ""  # the task file that they are nodes of
     nodes: Annotated[list[Annotated[str, Field(max_length=3000)]], Field(max_length=64)] = []
     """Their paths, the one with the focus first; of very many, some."""
+
+
+class Selection(Selected):
+    """Page to server: the nodes that are selected on it; a page sends it when that changes."""
+
+    type: Literal["selection"] = "selection"
 
 
 class SessionFrame(Wire):
@@ -289,13 +274,6 @@ class RevisionsFrame(Wire):
 
     type: Literal["revisions"] = "revisions"
     revisions: dict[str, int]
-
-
-class Selected(Wire):
-    """What is selected on a page: some nodes of one task."""
-
-    task: str
-    nodes: list[str]
 
 
 class SelectionsFrame(Wire):

@@ -9,8 +9,7 @@ from pydantic import Field
 from grip_gui.wire.runs import PageId
 from grip_gui.wire.task import Problem, Wire
 
-LONGEST = 1 << 20
-"""Longest text of a settings file, in characters."""
+LONGEST = 1 << 20  # longest text of a settings file, in characters
 SetupPath = Annotated[str, Field(min_length=1, max_length=1024)]
 SetupTextField = Annotated[str, Field(max_length=LONGEST)]
 Step = Annotated[str, Field(max_length=200)] | int
@@ -56,21 +55,17 @@ class SetupText(Wire):
     text: SetupTextField
 
 
-class SetupChange(Wire):
+class SetupChange(SetupText):
     """One value of the form, to be put into the text; nothing is written."""
 
-    path: SetupPath
-    text: SetupTextField
     do: Literal["set", "remove", "rename"] = "set"
     key: Annotated[list[Step], Field(min_length=1, max_length=20)]
     value: Any = None  # of `set`: the value; of `rename`: the new name
 
 
-class SetupSave(Wire):
+class SetupSave(SetupText):
     """Write a settings file."""
 
-    path: SetupPath
-    text: SetupTextField
     known: Annotated[str, Field(max_length=100)] = ""
     over: bool = False  # also over what somebody else has written
 

@@ -18,9 +18,6 @@ class Wire(BaseModel):
     )
 
 
-# --- the task, as the page draws it -----------------------------------------------------------------------------------
-
-
 class Transition(Wire):
     """An edge of a state machine, or of the root: what happens after one outcome of a node."""
 

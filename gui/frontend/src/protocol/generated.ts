@@ -151,12 +151,6 @@ export interface ExpressionRequest {
   text: string;
 }
 
-/** A field of a component's answer. */
-export interface FieldResult {
-  name: string;
-  value: ValueView;
-}
-
 /** A field of an interface. */
 export interface FieldView {
   side: string;
@@ -194,7 +188,7 @@ export interface FrameView {
 /** What the project's robot looks like. */
 export interface GeometryView {
   name: string;
-  links: LinkView[];
+  links: Record<string, ShapeView[]>;
   joints: JointView[];
   meshes: MeshView[];
   rest: Record<string, number>;
@@ -305,12 +299,6 @@ export interface KindView {
 export interface LayoutView {
   flow: Record<string, [number, number]>;
   tree: Record<string, [number, number]>;
-}
-
-/** A link of a robot. */
-export interface LinkView {
-  name: string;
-  shapes: ShapeView[];
 }
 
 /** One of them, looked at. */
@@ -534,7 +522,6 @@ export interface RevisionsFrame {
 
 /** What can be measured of the project's robot. */
 export interface RobotParts {
-  robot: string;
   arms: string[];
   hands: string[];
   run: string;
@@ -604,7 +591,7 @@ export interface SceneItem {
   fixed: boolean;
 }
 
-/** What is selected on a page: some nodes of one task. */
+/** What is selected on a page. */
 export interface Selected {
   task: string;
   nodes: string[];
@@ -612,9 +599,9 @@ export interface Selected {
 
 /** Page to server: the nodes that are selected on it; a page sends it when that changes. */
 export interface Selection {
-  type: "selection";
   task: string;
   nodes: string[];
+  type: "selection";
 }
 
 /** Server to page: what other pages have selected, of those alone where it has changed. */
@@ -838,7 +825,7 @@ export interface TryRequest {
 /** How a component answered. */
 export interface TryView {
   outcome: string;
-  fields: FieldResult[];
+  fields: Record<string, ValueView>;
   milliseconds: number;
   started: string;
   error: string;

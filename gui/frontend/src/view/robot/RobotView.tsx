@@ -25,7 +25,7 @@ export default function RobotView(): JSX.Element {
   const places = usePlaces();
   const found = useClouds();
   // Where the frame of another cloud is, nobody has told.
-  const clouds = useMemo(() => found.filter((cloud) => cloud.frame === "world" || view?.links.some((link) => link.name === cloud.frame)), [found, view]);
+  const clouds = useMemo(() => found.filter((cloud) => cloud.frame === "world" || (view !== null && cloud.frame in view.links)), [found, view]);
   const [shown, setShown] = useState(true);
   const [frames, setFrames] = useState(false);
   const [error, setError] = useState("");

@@ -17,11 +17,11 @@ export function makeRobot(view: GeometryView): Robot {
   const meshes = view.meshes.map(triangles);
   const root = new Group();
   const links = new Map<string, Group>();
-  for (const link of view.links) {
+  for (const [name, shapes] of Object.entries(view.links)) {
     const group = new Group();
-    group.name = link.name;
-    for (const shape of link.shapes) group.add(body(shape, shape.kind === "mesh" ? meshes[shape.mesh] : undefined, colorOf(shape.color)));
-    links.set(link.name, group);
+    group.name = name;
+    for (const shape of shapes) group.add(body(shape, shape.kind === "mesh" ? meshes[shape.mesh] : undefined, colorOf(shape.color)));
+    links.set(name, group);
   }
   const moving = new Map<string, Object3D>();
   for (const joint of view.joints) {

@@ -34,7 +34,7 @@ export function TryForm({ path }: { path: string }): JSX.Element {
     try {
       setView(await server.callComponent({ path, given: Object.entries(given).map(([port, choice]) => ({ port, ...choice })) }));
     } catch (error) {
-      setView({ outcome: "", fields: [], milliseconds: 0, started: "", error: messageOf(error) });
+      setView({ outcome: "", fields: {}, milliseconds: 0, started: "", error: messageOf(error) });
     } finally {
       setBusy(false);
     }
@@ -63,13 +63,13 @@ export function TryForm({ path }: { path: string }): JSX.Element {
               Outcome <strong>{view.outcome}</strong> after {view.milliseconds.toFixed(1)} ms <span className="hint">{view.started}</span>
             </p>
             <dl className="try-fields">
-              {view.fields.map((field) => (
-                <div key={field.name}>
+              {Object.entries(view.fields).map(([name, value]) => (
+                <div key={name}>
                   <dt>
-                    {field.name} <code>{field.value.type}</code>
+                    {name} <code>{value.type}</code>
                   </dt>
                   <dd>
-                    <ValueShown view={field.value} name={field.name} />
+                    <ValueShown view={value} name={name} />
                   </dd>
                 </div>
               ))}
@@ -129,7 +129,7 @@ export function MeasureForm(): JSX.Element {
     let left = false;
     server.robotParts().then(
       (found) => left || setParts(found),
-      (error: unknown) => left || setParts({ robot: "", arms: [], hands: [], run: "", error: messageOf(error) }),
+      (error: unknown) => left || setParts({ arms: [], hands: [], run: "", error: messageOf(error) }),
     );
     return () => {
       left = true;
