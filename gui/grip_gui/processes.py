@@ -58,16 +58,20 @@ def _signal(pids: list[int], number: signal.Signals) -> None:
             os.kill(pid, number)
 
 
-async def _spawned(words: Sequence[str], **options: Any) -> tuple[asyncio.subprocess.Process, str]:
+async def _spawned(
+    words: Sequence[str], stderr: int, folder: Path | None, longest: int = LONGEST_LINE
+) -> tuple[asyncio.subprocess.Process, str]:
     """Start a module of this Python in a process group of its own; return it, and the mark of all that it starts."""
     mark = token_hex(8)
     process = await asyncio.create_subprocess_exec(
         *python_command("-m", *words),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
+        stderr=stderr,
+        cwd=folder,
+        limit=longest,
         env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
         start_new_session=True,
-        **options,
     )
     return process, mark
 
@@ -82,7 +86,7 @@ class ChildProcess:
     @classmethod
     async def start(cls, *words: str, folder: Path | None = None, longest: int = LONGEST_LINE) -> ChildProcess:
         """Start a module with its arguments in a folder; a line of more than `longest` bytes is left out."""
-        return cls(*await _spawned(words, stderr=asyncio.subprocess.PIPE, limit=longest, cwd=folder))
+        return cls(*await _spawned(words, asyncio.subprocess.PIPE, folder, longest))
 
     async def follow(self, heard: Callable[[dict[str, Any]], Awaitable[None]]) -> None:
         """Pass on what it says, and `{"event": "log", "text": ...}` for the rest, until its output ends."""
@@ -90,12 +94,12 @@ class ChildProcess:
         async def read(stream: asyncio.StreamReader | None) -> None:
             assert stream is not None
             while line := await _line(stream):
-                await heard(self._parsed(line.decode(errors="replace").rstrip()))
+                await heard(self._parsed(line.decode(errors="replace").rstrip(), stream is self._process.stdout))
 
         await asyncio.gather(read(self._process.stdout), read(self._process.stderr))
 
-    def _parsed(self, text: str) -> dict[str, Any]:
-        if text.startswith("{"):
+    def _parsed(self, text: str, told: bool) -> dict[str, Any]:
+        if told and text.startswith("{"):
             with suppress(ValueError):
                 message = json.loads(text)
                 if isinstance(message, dict) and message.keys() & {"event", "id"}:
@@ -174,7 +178,7 @@ class CommandRunner:
         if self._busy.locked():
             raise GripError("another command is running; wait for it to end")
         async with self._busy:
-            process, mark = await _spawned((module, *words), stderr=asyncio.subprocess.STDOUT, cwd=self._folder)
+            process, mark = await _spawned((module, *words), asyncio.subprocess.STDOUT, self._folder)
             try:
                 async with asyncio.timeout(PATIENCE):
                     said, _ = await process.communicate(given.encode())

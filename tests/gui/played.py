@@ -52,6 +52,13 @@ EVENTS: list[tuple[str, str, str | None, dict[str, Any]]] = [
 POINT = ("node", "when", "outcome", "if")
 
 
+def until(socket: Any, wanted: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
+    """Return the first frame that `wanted` accepts."""
+    while not wanted(frame := socket.receive_json()):
+        pass
+    return dict(frame)
+
+
 def record(file: Path, events: list[Any] = EVENTS, status: str | None = None) -> str:
     """Write a run, as the runner does; return its id."""
     with Journal(file) as journal:

@@ -80,7 +80,7 @@ def test_nobody_gets_in_without_the_token_and_it_is_logged(
         assert f"refused http {filled(route)}" in caplog.text
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:9999"])
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:9999", "https://127.0.0.1:8765"])
 def test_no_other_origin_gets_in_and_it_is_logged(
     page: TestClient, origin: str, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -6,17 +6,10 @@ from collections import Counter
 from typing import Any
 
 import pytest
-from played import SOCKET, TestClient
+from played import SOCKET, TestClient, until
 
 from grip_gui.runs.pages import COLOURS, REMEMBERED, Presence
 from grip_gui.wire.runs import Introduce, Selection
-
-
-def until(socket: Any, wanted: Any) -> dict[str, Any]:
-    """Return the first frame that `wanted` accepts."""
-    while not wanted(frame := socket.receive_json()):
-        pass
-    return dict(frame)
 
 
 def viewers(frame: dict[str, Any]) -> dict[str, dict[str, Any]]:
