@@ -18,5 +18,5 @@ await onPage(url, async (first, one) => {
   await first.bringToFront();
   await one.runIs("died");
   await one.nodeIs("one", "interrupted");
-  await first.getByRole("alert").getByText(/ended by signal 9/).waitFor();
+  await first.getByRole("alert").getByText(/ended by SIGKILL/).waitFor();
 }, { reducedMotion: "reduce" });
