@@ -12,7 +12,7 @@ from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf
 from grip_bt.task.model import AnyNode, Meaning
 
-from .found import Child, ContainerInfo
+from .found import Child, ContainerInfo, Value
 from .leaves import Meanings
 from .userdata import Keys, Variables, plain_literal
 
@@ -36,7 +36,7 @@ def parallel_rules(found: ContainerInfo) -> tuple[Rules, str]:
     """
     settings = found.settings
     for name in ("child_termination_cb", "outcome_cb"):
-        if settings.get(name) is not None:
+        if settings.get(name):
             raise RefusedError(f"its `{name}` decides in its own way when it ends or how")
     default, mapped = settings.get("default_outcome"), settings.get("outcome_map") or {}
     if not isinstance(default, str) or not isinstance(mapped, dict):
@@ -97,7 +97,7 @@ def iteration_of(found: ContainerInfo) -> Iteration:
         raise RefusedError("it needs exactly one contained state")
     (added,) = found.added.values()
     try:
-        items = plain_literal(settings.get("it", []))
+        items = plain_literal(found.items or Value(value=[]))
     except ValueError as error:
         raise RefusedError(f"its items are `{error}`, known only at run time") from None
     label, exhausted = settings.get("it_label", "it_data"), settings.get("exhausted_outcome", "exhausted")

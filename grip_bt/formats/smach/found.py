@@ -1,10 +1,15 @@
-"""What is found in a legacy file: states and containers, how they are had again, and what couldn't be said exactly."""
+"""What is found in a legacy file: states and containers, how they are had again, and what couldn't be said exactly.
+
+Recording processes tell it as JSON.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
+
+from pydantic import BaseModel, JsonValue, PrivateAttr
 
 from grip_bt.base.issue import Issue, Severity
 
@@ -36,11 +41,11 @@ class Span:
         return f"{self.file.name}:{self.line}"
 
 
-@dataclass(frozen=True)
-class Unresolved:
-    """A value that no file can hold, by its text for people."""
+class Value(BaseModel):
+    """What JSON holds, or the class of what it doesn't: objects of subclasses, too."""
 
-    text: str
+    value: JsonValue = None
+    opaque: str | None = None
 
 
 @dataclass(frozen=True)
@@ -66,24 +71,30 @@ class Way:
     number: int = 0
 
 
-@dataclass(eq=False)
-class StateInfo:
+class StateInfo(BaseModel):
     """An object of a State class, or a container.
 
     Attributes:
         kind: the class of smach or smach_ros that it comes from; empty where its own class isn't here.
         cls: the name of its own class.
-        outcomes: None when they aren't known.
     """
 
     kind: str
     cls: str
     span: Span
-    outcomes: list[str] | None = None
-    input_keys: list[str] = field(default_factory=list)
-    output_keys: list[str] = field(default_factory=list)
-    issues: list[Issue] = field(default_factory=list)
-    parent: ContainerInfo | None = None
+    outcomes: list[str] = []
+    input_keys: list[str] = []
+    output_keys: list[str] = []
+    issues: list[Issue] = []
+    _parent: ContainerInfo | None = PrivateAttr(default=None)
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    @property
+    def parent(self) -> ContainerInfo | None:
+        """The container around it."""
+        return self._parent
 
     def problem(self, verdict: str, text: str, span: Span | None = None) -> None:
         """Note what can't be imported exactly, and what to do.
@@ -102,8 +113,7 @@ class StateInfo:
         return self.kind if self.cls == self.kind else f"{self.cls} ({self.kind})" if self.kind else self.cls
 
 
-@dataclass
-class Child:
+class Child(BaseModel):
     """One child of a container, as it was added.
 
     Attributes:
@@ -112,29 +122,36 @@ class Child:
     """
 
     label: str
-    state: StateInfo
+    state: ContainerInfo | StateInfo
     transitions: dict[str, str | None]
     remapping: dict[str, str]
     span: Span
-    constants: dict[str, Any] = field(default_factory=dict)
+    constants: dict[str, Value] = {}
 
 
-@dataclass(eq=False)
 class ContainerInfo(StateInfo):
     """A container.
 
     Attributes:
         added: its children by label, in order.
-        settings: what it was given besides outcomes and keys.
+        settings: what it was given besides outcomes and keys; of callbacks, whether there is one.
+        items: of an Iterator.
         userdata: initial values.
         way: of an outermost container, how it is had again; None where it is an object of this process.
     """
 
-    added: dict[str, Child] = field(default_factory=dict)
+    added: dict[str, Child]
     initial: str | None = None
-    settings: dict[str, Any] = field(default_factory=dict)
-    userdata: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, Any] = {}
+    items: Value | None = None
+    userdata: dict[str, Value] = {}
     way: Way | None = None
+
+    def model_post_init(self, context: Any) -> None:
+        """Be the parent of the states in it."""
+        super().model_post_init(context)
+        for child in self.added.values():
+            child.state._parent = self
 
     @property
     def verdict(self) -> Verdict:
@@ -142,12 +159,75 @@ class ContainerInfo(StateInfo):
         severities = {issue.severity for issue in self.issues}
         return "failed" if "error" in severities else "partial" if "warning" in severities else "exact"
 
-    @property
-    def outermost(self) -> ContainerInfo:
-        """The container around all others, which generated code can build."""
-        return self if self.parent is None else self.parent.outermost
-
     def within(self) -> list[ContainerInfo]:
         """Return it, and all containers in it."""
         inner = [added.state for added in self.added.values() if isinstance(added.state, ContainerInfo)]
         return [self, *(each for one in inner for each in one.within())]
+
+
+# --- what goes between an import and its recording processes ---
+
+
+class Job(BaseModel):
+    """A file to record; `given`: class or function, or empty for all -> parameter -> value."""
+
+    file: str
+    root: str | None = None
+    given: dict[str, dict[str, JsonValue]] = {}
+
+
+class Built(BaseModel):
+    """An outermost machine as one run has built it.
+
+    Attributes:
+        key: where it is made, and the how many-th there: `file:line#0`.
+        returned: whether the builder returned it; `variable`: the module's name for it.
+    """
+
+    key: str
+    number: int
+    state: ContainerInfo
+    returned: bool = False
+    variable: str = ""
+
+
+class Told(BaseModel):
+    """Something that code goes by; `value` is what it was taken for, where that is known."""
+
+    what: str
+    value: str | None = None
+    line: int = 0
+    file: str = ""
+
+
+class Run(BaseModel):
+    """What one builder did, with one way of answering.
+
+    Attributes:
+        builder: `import`, `__main__`, or a name in the module.
+        answers: to the questions with two answers, in their order, and `asked` what these were.
+        told: what else the code went by.
+        missing: parameters of the builder that a stand-in was given for.
+        unfinished: whether there are answers that weren't tried.
+    """
+
+    builder: str
+    machines: list[Built] = []
+    answers: list[bool] = []
+    asked: list[Told] = []
+    told: list[Told] = []
+    error: str = ""
+    missing: list[str] = []
+    caught: bool = False
+    unfinished: bool = False
+    stopped: bool = False
+
+
+class Record(BaseModel):
+    """What became of a file: all runs, each after an import that was answered in one way."""
+
+    runs: list[Run] = []
+    packages: list[str] = []
+    read: list[str] = []
+    error: str = ""
+    compiled: list[Path] = []

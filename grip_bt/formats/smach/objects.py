@@ -15,7 +15,7 @@ from grip_bt.compilers.machine_table import AGAIN, state_labels, table_of
 from grip_bt.compilers.task_machine import TaskConcurrence, TaskMachine
 from grip_bt.compilers.to_machine import CompiledMachine
 from grip_bt.formats.imported import ImportRefusedError
-from grip_bt.formats.smach.facts import facts_of, found_from
+from grip_bt.formats.smach.facts import facts_of
 from grip_bt.formats.smach.found import ContainerInfo, StateInfo, Way
 from grip_bt.formats.smach.importer import ImportedFile, make_tasks, write_import
 from grip_bt.formats.smach.leaves import Leaves, Meanings
@@ -127,7 +127,7 @@ def from_machine(
 
 def _read(machine: Container, file: Path) -> ContainerInfo:
     """Return what a machine is made of."""
-    found = found_from(facts_of(machine), file)
+    found = facts_of(machine, file)
     assert isinstance(found, ContainerInfo), "a machine is one"
     for each in found.within():
         if each.verdict == "failed":

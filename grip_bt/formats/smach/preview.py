@@ -20,7 +20,7 @@ from grip_bt.nodes.smach_source import read_source
 from grip_bt.smach_compat import Container, State
 from grip_bt.smach_compat._settings import hooks
 
-from .facts import facts_of, found_from
+from .facts import facts_of
 from .found import CONTAINERS, FIXED_OUTCOMES, ContainerInfo, Way
 
 _CALLED = ("it", "outcome_cb", "child_termination_cb")
@@ -118,7 +118,7 @@ class _Reader:
         inside = {id(child) for _, made in self.made for child in made.get_children().values()}
         for variable, made in self.made:
             if id(made) not in inside:
-                found = found_from(facts_of(made, self.places), self.file)
+                found = facts_of(made, self.file, self.places)
                 assert isinstance(found, ContainerInfo), "a machine is one"
                 direct = variable == "self" or not name or (cls is None and variable in returned)
                 names = tuple(argument.arg for argument in missing)

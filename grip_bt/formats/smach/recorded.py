@@ -13,10 +13,8 @@ from typing import Any
 
 from grip_bt.base.interpreter import python_command
 
-from .facts import StateFacts, found_from
-from .found import ContainerInfo, Span, Way
+from .found import Built, ContainerInfo, Job, Record, Run, Span, Told, Way
 from .preview import Place, places_of
-from .record import Built, Job, Record, Run, Told
 
 Given = Mapping[str, Mapping[str, Any]]
 """Class or function, or empty for all -> parameter -> value."""
@@ -40,7 +38,7 @@ class Recorder:
     def _start(seed: str) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
         environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": seed}
-        command = python_command("-m", f"{__package__}.recording")
+        command = python_command("-c", f"from {__package__}.recorder import main; main()")
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
 
@@ -102,7 +100,7 @@ def _rank(seen: Seen) -> tuple[Any, ...]:
     return open_, len(run.missing), not (machine.returned or machine.variable), run.builder == "__main__", run.builder
 
 
-def _shape(state: StateFacts) -> str:
+def _shape(state: ContainerInfo) -> str:
     """Return what a machine is, wherever it is made."""
     return re.sub(r'"file":"[^"]*"|"line":\d+', "", state.model_dump_json())
 
@@ -113,21 +111,20 @@ def _variants(seen: Seen) -> int:
 
 def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given: Given) -> ContainerInfo:
     run, machine = seen[0]
-    made = found_from(machine.state, file)
-    assert isinstance(made, ContainerInfo), "a machine is one"
+    doubts, made = list(_doubts(seen, again, record)), machine.state
     arguments = {**given.get("", {}), **given.get(run.builder, {})} if machine.returned else {}
     builder = machine.variable if machine.variable and run.builder == "import" else run.builder
     made.way = Way(
         "__main__" if builder == "import" else builder,
         file,
-        machine.state.line,
+        made.span.line,
         tuple(arguments.items()),
         tuple(run.missing),
         machine.returned or builder == machine.variable,
         builder != machine.variable,
         machine.number,
     )
-    for text, place in _doubts(seen, again, record):
+    for text, place in doubts:
         made.problem("partial", text, place)
     if run.missing:
         names = ", ".join(f"`{name}`" for name in run.missing)
@@ -175,7 +172,7 @@ def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterat
         here = (c for c in found if c.span.file == file and c.span.line in lines)
         if any(c.cls == place.cls for c in found) if place.cls else any(here):
             continue
-        made = ContainerInfo(place.kind, place.cls or place.kind, Span(file, place.line))
+        made = ContainerInfo(kind=place.kind, cls=place.cls or place.kind, span=Span(file, place.line), added={})
         made.problem("failed", _why(place, record))
         yield made
 

@@ -1,6 +1,6 @@
 """The recording process: runs the construction of legacy machines, executes none, and tells what was built.
 
-`python -m grip_bt.formats.smach.recording` reads jobs from stdin, one a line, and answers each with a line. A file is
+`main` reads jobs from stdin, one a line, and answers each with a line. A file is
 imported in a child of this process, and each of its builders is called in a child of that one, so that nothing that one
 does reaches another. What a builder asks of stand-ins is answered in every way, one after the other.
 
@@ -36,7 +36,7 @@ from grip_bt.nodes.stand_ins import StandIn, StandInFinder, name_of, stand_in, s
 
 from . import tracked_code
 from .facts import facts_of, unwrapped
-from .record import Built, Job, Record, Run, Told
+from .found import Built, Job, Record, Run, Told
 from .surroundings import guard, ros_stand_ins, surround
 
 MOST_ANSWERS, MOST_IMPORTS = 48, 6
@@ -138,7 +138,7 @@ class Recording(Construction):
             yield Built(
                 key=f"{place[0]}:{place[1]}#{number}",
                 number=number,
-                state=facts_of(container, self),
+                state=facts_of(container, Path(file), self),
                 returned=container is result,
                 variable=variables.get(id(container), ""),
             )
@@ -462,7 +462,3 @@ def main() -> None:
     for line in sys.stdin:
         sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")
         sys.stdout.flush()
-
-
-if __name__ == "__main__":
-    main()

@@ -69,7 +69,7 @@ class TaskMaker:
                 return None
             self.root.problem("partial", f"imported as one leaf that runs the original container: {error}")
             self.variables, self.sharing, self.leaves.specs = Variables(), VariableSharing(), specs
-            whole = Child(self.name, self.root, {}, {}, self.root.span)
+            whole = Child(label=self.name, state=self.root, transitions={}, remapping={}, span=self.root.span)
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
         self.sharing.check(self._initial())
         outcomes = meanings(self.root, self.leaves.meanings)

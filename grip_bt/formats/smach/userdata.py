@@ -14,7 +14,7 @@ from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
 
-from .found import ContainerInfo, Unresolved
+from .found import ContainerInfo, Value
 from .leaves import Leaves
 
 _LARGEST = 2**63
@@ -76,21 +76,21 @@ class Keys:
                 self._variables.first[name] = (key, found)
 
 
-def plain_literal(value: object) -> object:
-    """Return a value as a task can hold it; a tuple becomes a list.
+def plain_literal(value: Value) -> object:
+    """Return a value as a task can hold it.
 
     Raises:
         ValueError: a task can't hold it; the message is its source.
     """
-    if value is None or isinstance(value, (bool, float, str)):
-        return value
-    if isinstance(value, int) and abs(value) < _LARGEST:
-        return value
-    if isinstance(value, (list, range)):
-        return [plain_literal(item) for item in value]
-    if isinstance(value, dict) and all(isinstance(key, str) for key in value):
-        return {key: plain_literal(item) for key, item in value.items()}
-    raise ValueError(value.text if isinstance(value, Unresolved) else getattr(value, "cls", repr(value)))
+    if value.opaque is not None:
+        raise ValueError(value.opaque)
+    todo: list[object] = [value.value]
+    while todo:
+        each = todo.pop()
+        if isinstance(each, int) and abs(each) >= _LARGEST:
+            raise ValueError(repr(each))
+        todo += each if isinstance(each, list) else each.values() if isinstance(each, dict) else ()
+    return value.value
 
 
 @dataclass
