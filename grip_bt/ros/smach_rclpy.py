@@ -78,38 +78,30 @@ class RclpyConnection(Ros):
         )
 
     def close(self) -> None:
-        """Leave ROS."""
         self._bus.close()
 
     def is_shutdown(self) -> bool:
-        """Tell whether the program or the connection is over."""
         return self._bus.closed or self._shutdown.over()
 
     def on_shutdown(self, hook: Callable[[], None]) -> None:
-        """Call `hook()` when a shutdown was asked for."""
         self._shutdown.add(hook)
 
     def shut_down(self, reason: str = "") -> None:
-        """Shut the program's ROS down."""
         self._shutdown.begin()
 
     def spin(self) -> None:
-        """Wait for the shutdown."""
         while not self.is_shutdown():
             self._shutdown.wait(SLICE)
 
     def now(self) -> float:
-        """Return ROS's time [s]."""
         return float(self._bus.node.get_clock().now().nanoseconds) / 1e9
 
     def sleep(self, seconds: float) -> None:
-        """Wait; a shutdown ends it."""
         end = self.now() + seconds
         while (left := end - self.now()) > 0 and not self.is_shutdown():
             self._shutdown.wait(min(left, SLICE))
 
     def subscribe(self, topic: str, type_: InterfaceType, callback: Callable[[Message], None]) -> End:
-        """Call `callback(message)` on the bus's thread for each message."""
         node, name = self._bus.node, self.name_of(topic, None)
         made = self._bus.ask(lambda: node.create_subscription(type_, name, callback, 10))
         return self._end(made, node.destroy_subscription)
@@ -141,17 +133,14 @@ class RclpyConnection(Ros):
         return End(close, publish, listeners)
 
     def topics_of(self, type_: InterfaceType) -> list[str]:
-        """Return the topics that somebody sends messages of a type on."""
         wanted = type_name(type_)
         return [name for name, found in self.topics() if found == wanted]
 
     def topics(self) -> list[tuple[str, str]]:
-        """Return the topics that somebody sends on, with their types."""
         found = self._bus.ask(lambda: topics(self._bus.node))
         return [(name, type_) for name, types, _ in found for type_ in types]
 
     def wait_for_server(self, name: str, timeout: float) -> bool:
-        """Tell whether somebody serves a service, or an action, within `timeout` [s]."""
         wanted = {name, f"{name}/_action/send_goal"}
         end = self.now() + timeout
         while not wanted & {service for service, _ in self._bus.ask(self._bus.node.get_service_names_and_types)}:
@@ -161,7 +150,6 @@ class RclpyConnection(Ros):
         return True
 
     def service(self, name: str, type_: InterfaceType) -> _Service:
-        """Return a client."""
         return _Service(self, self._bus, self.name_of(name, None), type_)
 
     def serve(self, name: str, type_: InterfaceType, answer: Callable[[Message], Message]) -> End:
@@ -185,19 +173,16 @@ class RclpyConnection(Ros):
         return self._end(made, node.destroy_service)
 
     def action_client(self, name: str, type_: InterfaceType) -> _ActionClient:
-        """Return a client."""
         return _ActionClient(self, self._bus, self.name_of(name, None), type_)
 
     def action_server(
         self, name: str, type_: InterfaceType, execute: Callable[[Message], None], preempt: Callable[[], None]
     ) -> SimpleServer:
-        """Return a server, not started."""
         return SimpleServer(self, self._bus, self.name_of(name, None), type_, execute, preempt)
 
     def transform(
         self, target: str, source: str, at: float | None, timeout: float
     ) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
-        """Return where TF has a frame in another: x, y, z [m], and x, y, z, w."""
         ensure_package("tf2_msgs", self._cache)
         try:
             pose = ended(self._transforms.lookup(target, source, timeout, at))
@@ -209,7 +194,6 @@ class RclpyConnection(Ros):
     def broadcast(
         self, parent: str, child: str, move: tuple[float, ...], turn: tuple[float, ...], stamp: float
     ) -> None:
-        """Tell TF where a frame is."""
         ensure_package("tf2_msgs", self._cache)
         if self._tf is None:
             self._tf = self.advertise("/tf", load_type(MESSAGE))
@@ -242,7 +226,6 @@ class RclpyConnection(Ros):
         return self._messages
 
     def name_of(self, name: str, node: Any) -> str:
-        """Return the full name, by the user's node where there is one."""
         return str((self._bus.node if node is None else node).resolve_topic_name(name))
 
 
@@ -252,7 +235,6 @@ class _Service(Service):
         self._client = bus.service(type_, name)
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return _ready(self._client.wait_ready(timeout))
 
     def call(self, request: Message) -> Message:
@@ -272,7 +254,6 @@ class _ActionClient(ActionClient):
         self._sent: Operation[GoalEnd] | None = None
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return _ready(self._client.wait_ready(timeout))
 
     def send(self, goal: Message, done: Callable[[str, int, Any], None], feedback: Callable[[Message], None]) -> None:
@@ -282,7 +263,6 @@ class _ActionClient(ActionClient):
         operation.add_done_callback(lambda: done(*_end_of(operation)))
 
     def cancel(self) -> None:
-        """Ask the server to end the goal."""
         if self._sent is not None:
             self._sent.cancel()
 
@@ -296,7 +276,6 @@ def _ready(operation: Operation[None]) -> bool:
 
 
 def _end_of(operation: Operation[GoalEnd]) -> tuple[str, int, Message | None]:
-    """Return how a goal ended, as (ending, status, result)."""
     try:
         end = operation.result()
     except GoalRejectedError:
@@ -334,7 +313,6 @@ class SmachNode(Node):
         self._spinner: threading.Thread | None = None
 
     def start(self) -> None:
-        """Spin in a thread until ROS is shut down."""
         self._spinner = threading.Thread(target=self._spin, name=f"smach-{self.get_name()}", daemon=True)
         self._spinner.start()
 
@@ -350,6 +328,5 @@ class SmachNode(Node):
             executor.shutdown()
 
     def join(self) -> None:
-        """Wait until it has stopped spinning."""
         if self._spinner is not None:
             self._spinner.join()

@@ -24,12 +24,10 @@ class OrderedSet(set[Any]):
         return iter([name for name in self._order if name in self])
 
     def add(self, name: object) -> None:
-        """Add a name at the end."""
         self._order.setdefault(name)
         super().add(name)
 
     def update(self, *others: Iterable[Any]) -> None:
-        """Add several names at the end."""
         for names in others:
             for name in names:
                 self.add(name)
@@ -39,7 +37,6 @@ class OrderedSet(set[Any]):
         return self
 
     def symmetric_difference_update(self, other: Iterable[object]) -> None:
-        """Remove the names of another set that are here, and add those that aren't."""
         for name in dict.fromkeys(other):
             (self.discard if name in self else self.add)(name)
 
@@ -65,13 +62,10 @@ class Interface:
     _output_keys: OrderedSet
 
     def get_registered_outcomes(self) -> tuple[str, ...]:
-        """Return the outcomes in the order of their declaration."""
         return tuple(self._outcomes)
 
     def get_registered_input_keys(self) -> tuple[str, ...]:
-        """Return the keys that it reads."""
         return tuple(self._input_keys)
 
     def get_registered_output_keys(self) -> tuple[str, ...]:
-        """Return the keys that it writes."""
         return tuple(self._output_keys)

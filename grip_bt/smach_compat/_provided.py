@@ -27,7 +27,6 @@ class Provided(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, is_package=True) if fullname in self.makers and not theirs else None
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Return the module."""
         self._made[spec.name] = module = self.makers[spec.name]()
         return module
 

@@ -110,7 +110,6 @@ class Concurrence(Container):
         return self._states[key]
 
     def get_children(self) -> dict[str, State]:
-        """Return label -> state."""
         return self._states
 
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
@@ -121,7 +120,6 @@ class Concurrence(Container):
             self.userdata.update(userdata)
 
     def get_initial_states(self) -> list[str]:
-        """Return the labels of all children."""
         return list(self._states)
 
     def get_active_states(self) -> list[str]:

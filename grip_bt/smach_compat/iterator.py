@@ -96,7 +96,6 @@ class Iterator(Container):
         return self.get_children()[key]
 
     def get_children(self) -> dict[str, State]:
-        """Return {label: state}."""
         return {} if self._state is None else {self._state_label: self._state}
 
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
@@ -107,7 +106,6 @@ class Iterator(Container):
             self.userdata.update(userdata)
 
     def get_initial_states(self) -> list[str]:
-        """Return the label of the state."""
         return [self._state_label]
 
     def get_active_states(self) -> list[str]:

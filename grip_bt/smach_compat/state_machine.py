@@ -157,7 +157,6 @@ class StateMachine(Container):
         return self._states[key]
 
     def get_children(self) -> dict[str, State]:
-        """Return label -> state."""
         return self._states
 
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
@@ -170,7 +169,6 @@ class StateMachine(Container):
             self.userdata.update(userdata)
 
     def get_initial_states(self) -> list[str]:
-        """Return the label at which it begins."""
         return [str(self._initial_state_label)]
 
     def get_active_states(self) -> list[str]:
@@ -186,7 +184,6 @@ class StateMachine(Container):
         ]
 
     def is_running(self) -> bool:
-        """Tell whether it is being executed."""
         return self._is_running
 
     # --- execution ---

@@ -38,7 +38,6 @@ class CBInterface(Interface):
         self._output_keys = OrderedSet(output_keys)
 
     def __call__(self, *args: object, **kwargs: object) -> object:
-        """Call the function."""
         return self._cb(*args, **kwargs)
 
 
@@ -54,5 +53,4 @@ class cb_interface:
         self._outcomes, self._input_keys, self._output_keys = outcomes, input_keys, output_keys
 
     def __call__(self, cb: Callable[..., object]) -> CBInterface:
-        """Return the decorated function."""
         return CBInterface(cb, self._outcomes, self._input_keys, self._output_keys)

@@ -42,7 +42,6 @@ class Ros1Names(MetaPathFinder, Loader):
         """Have the usual kind of module made, for a package that has no messages but those of its actions."""
 
     def exec_module(self, module: ModuleType) -> None:
-        """Give it the names."""
         give_names(module)
 
 

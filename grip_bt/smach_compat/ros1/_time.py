@@ -34,15 +34,12 @@ class _Reckoned:
     nanosec: int
 
     def to_nsec(self) -> int:
-        """Return it in nanoseconds."""
         return self.sec * _SECOND + self.nanosec
 
     def to_sec(self) -> float:
-        """Return it in seconds."""
         return self.to_nsec() / _SECOND
 
     def is_zero(self) -> bool:
-        """Tell whether it is 0."""
         return self.to_nsec() == 0
 
     def __lt__(self, other: Any) -> bool:

@@ -18,7 +18,6 @@ class GoalStatus:
 
     @classmethod
     def to_string(cls, status: int) -> str:
-        """Return a state's name."""
         return next((name for name, value in vars(cls).items() if value == status), f"UNKNOWN STATUS {status}")
 
 
@@ -53,7 +52,6 @@ class SimpleActionClient:
     def send_goal(
         self, goal: Any, done_cb: Any = None, active_cb: Any = None, feedback_cb: Callable[[Any], None] | None = None
     ) -> None:
-        """Send a goal; `done_cb(status, result)` is called at its end."""
         self._over = over = threading.Event()
         self._status, self._result = GoalStatus.ACTIVE, None
         self._goal += 1
@@ -92,7 +90,6 @@ class SimpleActionClient:
         return self.get_state()
 
     def get_result(self) -> Any:
-        """Return the result of the goal, or None."""
         return self._result
 
     def get_state(self) -> int:
@@ -104,13 +101,11 @@ class SimpleActionClient:
         return GoalStatus.to_string(self._status)
 
     def cancel_goal(self) -> None:
-        """Ask the server to end the goal."""
         self._client.cancel()
 
     cancel_all_goals = cancel_goal
 
     def stop_tracking_goal(self) -> None:
-        """Hear no more of the goal."""
         self._goal += 1
 
 
@@ -128,7 +123,6 @@ class SimpleActionServer:
             self.start()
 
     def start(self) -> None:
-        """Take goals."""
         self._server.start()
 
     def register_goal_callback(self, cb: Callable[[], object]) -> None:
@@ -136,7 +130,6 @@ class SimpleActionServer:
         self._goal_cb = cb
 
     def register_preempt_callback(self, cb: Callable[[], object]) -> None:
-        """Have a function called when the goal is to end."""
         self._preempt_cb = cb
 
     def _execute(self, goal: Any) -> None:
@@ -159,19 +152,15 @@ class SimpleActionServer:
         return goal
 
     def is_new_goal_available(self) -> bool:
-        """Tell whether there is one that wasn't accepted."""
         return self._next is not None
 
     def is_active(self) -> bool:
-        """Tell whether there is one being worked on."""
         return self._active
 
     def is_preempt_requested(self) -> bool:
-        """Tell whether the goal is to end."""
         return self._asked
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Send feedback."""
         self._server.feedback(feedback)
 
     def _end(self, ending: str, result: Any) -> None:
@@ -181,15 +170,12 @@ class SimpleActionServer:
             self._over.set()
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:
-        """End the goal well."""
         self._end("succeeded", result)
 
     def set_aborted(self, result: Any = None, text: str = "") -> None:
-        """End the goal badly."""
         self._end("aborted", result)
 
     def set_preempted(self, result: Any = None, text: str = "") -> None:
-        """End the goal as it was asked to."""
         self._end("preempted", result)
 
 

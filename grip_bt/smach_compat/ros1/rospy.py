@@ -107,7 +107,6 @@ def init_node(name: str, argv: object = None, anonymous: bool = False, **_: obje
 
 
 def get_name() -> str:
-    """Return the node's name."""
     return str(_node.name)
 
 
@@ -137,7 +136,6 @@ def myargv(argv: list[str] | None = None) -> list[str]:
 
 
 def is_shutdown() -> bool:
-    """Tell whether the program is being shut down."""
     return ros().is_shutdown()
 
 
@@ -145,17 +143,14 @@ is_shutdown_requested = is_shutdown
 
 
 def signal_shutdown(reason: object = "") -> None:
-    """Shut the node down."""
     ros().shut_down(str(reason))
 
 
 def on_shutdown(h: Callable[[], None]) -> None:
-    """Have a function called at the shutdown."""
     ros().on_shutdown(h)
 
 
 def spin() -> None:
-    """Wait for the shutdown."""
     ros().spin()
 
 
@@ -163,7 +158,6 @@ add_client_shutdown_hook = on_shutdown
 
 
 def add_preshutdown_hook(h: Callable[[str], None]) -> None:
-    """Have a function called at the shutdown with its reason."""
     on_shutdown(lambda: h("shutdown"))
 
 
@@ -171,7 +165,6 @@ add_shutdown_hook = add_preshutdown_hook
 
 
 def is_initialized() -> bool:
-    """Tell whether `init_node` was called."""
     return bool(_node.ready)
 
 
@@ -183,7 +176,6 @@ core = exceptions = rostime = service = sys.modules[__name__]
 
 
 def get_time() -> float:
-    """Return ROS's time [s]."""
     return ros().now()
 
 
@@ -206,11 +198,9 @@ class Rate:
         self._next: float | None = None
 
     def remaining(self, curr_time: Any = None) -> Any:
-        """Return how long the next `sleep` takes."""
         return Duration(0.0 if self._next is None else max(0.0, self._next - get_time()))
 
     def sleep(self) -> None:
-        """Wait until the period since the last call is over."""
         period, time = self.sleep_dur.to_sec(), get_time()
         due = time + period if self._next is None or time - self._next > period else self._next
         self._next = due + period
@@ -227,11 +217,9 @@ class Timer(threading.Thread):
         self.start()
 
     def shutdown(self) -> None:
-        """Call it no more."""
         self._over.set()
 
     def run(self) -> None:
-        """Wait and call."""
         last = None
         while not self._over.is_set():
             expected = get_rostime() + Duration(self._period)
@@ -290,7 +278,6 @@ get_param_cached = get_param
 
 
 def has_param(param_name: str) -> bool:
-    """Tell whether a parameter is set."""
     return get_param(param_name, _lock) is not _lock
 
 
@@ -334,7 +321,6 @@ def get_param_names() -> list[str]:
 
 
 def _message(type_: Any, values: tuple[Any, ...], named: dict[str, Any]) -> Any:
-    """Return what was given, which may be the message or its fields."""
     if len(values) == 1 and not named and (stands_in(values[0]) or isinstance(values[0], type_) or not fields(type_())):
         return values[0]
     return type_(*values, **named)
@@ -349,15 +335,12 @@ class Publisher:
         self._end = ros().advertise(self.name, data_class)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
-        """Send a message, or one of these fields."""
         self._end.publish(_message(self.data_class, args, kwds))
 
     def get_num_connections(self) -> int:
-        """Return how many there are who listen."""
         return self._end.listeners()
 
     def unregister(self) -> None:
-        """Leave the topic."""
         self._end.close()
 
 
@@ -381,7 +364,6 @@ class Subscriber:
             logerr(f"bad callback of {self.name}: {error!r}")
 
     def unregister(self) -> None:
-        """Leave the topic."""
         self._end.close()
 
 
@@ -441,7 +423,6 @@ class ServiceProxy:
     call = __call__
 
     def wait_for_service(self, timeout: Any = None) -> None:
-        """Wait for a server; see `wait_for_service`."""
         _until(self._client.wait, timeout, f"timeout exceeded while waiting for service {self.resolved_name}")
 
     def close(self) -> None:
@@ -475,24 +456,19 @@ class Service:
         return _message(self._response, tuple(answer) if isinstance(answer, (list, tuple)) else (answer,), {})
 
     def shutdown(self, reason: str = "") -> None:
-        """Serve it no more."""
         self._end.close()
 
     def spin(self) -> None:
-        """Wait for the shutdown."""
         spin()
 
 
 def request_of(service: Any) -> Any:
-    """Return the class of a service's requests."""
     return service.Request if hasattr(service, "Request") else service._request_class
 
 
 def response_of(service: Any) -> Any:
-    """Return the class of a service's responses."""
     return service.Response if hasattr(service, "Response") else service._response_class
 
 
 def get_published_topics(namespace: str = "/") -> list[list[str]]:
-    """Return the topics that somebody sends on, with their types."""
     return [[name, type_] for name, type_ in ros().topics() if name.startswith(namespace)]

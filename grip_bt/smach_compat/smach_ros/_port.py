@@ -36,7 +36,6 @@ class End:
         self.listeners = listeners
 
     def close(self) -> None:
-        """Leave."""
         self._close()
 
 
@@ -47,7 +46,6 @@ class Service:
         self._ros, self._name, self._type = ros, name, type_
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return self._ros.wait_for_server(self._name, timeout)
 
     def call(self, request: Any) -> Any:
@@ -97,7 +95,6 @@ class ActionClient:
         self._goal: Goal | None = None
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return self._ros.wait_for_server(self._name, timeout)
 
     def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callback) -> None:
@@ -114,7 +111,6 @@ class ActionClient:
         threading.Thread(target=sent.end, args=("succeeded", result), daemon=True).start()
 
     def cancel(self) -> None:
-        """Ask the server to end the goal; harmless when there is none."""
         server = self._ros.actions.get(self._name)
         if self._goal is not None and not self._goal.over and server is not None:
             self._goal.canceled = True
@@ -135,7 +131,6 @@ class ActionServer:
         self._lock = threading.Lock()
 
     def start(self) -> None:
-        """Take goals from now on."""
         self._ros.actions[self._name] = self
         threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
 
@@ -149,7 +144,6 @@ class ActionServer:
             self._ask()
 
     def canceled(self, goal: Goal) -> None:
-        """Ask for the end of a goal."""
         with self._lock:
             current = goal is self._current
         if current:
@@ -174,7 +168,6 @@ class ActionServer:
                 self.end("aborted")  # nothing when it was ended, as it should be
 
     def feedback(self, message: object) -> None:
-        """Send feedback on the goal being worked on; nothing when there is none."""
         if self._current is not None and not self._current.over:
             self._current.feedback(message)
 
@@ -229,15 +222,12 @@ class Ros:
     # --- the program ---
 
     def is_shutdown(self) -> bool:
-        """Tell whether ROS is being shut down."""
         return self._over.is_set()
 
     def on_shutdown(self, hook: Callable[[], None]) -> None:
-        """Call `hook()` when a shutdown was asked for, while ROS still works."""
         self._hooks.append(hook)
 
     def shut_down(self, reason: str = "") -> None:
-        """Shut ROS down."""
         for hook in self._hooks:
             hook()
         self._over.set()
@@ -248,11 +238,9 @@ class Ros:
             self._over.wait()
 
     def close(self) -> None:
-        """Leave ROS."""
         self._over.set()
 
     def now(self) -> float:
-        """Return the time [s]."""
         return time.time() + self._ahead
 
     def sleep(self, seconds: float) -> None:
@@ -280,7 +268,6 @@ class Ros:
     # --- topics ---
 
     def subscribe(self, topic: str, type_: Any, callback: Callback) -> End:
-        """Call `callback(message)` for each message."""
         name, heard = self.name_of(topic, None), queue.SimpleQueue[Any]()
         over = threading.Event()
         patience = None if self._stand_in is None or type_ in vars(_MESSAGES).values() else _PERIOD
@@ -307,7 +294,6 @@ class Ros:
         return End(close)
 
     def advertise(self, topic: str, type_: Any) -> End:
-        """Return a publisher."""
         name = self.name_of(topic, None)
         self._publishers[name].append(type_)
 
@@ -325,7 +311,6 @@ class Ros:
         return [name for name, types in list(self._publishers.items()) if type_ in types]
 
     def topics(self) -> list[tuple[str, str]]:
-        """Return the topics that somebody sends on, with a type."""
         return [(name, getattr(types[0], "__name__", "")) for name, types in list(self._publishers.items()) if types]
 
     # --- services and actions ---
@@ -339,21 +324,17 @@ class Ros:
         return True
 
     def service(self, name: str, type_: Any) -> Service:
-        """Return a client."""
         return Service(self, self.name_of(name, None), type_)
 
     def serve(self, name: str, type_: Any, answer: Callable[[Any], Any]) -> End:
-        """Answer requests by a function."""
         full = self.name_of(name, None)
         self.services[full] = answer
         return End(partial(self.services.pop, full, None))
 
     def action_client(self, name: str, type_: Any) -> ActionClient:
-        """Return a client."""
         return ActionClient(self, self.name_of(name, None), type_)
 
     def action_server(self, name: str, type_: Any, execute: Callback, preempt: Callable[[], None]) -> ActionServer:
-        """Return a server, not started."""
         return ActionServer(self, self.name_of(name, None), execute, preempt)
 
     # --- frames and smach_msgs ---
@@ -403,10 +384,8 @@ _MESSAGES = SimpleNamespace(
 
 
 def response_of(service: Any) -> Any:
-    """Return the class of a service's responses."""
     return service.Response if hasattr(service, "Response") else service._response_class
 
 
 def result_of(action: Any) -> Any:
-    """Return what makes an action's result."""
     return action.Result if hasattr(action, "Result") else lambda: action().action_result.result

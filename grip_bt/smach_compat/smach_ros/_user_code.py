@@ -24,7 +24,6 @@ class UserCode:
     outputs: Iterable[str]
 
     def __call__(self, ud: object, *values: object) -> Any:
-        """Call the function with a view of the userdata that has its keys."""
         if self.cb is None:
             return None
         return self.cb(Remapper(ud, self.inputs, self.outputs, []), *values, *self.args, **self.kwargs)

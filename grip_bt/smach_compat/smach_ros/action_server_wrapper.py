@@ -89,11 +89,9 @@ class ActionServerWrapper:
     # --- the container's callbacks ---
 
     def transition_cb(self, userdata: object, active_states: list[str]) -> None:
-        """Send feedback at a transition."""
         self.publish_feedback(userdata)
 
     def termination_cb(self, userdata: object, terminal_states: object, container_outcome: str) -> None:
-        """Note that the container has ended."""
         hooks.logdebug(f"The wrapped container ended in {terminal_states} with {container_outcome!r}")
 
     def publish_feedback(self, userdata: Any) -> None:
@@ -104,7 +102,6 @@ class ActionServerWrapper:
     # --- the server's callbacks ---
 
     def execute_cb(self, goal: Any) -> None:
-        """Execute the container for one goal, and end the goal."""
         if self._expand_goal_slots:
             for slot in fields(goal):
                 self.userdata[slot] = getattr(goal, slot)
@@ -136,6 +133,5 @@ class ActionServerWrapper:
         return result
 
     def preempt_cb(self) -> None:
-        """Ask the container to stop: its goal was canceled, or another one came."""
         hooks.loginfo(f"Preempt of the state machine behind {self._server_name!r} requested")
         self.wrapped_container.request_preempt()

@@ -132,11 +132,9 @@ class ContainerProxy:
         container.register_transition_cb(self._transition_cb)
 
     def start(self) -> None:
-        """Send structure and status now and then."""
         self._beat.start()
 
     def stop(self) -> None:
-        """Leave the network."""
         self._stopped.set()
         for end in (self._init, self._structure, self._status):
             end.close()
@@ -213,17 +211,14 @@ class IntrospectionServer(_NodeInRos2):
         self._proxies: list[ContainerProxy] = []
 
     def start(self) -> None:
-        """Be seen from now on."""
         name = ros().name_of(self._server_name, self._node)  # type: ignore[attr-defined]  # set by with_optional_node
         self.construct(name, self._state, self._path)
 
     def stop(self) -> None:
-        """Be seen no more."""
         for proxy in self._proxies:
             proxy.stop()
 
     def construct(self, server_name: str, state: Any, path: str) -> None:
-        """Put a container and those inside it on the network."""
         proxy = ContainerProxy(server_name, state, path)
         inner = "" if path == "/" else path
         for label, child in state.get_children().items():
@@ -234,7 +229,6 @@ class IntrospectionServer(_NodeInRos2):
         self._proxies.append(proxy)
 
     def clear(self) -> None:
-        """Forget all containers."""
         self._proxies = []
 
 

@@ -20,7 +20,6 @@ class RosState(State):
 
     @property
     def node(self) -> Any:
-        """The node that it was given, or None."""
         return self._node  # type: ignore[attr-defined]
 
     def _full_name(self, name: str) -> str:
