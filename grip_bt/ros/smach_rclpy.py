@@ -22,8 +22,8 @@ from std_msgs.msg import Header
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import GoalRejectedError, ServerLostError
 from grip_bt.base.operation import Operation
+from grip_bt.smach_compat.smach_ros._connection import PROVIDED
 from grip_bt.smach_compat.smach_ros._port import ActionClient, End, NoFrameError, Ros, Service, ServiceFailedError
-from grip_bt.smach_compat.smach_ros._smach_msgs import PROVIDED
 from grip_bt.smach_compat.smach_ros.introspection import IntrospectionClient, IntrospectionServer
 
 from .client.bus import Bus

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from ._names import Interface, OrderedSet
 from .user_data import NOTHING
-from .util import has_smach_interface
+from .util import Interface, OrderedSet, has_smach_interface
 
 
 class State(Interface):

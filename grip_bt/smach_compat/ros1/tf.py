@@ -8,7 +8,7 @@ from grip_bt.smach_compat.smach_ros._connection import ros, seconds
 from grip_bt.smach_compat.smach_ros._port import NoFrameError
 
 from . import transformations as transformations
-from ._time import Duration, Time, now
+from ._messages import Duration, Time, now
 
 Frame = tuple[tuple[float, float, float], tuple[float, float, float, float]]
 
