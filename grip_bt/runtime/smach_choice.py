@@ -3,100 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import Any, Self
+from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import DataError
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
-from grip_bt.base.frozen import FrozenDict
 from grip_bt.compilers.behaviour_state import Refined
 from grip_bt.compilers.task_machine import Decide
 from grip_bt.nodes.answers import Answers
 from grip_bt.runtime.smach_states import TreeRun
 from grip_bt.smach_compat import Iterator, State
 from grip_bt.task.kinds.base import Kind
-from grip_bt.task.kinds.loop import Loop
-from grip_bt.task.kinds.switch import Switch
+from grip_bt.task.model import KINDS
 from grip_bt.task.parts import Edges
 
 
 class Choose(Decide):
-    """Asks a kind what follows; ends with `do CHILD`, `success`, or `failure`. Made by `case` or `loop`.
+    """Asks a kind what follows; ends with `do CHILD`, `success`, or `failure`.
 
     Its machine begins with it; a loop's child leads back to it. Register `begin` as a start callback of the machine.
+
+    Args:
+        node: a `switch` or `loop` as a task file has it, without its children; expressions are over userdata.
+        children: names of what it chooses among.
+        place: its path in messages.
+        codes: failure codes with outcomes of their own, such as `failure.loop_limit`.
     """
 
     def __init__(
         self,
         run: TreeRun,
-        kind: Kind,
-        names: Collection[str],
+        node: Mapping[str, Any],
         children: Sequence[str],
-        place: str,
-        codes: Collection[str],
+        *,
+        place: str = "/",
+        codes: Collection[str] = (),
     ):
         refined: Refined = [(outcome, code) for outcome, _, code in (code.partition(".") for code in codes)]
         ends, answers = {label: label for label in ("success", "failure")}, Answers(place, children, Edges(), Edges())
+        kind: Kind = KINDS[node["kind"]].model_construct(**node)
+        said = {key: parse_expression(text) for key in (*kind.values, *kind.conditions) if (text := getattr(kind, key))}
+        names = dict.fromkeys(name for expression in said.values() for name in expression.names)
         super().__init__(kind, answers, ends, run.shared, refined, list(names))
+        for key, expression in said.items():
+            readers = self._readers(expression, key)
+            if key in kind.values:
+                answers.readers[key] = value_of(expression, readers)
+            else:
+                answers.conditions[key] = condition_of(expression, readers)
         self._userdata: Any = None
-
-    @classmethod
-    def case(
-        cls,
-        run: TreeRun,
-        value: str,
-        cases: Mapping[str, Sequence[Any]],
-        default: str = "",
-        *,
-        place: str = "/",
-        codes: Collection[str] = (),
-    ) -> Self:
-        """Return the state of a switch; see `Choose.loop` for the rest.
-
-        Args:
-            value: an expression over userdata.
-            cases: child -> the literals for which it is next.
-            default: the child for every other value; without it the state ends with `failure`.
-        """
-        expression = parse_expression(value)
-        children = list(dict.fromkeys([*cases, *([default] if default else [])]))
-        kind = Switch.model_construct(
-            kind="switch",
-            on_value=value,
-            cases=FrozenDict({child: list(literals) for child, literals in cases.items()}),
-            default=default,
-            children=FrozenDict(),
-        )
-        state = cls(run, kind, expression.names, children, place, codes)
-        state.answers.readers["on_value"] = value_of(expression, state._readers(expression, "on_value"))
-        return state
-
-    @classmethod
-    def loop(
-        cls,
-        run: TreeRun,
-        child: str,
-        condition: str = "",
-        times: int | None = None,
-        *,
-        place: str = "/",
-        codes: Collection[str] = (),
-    ) -> Self:
-        """Return the state of a loop; `place` is its path in messages.
-
-        Args:
-            child: what is done.
-            condition: an expression over userdata: while it is true.
-            times: how often at most.
-            codes: failure codes with outcomes of their own, such as `failure.loop_limit`.
-        """
-        expression = parse_expression(condition) if condition else None
-        kind = Loop.model_construct(kind="loop", while_=condition, times=times, child=FrozenDict())
-        state = cls(run, kind, expression.names if expression else (), [child], place, codes)
-        if expression is not None:
-            state.answers.conditions["while_"] = condition_of(expression, state._readers(expression, "while"))
-        return state
 
     def execute(self, userdata: Any) -> str:
         """Ask.

@@ -240,17 +240,18 @@ def test_failure_codes_can_be_outcomes_of_their_own():
 
 def test_a_state_that_chooses_reads_userdata_and_says_what_is_wrong():
     with TreeRun() as run:
-        switch = Choose.case(run, "n % 3", {"a": [0, 1]}, place="pick", codes=["failure.no_case"])
+        cases = {"kind": "switch", "on_value": "n % 3", "cases": {"a": [0, 1]}}
+        switch = Choose(run, cases, ["a"], place="pick", codes=["failure.no_case"])
         data = smach.UserData()
         data.n = 4
         assert switch.execute(data) == "do a"
         data.n = 5
         assert switch.execute(data) == "failure.no_case"
         assert {name for name in switch.get_registered_outcomes() if name.startswith("do ")} == {"do a"}
-        other = Choose.case(run, "n % 3", {"a": [0, 1]}, default="b", place="pick")
+        other = Choose(run, {**cases, "default": "b"}, ["a", "b"], place="pick")
         assert {name for name in other.get_registered_outcomes() if name.startswith("do ")} == {"do a", "do b"}
         assert other.execute(data) == "do b"
-        loop = Choose.loop(run, "a", "n < 7", times=1)
+        loop = Choose(run, {"kind": "loop", "while": "n < 7", "times": 1}, ["a"])
         assert [loop.execute(data), loop.execute(data)] == ["do a", "failure"]
         data.n = 7
         assert loop.execute(data) == "success"

@@ -97,23 +97,18 @@ def machine(
     return name
 
 
+_OUTSIDE = {"on", "x", "doc", "data", "exits", "child", "children"}
+"""What of a switch or a loop isn't asked of its kind."""
+
+
 def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> str:
     """Write the state that asks a rule, and return its name."""
     builder.classes["Choose"] = None
     more: dict[str, object] = {"place": part.path}
     if failures := _failures(needed):
         more["codes"] = [f"{outcome}.{code}" for outcome, code in sorted(failures)]
-    if isinstance(part.node, model.Switch):
-        cases: dict[str, list[object]] = {}
-        for child, literal in part.node.literals():
-            cases.setdefault(child, []).append(literal)
-        default = {"default": part.node.default} if part.node.default else {}
-        made = call("Choose.case", Raw("run"), part.node.on_value, cases, **default, **more)
-    else:
-        assert isinstance(part.node, model.Loop), "the others are no machines"
-        said = {"condition": part.node.while_, "times": part.node.times}
-        given = {key: value for key, value in said.items() if value not in ("", None)}
-        made = call("Choose.loop", Raw("run"), part.children[0].name, **given, **more)
+    node = part.node.model_dump(by_alias=True, exclude_unset=True, mode="json", exclude=_OUTSIDE)
+    made = call("Choose", Raw("run"), node, [child.name for child in part.children], **more)
     choice = builder.identifiers.take(f"choice_of_{name}")
     builder.write(made, choice)
     return choice
