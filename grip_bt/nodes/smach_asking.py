@@ -13,8 +13,6 @@ from typing import Any, Protocol
 
 MARK = "x-smach"
 """Says of a container in a task which class of SMACH it was."""
-CONSTANT = "constant"
-"""Says it of a state that sets what was one of `constants=`."""
 
 
 class Enclosing:

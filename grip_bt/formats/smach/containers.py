@@ -1,20 +1,17 @@
-"""Containers as a task has them: meanings of outcomes, rules of a Concurrence, items of an Iterator, constants."""
+"""Containers as a task has them: meanings of outcomes, rules of a Concurrence, items of an Iterator."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grip_bt.formats.names import free
-from grip_bt.nodes.smach_asking import CONSTANT, MARK
+from grip_bt.nodes.smach_asking import MARK
 from grip_bt.nodes.smach_leaf import task_name
-from grip_bt.task import FrozenDict, Leaf
-from grip_bt.task.model import AnyNode, Meaning
+from grip_bt.task.model import Meaning
 
-from .found import Child, ContainerInfo, Value
+from .found import ContainerInfo, Value
 from .leaves import Meanings
-from .userdata import Keys, Variables, plain_literal
+from .userdata import plain_literal
 
 
 class RefusedError(Exception):
@@ -129,6 +126,8 @@ def check(found: ContainerInfo) -> None:
     if not found.added:
         raise RefusedError("nothing is added to it")
     for label, added in found.added.items():
+        if added.constants:
+            raise RefusedError(f"{label!r} has constants, which SMACH writes before each execution")
         known = added.state.outcomes
         if known and (wrong := sorted(set(added.transitions) - set(known))):
             raise RefusedError(f"{label!r} has transitions for {wrong}, but {added.state.cls} ends with {known}")
@@ -164,74 +163,3 @@ def labelled(found: ContainerInfo, default: str, means_by_name: Meanings) -> tup
 def source_of(found: ContainerInfo) -> dict[str, object]:
     """Return the marks of a container: where it comes from, and what it was."""
     return {"x-source": str(found.span), MARK: found.kind}
-
-
-def constants_of(found: ContainerInfo, added: Child) -> dict[str, object]:
-    """Return the constants of a state that a task can hold; what it can't is noted."""
-    result: dict[str, object] = {}
-    for key, value in added.constants.items():
-        try:
-            result[key] = plain_literal(value)
-        except ValueError as error:
-            text = f"the constant `{key}` of {added.label!r} is `{error}`, known only at run time: "
-            found.problem("partial", text + "give its variable a value, or have a state write it", added.span)
-    return result
-
-
-def declare(found: ContainerInfo, keys: Keys, variables: Variables) -> None:
-    """Make those constants initial values that every reader is given alike and nobody writes."""
-    for key, value in _plain(found):
-        variables.values[keys(key)] = value
-
-
-def steps_before(
-    found: ContainerInfo, keys: Keys, names: Mapping[str, str], taken: set[str]
-) -> tuple[dict[str, AnyNode], dict[str, str]]:
-    """Return the states that set constants, and label -> the state at which it begins.
-
-    Args:
-        names: label -> its state's name.
-        taken: names that are used.
-    """
-    plain = {key for key, _ in _plain(found)}
-    steps: dict[str, AnyNode] = {}
-    entries = dict(names)
-    for label, added in found.added.items():
-        rest = {key: value for key, value in constants_of(found, added).items() if key not in plain}
-        for key, value in reversed(rest.items()):
-            name = free(f"set {key} of {names[label]}", taken)
-            taken.add(name)
-            steps[name] = Leaf(
-                node="flow/set",
-                with_={"value": value},
-                out={"value": keys(key)},
-                on={"success": entries[label]},
-                x={MARK: CONSTANT},
-            )
-            entries[label] = name
-    return steps, entries
-
-
-def led_to(node: AnyNode, entries: Mapping[str, str], names: Mapping[str, str]) -> AnyNode:
-    """Return a state whose edges lead to where others begin."""
-    begins = {names[label]: entry for label, entry in entries.items()}
-    return node.model_copy(update={"on": FrozenDict({o: begins.get(to, to) for o, to in node.on.items()})})
-
-
-def _plain(found: ContainerInfo) -> Iterator[tuple[str, object]]:
-    """Yield constants whose moment nobody can tell: all who read the key have the same one, and it stays inside."""
-    given = {label: constants_of(found, added) for label, added in found.added.items()}
-    for key in dict.fromkeys(key for constants in given.values() for key in constants):
-        values = [constants[key] for constants in given.values() if key in constants]
-        if any(repr(value) != repr(values[0]) for value in values):
-            continue
-        if key in found.input_keys or key in found.output_keys or key in found.userdata:
-            continue
-        for label, added in found.added.items():
-            state, remapped = added.state, added.remapping
-            written = (*state.output_keys, *(() if state.kind else remapped))
-            read = any(remapped.get(k, k) == key for k in state.input_keys)
-            if any(remapped.get(k, k) == key for k in written) or (read and key not in given[label]):
-                break
-        else:
-            yield key, values[0]

@@ -81,7 +81,7 @@ def _container(found: Any, said: dict[str, Any], seen: Construction | None, stor
             state=inner,
             transitions={str(k): None if v is None else str(v) for k, v in transitions.get(label, {}).items()},
             remapping={str(k): str(v) for k, v in dict(remappings.get(label) or {}).items()},
-            constants={str(k): literal(v) for k, v in constants.get(label, {}).items()},
+            constants=[str(k) for k in constants.get(label, ())],
             span=inner.span if place is None else Span(Path(place[0]), place[1]),
         )
     made = ContainerInfo(

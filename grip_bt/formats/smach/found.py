@@ -118,7 +118,7 @@ class Child(BaseModel):
 
     Attributes:
         transitions: outcome -> label, outcome of the container, or None for the outcome of the same name.
-        constants: userdata of the container that is set before each execution.
+        constants: keys of the container that are set before each execution.
     """
 
     label: str
@@ -126,7 +126,7 @@ class Child(BaseModel):
     transitions: dict[str, str | None]
     remapping: dict[str, str]
     span: Span
-    constants: dict[str, Value] = {}
+    constants: list[str] = []
 
 
 class ContainerInfo(StateInfo):

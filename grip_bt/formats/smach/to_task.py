@@ -16,14 +16,11 @@ from .containers import (
     RefusedError,
     Rules,
     check,
-    declare,
     iteration_of,
     labelled,
-    led_to,
     meanings,
     parallel_rules,
     source_of,
-    steps_before,
 )
 from .found import Child, ContainerInfo
 from .leaves import Leaves
@@ -106,22 +103,19 @@ class TaskMaker:
         ends = {task_name(o): o for o in found.outcomes or ()}
         if found.kind == "Iterator":
             return self._iterator(found, keys, meanings(found, self.leaves.meanings)), ends
-        declare(found, keys, self.variables)
         names: dict[str, str] = {}
         for label in found.added:  # one that is also an outcome gets another name, since SMACH prefers the state
             names[label] = free(task_name(label), {*ends, *names.values()})
-        steps, entries = steps_before(found, keys, names, {*names.values(), *ends})
         children: dict[str, AnyNode] = {}
         for label, added in found.added.items():
             node, child_ends = self.child(found, added, keys)
             on = {here: self._target(found, added, there, names) for here, there in child_ends.items()}
-            children[names[label]] = led_to(node.model_copy(update={"on": FrozenDict(on)}), entries, names)
-        self.sharing.wrote({name for step in steps.values() for name in step.out.values()})  # type: ignore[union-attr]
+            children[names[label]] = node.model_copy(update={"on": FrozenDict(on)})
         machine = StateMachine(
             kind="state_machine",
-            initial=entries[found.initial or ""],
+            initial=names[found.initial or ""],
             outcomes=meanings(found, self.leaves.meanings),
-            children={**steps, **children},
+            children=children,
             x=source_of(found),
         )
         return machine, ends

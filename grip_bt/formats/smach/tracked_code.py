@@ -11,7 +11,7 @@ import builtins
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from types import FrameType
+from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
 from grip_bt.nodes import stand_ins
@@ -241,6 +241,9 @@ _CONTAINERS = (list, dict, set, deque, tuple)
 _KEEPING = ("grip_bt.", "smach", "functools", "threading", "collections", "enum", "abc", "typing", "contextlib")
 
 
+_FUNCTIONS = (FunctionType, BuiltinFunctionType, MethodType)
+
+
 class _Spread:
     """Arguments of which nobody knows how many they are."""
 
@@ -252,7 +255,13 @@ def _star(value: Any) -> Any:
     return [_Spread(value)] if stands_in(value) and held_by(value) is stand_ins.UNKNOWN else value
 
 
+def _as_seen(value: Any) -> Any:
+    """Return what stands for a function that is handed on, such as `map(os.getenv, names)`."""
+    return SPECIAL.get(value, value) if isinstance(value, _FUNCTIONS) else value
+
+
 def _call(function: Any, *arguments: Any, **named: Any) -> Any:
+    arguments, named = tuple(map(_as_seen, arguments)), {key: _as_seen(value) for key, value in named.items()}
     if any(type(a) is _Spread for a in arguments):
         kept = _is_stand_in(function)
         each = [([a.value] if kept else list(a.value)) if type(a) is _Spread else [a] for a in arguments]

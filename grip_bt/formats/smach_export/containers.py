@@ -9,7 +9,6 @@ from grip_bt.compilers.machine_table import AGAIN, chooses, counts, state_labels
 from grip_bt.compilers.resolve import Part
 from grip_bt.formats.python_source import Bracketed, Raw, call
 from grip_bt.formats.smach_export.forms import (
-    constants_before,
     is_next_item,
     is_obeyed,
     legacy_state,
@@ -17,7 +16,6 @@ from grip_bt.formats.smach_export.forms import (
     reads,
     writes,
 )
-from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model
 
 from .forms import outcome_function, outcome_map, smach_form
@@ -54,13 +52,7 @@ def machine(
         then: writes what comes between its object and its states.
     """
     table, names, ends = table_of(part, needed), state_labels(part), ends or {}
-    before = constants_before(part)
-    children = [child for child in part.children if child.name not in before]
-    led = {names[step]: names[target] for step, (target, _) in before.items()}
-    constants: dict[str, dict[str, object]] = {}
-    for target, given in before.values():
-        constants[target] = {**given, **constants.get(target, {})}
-    states = {child.name: state(builder, child, table.refined[child.name]) for child in children}
+    states = {child.name: state(builder, child, table.refined[child.name]) for child in part.children}
     name = name or builder.take(part)
     keys = {} if outcomes else keys_of(part)
     builder.begin(name, call("smach.StateMachine", outcomes=outcomes or labels(part.meaning, needed), **keys), part)
@@ -78,22 +70,16 @@ def machine(
         ask = _choice(builder, part, needed, name)
         leads = {f"do {child.name}": names[child.name] for child in part.children}
         leads |= {end: ends.get(end, end) for end in labels(("success", "failure"), _failures(needed))}
-        if isinstance(part.node, model.Switch):  # a child without a case is never next
-            cased = {*(child for child, _ in part.node.literals()), part.node.default}
-            leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in cased}
     if ask:
         builder.write(call(f"{name}.register_start_cb", Raw(f"{ask}.begin")))
     builder.body.append(f"    with {name}:")
-    for child in children:
-        row = {label: led.get(to, to) for label, to in table.rows[names[child.name]].items()}
-        ways = {label: ends.get(to, to) for label, to in row.items()}
-        more = {"constants": constants[child.name]} if child.name in constants else {}
-        add(builder, names[child.name], states[child.name], child, table.refined[child.name], ways, **more)
+    for child in part.children:
+        ways = {label: ends.get(to, to) for label, to in table.rows[names[child.name]].items()}
+        add(builder, names[child.name], states[child.name], child, table.refined[child.name], ways)
     if ask:
         builder.write(call("smach.StateMachine.add", AGAIN, Raw(ask), transitions=leads), "", 8)
-    initial = led.get(table.initial, table.initial)
-    if initial != names[children[0].name]:
-        builder.write(call(f"{name}.set_initial_state", [initial]), "", 4)
+    if table.initial != names[part.children[0].name]:
+        builder.write(call(f"{name}.set_initial_state", [table.initial]), "", 4)
     return name
 
 
@@ -125,7 +111,6 @@ def add(
     part: Part,
     refined: Refined,
     leads: Mapping[str, str] | None,
-    **more: object,
 ) -> None:
     """Write what adds a state to a StateMachine, or without transitions to a Concurrence."""
     given: dict[str, object] = {}
@@ -139,9 +124,7 @@ def add(
     if smach_form(part, refined) == "items":
         if renamed := {key: variable for variable, key in _names(part).items() if key != variable}:
             given["remapping"] = renamed
-    builder.write(
-        call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given, **more), "", 8
-    )
+    builder.write(call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given), "", 8)
 
 
 def _iterator(builder: SourceBuilder, part: Part, needed: Refined) -> str:
@@ -225,8 +208,7 @@ def _contained(
 def _own(builder: SourceBuilder, part: Part, ours: str, theirs: str) -> str:
     """Return SMACH's own class where all that is below are legacy states, which it was once made for; else ours."""
     for leaf in (below for below in part.walk() if not below.children):
-        once = leaf.node.x.get(MARK) == CONSTANT or is_next_item(leaf) or is_obeyed(leaf)
-        if not once and legacy_state(leaf) is None:
+        if not is_next_item(leaf) and not is_obeyed(leaf) and legacy_state(leaf) is None:
             builder.classes[ours] = None
             return ours
     return theirs

@@ -15,7 +15,6 @@ from grip_bt.compilers.behaviour_state import Refined
 from grip_bt.compilers.machine_table import AGAIN, chooses, counts, interrupts, table_of
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.scopes import Cell, Scope
-from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model
 
 NEXT_ITEM = "grip_bt.nodes.smach_leaf:NextItem"
@@ -119,22 +118,6 @@ def names_inside(state: LegacyState | None, variables: Iterable[str]) -> dict[st
     keys = {variable: key for key, variable in state.remapping.items()} if state is not None else {}
     names = {variable: keys.get(variable, variable) for variable in variables}
     return names if len(set(names.values())) == len(names) else None
-
-
-def constants_before(part: Part) -> dict[str, tuple[str, dict[str, object]]]:
-    """Return, for each state of a machine that only sets constants, the state that they are for, and the constants."""
-    steps: dict[str, tuple[str, dict[str, object]]] = {}
-    for child in part.children:
-        node = child.node
-        if isinstance(node, model.Leaf) and node.x.get(MARK) == CONSTANT:
-            steps[child.name] = node.on["success"], {node.out["value"]: node.with_["value"]}
-    found = {}
-    for name, (target, constants) in steps.items():
-        while target in steps:
-            target, more = steps[target]
-            constants = {**constants, **more}
-        found[name] = target, constants
-    return found
 
 
 @cache
