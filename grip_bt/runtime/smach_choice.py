@@ -55,12 +55,6 @@ class Choose(Decide):
         self._userdata: Any = None
 
     def execute(self, userdata: Any) -> str:
-        """Ask.
-
-        Raises:
-            NodeError: the expression can't be computed.
-            Halted: the run was stopped.
-        """
         self._userdata = userdata
         return super().execute(userdata)
 

@@ -36,12 +36,7 @@ class Settings:
     parameters: str = ""
 
     def update(self, **changes: bool | str) -> None:
-        """Change some settings, see docs/smach.md.
-
-        Raises:
-            ValueError: the profile isn't known.
-            TypeError: there is no such setting.
-        """
+        """Change some settings, see docs/smach.md."""
         known = {f.name for f in fields(self)}
         for name in changes:
             if name not in known:

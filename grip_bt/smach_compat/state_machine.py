@@ -17,13 +17,7 @@ from .user_data import NOTHING, Remapper, Remapping, UserData
 
 
 class StateMachine(Container):
-    """A finite state machine.
-
-    Args:
-        outcomes: what its execution may end with.
-        input_keys: userdata copied in from the parent when an execution begins.
-        output_keys: userdata copied out to the parent when it ends.
-    """
+    """A finite state machine; keys are copied in from the parent when an execution begins, and out when it ends."""
 
     def __init__(
         self,
@@ -108,11 +102,7 @@ class StateMachine(Container):
         remapping: Remapping | None = None,
         constants: dict[str, Any] | None = None,
     ) -> State:
-        """Add a state whose `connector_outcomes` lead to whatever state is added next, whatever `transitions` says.
-
-        Raises:
-            InvalidStateError: a connector outcome isn't one of the state; the state was added.
-        """
+        """Add a state whose `connector_outcomes` lead to whatever state is added next, whatever `transitions` says."""
         self = StateMachine._currently_opened_container()
         StateMachine.add(label, state, transitions, remapping, constants)
         outcomes = state.get_registered_outcomes()
@@ -125,11 +115,7 @@ class StateMachine(Container):
         return state
 
     def check_consistency(self) -> None:
-        """Check that it begins somewhere and every outcome leads somewhere.
-
-        Raises:
-            InvalidTransitionError: it doesn't.
-        """
+        """Check that it begins somewhere and every outcome leads somewhere."""
         states, outcomes = self._states, self.get_registered_outcomes()
         if self._initial_state_label is None:
             raise InvalidTransitionError("The machine has no initial state")

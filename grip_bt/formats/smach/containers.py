@@ -22,15 +22,7 @@ Rules = list[tuple[str, dict[str, str]]]
 
 
 def parallel_rules(found: ContainerInfo) -> tuple[Rules, str]:
-    """Return how a Concurrence becomes a parallel.
-
-    Returns:
-        Outcomes of the Concurrence, with child -> outcome for which it is, where the first that holds decides; and its
-        outcome where none holds.
-
-    Raises:
-        RefusedError: it can't, exactly.
-    """
+    """Return (outcome, {child: outcome}) of a Concurrence, where the first that holds decides, and its outcome else."""
     settings = found.settings
     for name in ("child_termination_cb", "outcome_cb"):
         if settings.get(name):
@@ -73,10 +65,7 @@ class Iteration:
     mapped: dict[str, str]
 
     def interrupted(self) -> list[tuple[str, list[str]]]:
-        """Return what it ends with when it is preempted in an item, and after which outcomes of the contained state.
-
-        That may be none of its outcomes.
-        """
+        """Return what it ends with when preempted in an item, not always one of its own, after which of its state's."""
         result: dict[str, list[str]] = {}
         for outcome in sorted(self.loops):
             result.setdefault(self.mapped.get(outcome, outcome), []).append(outcome)
@@ -84,11 +73,7 @@ class Iteration:
 
 
 def iteration_of(found: ContainerInfo) -> Iteration:
-    """Return what an Iterator does.
-
-    Raises:
-        RefusedError: it isn't known, or leads nowhere.
-    """
+    """Return what an Iterator does; refuse one of which it isn't known, or that leads nowhere."""
     settings = found.settings
     if len(found.added) != 1:
         raise RefusedError("it needs exactly one contained state")
@@ -114,11 +99,7 @@ def iteration_of(found: ContainerInfo) -> Iteration:
 
 
 def check(found: ContainerInfo) -> None:
-    """Refuse what no machine can be made of.
-
-    Raises:
-        RefusedError: the container wasn't read well enough, or SMACH would refuse it too.
-    """
+    """Refuse what wasn't read well enough, and what SMACH would refuse too."""
     if failed := [issue for issue in found.issues if issue.severity == "error"]:
         raise RefusedError(failed[0].message)
     if not found.outcomes:
@@ -136,11 +117,7 @@ def check(found: ContainerInfo) -> None:
 
 
 def meanings(found: ContainerInfo, means_by_name: Meanings) -> dict[str, Meaning]:
-    """Return outcome, as a task spells it -> what it means.
-
-    Raises:
-        RefusedError: one called as a meaning would mean the other.
-    """
+    """Return outcome, as a task spells it -> what it means; refuse one called `success` that would mean the other."""
     means = {task_name(o): meaning for o, meaning in means_by_name.of(found.outcomes or ()).items()}
     if wrong := [o for o in ("success", "failure") if o in means and means[o] != o]:
         raise RefusedError(f"its outcome {wrong[0]!r} would have to mean the opposite")

@@ -35,10 +35,8 @@ def facts_of(
     """Return what a state is, and what it holds.
 
     Args:
-        state: the object.
-        file: where it is made, if nothing says.
+        file: where it is made, with `line`, if nothing says.
         seen: the construction that made it.
-        line: likewise.
         stores: id of a userdata -> the container that has it.
     """
     stores = {} if stores is None else stores

@@ -68,11 +68,7 @@ First = Mapping[str, tuple[str, str]]
 
 @dataclass(frozen=True)
 class LeafSpec:
-    """One kind of leaf; `cls` is its class in `leaves.py`, empty for one of GRIP's own.
-
-    `source` is what its `make` returns. `first`: input -> its variable, and
-    the source of its value while that is unwritten.
-    """
+    """One kind of leaf: its class in `leaves.py`, if any, what its `make` returns, input -> (variable, first value)."""
 
     manifest: Manifest
     cls: str

@@ -91,11 +91,7 @@ class TaskMaker:
     # --- nodes ---
 
     def container(self, found: ContainerInfo, keys: Keys) -> tuple[Any, Ends]:
-        """Return a container as a node, and what its outcomes stand for.
-
-        Raises:
-            RefusedError: it has no equivalent.
-        """
+        """Return a container as a node, and what its outcomes stand for; refuse one that has no equivalent."""
         check(found)
         keys.begin(found)
         if found.kind == "Concurrence":

@@ -22,11 +22,7 @@ _LARGEST = 2**63
 
 @dataclass
 class Variables:
-    """The variables of a task.
-
-    Their values at first, and `first` for those that a task can't hold: the key, and the container that has it in its
-    userdata at run time.
-    """
+    """Values at first; `first` has those that no task can hold: the key, and the container that has it then."""
 
     names: dict[str, None] = field(default_factory=dict)
     values: dict[str, object] = field(default_factory=dict)
@@ -80,7 +76,7 @@ def plain_literal(value: Value) -> object:
     """Return a value as a task can hold it.
 
     Raises:
-        ValueError: a task can't hold it; the message is its source.
+        ValueError: it can't; the message is its source.
     """
     if value.opaque is not None:
         raise ValueError(value.opaque)

@@ -73,10 +73,7 @@ def _written(part: Part) -> Iterator[tuple[Scope, str]]:
 
 @dataclass(frozen=True)
 class LegacyState:
-    """How a legacy state is made: an expression in the names of modules and `self.built(...)`.
-
-    `remapping`: its key -> variable, `outcomes`: outcome of the leaf -> that of the state, where they differ.
-    """
+    """How a legacy state is made; its key -> variable, outcome of the leaf -> that of the state, where they differ."""
 
     source: ast.expr
     modules: dict[str, Path]

@@ -180,11 +180,6 @@ def get_time() -> float:
 
 
 def sleep(duration: Any) -> None:
-    """Wait.
-
-    Raises:
-        ROSInterruptException: the program is being shut down.
-    """
     ros().sleep(seconds(duration))
     if ros().is_shutdown():
         raise ROSInterruptException("ROS is being shut down")
@@ -258,11 +253,6 @@ _MISSING: Any = object()
 
 
 def get_param(param_name: str, default: Any = _MISSING) -> Any:
-    """Return a parameter.
-
-    Raises:
-        KeyError: it isn't set, and there is no default.
-    """
     with _lock:
         found: Any = _known()
         for part in _place(param_name):
@@ -292,11 +282,6 @@ def set_param(param_name: str, param_value: object) -> None:
 
 
 def delete_param(param_name: str) -> None:
-    """Forget a parameter.
-
-    Raises:
-        KeyError: it isn't set.
-    """
     with _lock:
         *above, last = _place(param_name)
         del (get_param("/" + "/".join(above)) if above else _known())[last]
@@ -368,11 +353,6 @@ class Subscriber:
 
 
 def wait_for_message(topic: str, topic_type: Any, timeout: Any = None) -> Any:
-    """Return the next message.
-
-    Raises:
-        ROSException: none came in time.
-    """
     came: queue.SimpleQueue[Any] = queue.SimpleQueue()
     end = ros().subscribe(resolve_name(topic), topic_type, came.put)
     heard: list[Any] = []
@@ -408,11 +388,6 @@ class ServiceProxy:
         self._client = ros().service(self.resolved_name, service_class)
 
     def __call__(self, *args: Any, **kwds: Any) -> Any:
-        """Return the answer to a request, or to one of these fields.
-
-        Raises:
-            ServiceException: there is none.
-        """
         try:
             if not self._client.wait(0.0):
                 raise ServiceException(f"service [{self.resolved_name}] unavailable")
@@ -430,11 +405,7 @@ class ServiceProxy:
 
 
 def wait_for_service(service: str, timeout: Any = None) -> None:
-    """Wait until somebody serves a service, of whatever type.
-
-    Raises:
-        ROSException: nobody does, in time.
-    """
+    """Wait until somebody serves a service, of whatever type."""
     name = resolve_name(service)
     _until(
         lambda left: ros().wait_for_server(name, left), timeout, f"timeout exceeded while waiting for service {name}"

@@ -32,21 +32,11 @@ class TransformListener:
         """Take what ROS 1's takes, such as how long frames are kept."""
 
     def lookupTransform(self, target_frame: str, source_frame: str, time: Any = 0) -> Frame:
-        """Return where a frame is in another: x, y, z [m], and x, y, z, w.
-
-        Raises:
-            LookupException: it isn't known.
-        """
         return self._look(target_frame, source_frame, time, 0.0)
 
     def waitForTransform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any, polling_sleep_duration: Any = None
     ) -> None:
-        """Wait until a frame is known.
-
-        Raises:
-            LookupException: it isn't, after `timeout`.
-        """
         self._look(target_frame, source_frame, time, seconds(timeout))
 
     def canTransform(self, target_frame: str, source_frame: str, time: Any = 0) -> bool:

@@ -49,11 +49,7 @@ class Service:
         return self._ros.wait_for_server(self._name, timeout)
 
     def call(self, request: Any) -> Any:
-        """Return the answer.
-
-        Raises:
-            ServiceFailedError: there is none.
-        """
+        """Return the answer, or raise ServiceFailedError."""
         serve = self._ros.services.get(self._name)
         if serve is None:
             return self._ros.made_up(f"service {self._name}", response_of(self._type))
@@ -202,11 +198,7 @@ class Ros:
         """Where info, warnings, debugging and errors go, in the order of `smach.set_loggers`; empty for nowhere new."""
 
     def made_up(self, what: str, type_: Any) -> Any:
-        """Return a value that stands for what nobody gives, and tell of it; what it says of truth is yes.
-
-        Raises:
-            ServiceFailedError: it is no dry run.
-        """
+        """Return a value that stands for what nobody gives, and tell of it; what it says of truth is yes."""
         if self._stand_in is None:
             raise ServiceFailedError(f"there is no {what}")
         if what not in self._told:
@@ -252,11 +244,7 @@ class Ros:
             time.sleep(_MOMENT)  # others have their turn
 
     def parameter(self, name: str) -> Any:
-        """Return a parameter that isn't set.
-
-        Raises:
-            KeyError: it is no dry run.
-        """
+        """Return a parameter that isn't set, in a dry run."""
         if self._stand_in is None:
             raise KeyError(f"{name}: set it, or give a file by GRIP_ROS_PARAMETERS or configure(parameters=...)")
         return self.made_up(f"parameter {name}", None)

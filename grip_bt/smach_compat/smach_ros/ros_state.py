@@ -67,11 +67,6 @@ class ConditionState(RosState):
         self._poll_rate, self._timeout, self._max_checks = poll_rate, timeout, max_checks
 
     def execute(self, ud: Any) -> str:
-        """Check until it holds, the checks or the time are over, or it is preempted.
-
-        Raises:
-            InvalidUserCodeError: the condition raised.
-        """
         clock = ros()
         limit = None if self._timeout is None else clock.now() + seconds(self._timeout)
         allowed = self._max_checks + (0 if settings.ros2 else 1)
@@ -181,11 +176,7 @@ class UserCode:
 def user_code(
     state: State, what: str, cb: Any, args: Iterable[object], kwargs: Mapping[str, object], keys: tuple[Any, Any]
 ) -> UserCode:
-    """Take a callback: its keys are those it declares, and then the state has them too, else the state's own.
-
-    Raises:
-        InvalidStateError: it can't be called.
-    """
+    """Take a callback: its keys are those it declares, and then the state has them too, else the state's own."""
     if cb and not callable(cb):
         raise InvalidStateError(f"The {what} given to {type(state).__name__} is no function: {cb!r}")
     if not has_smach_interface(cb):
@@ -201,11 +192,7 @@ class BadAnswerError(Exception):
 
 
 def answer_of(state: State, what: str, cb: UserCode, ud: object, *values: object) -> str | None:
-    """Call a callback that may choose its state's outcome; return that, or None when it leaves it to the state.
-
-    Raises:
-        BadAnswerError: it raised, or chose an outcome that the state doesn't have.
-    """
+    """Call a callback that may choose its state's outcome; return that, or None when it leaves it to the state."""
     try:
         chosen: str | None = cb(ud, *values)
     except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
@@ -239,12 +226,7 @@ class AskingState(RosState):
         self.register_outcomes(outcomes)
 
     def _made(self, ud: Any, message: Any) -> Any:
-        """Return what is sent.
-
-        Raises:
-            BadAnswerError: there is nothing to send, and why.
-            KeyError: userdata lacks a key.
-        """
+        """Return what is sent; BadAnswerError says why there is nothing, KeyError which userdata is missing."""
         key, slots, callback = self._sent
         if key is not None:
             message = ud[key]
@@ -259,11 +241,7 @@ class AskingState(RosState):
         return message if changed is None else changed
 
     def _hand_over(self, what: str, ud: Any, answer: Any, *values: object) -> str | None:
-        """Hand an answer over; return the outcome that the callback, called with `values`, has chosen.
-
-        Raises:
-            BadAnswerError: see `answer_of`.
-        """
+        """Hand an answer over; return the outcome that the callback, called with `values`, has chosen."""
         key, slots, callback = self._answer
         chosen = answer_of(self, what, callback, ud, *values)
         if key is not None:

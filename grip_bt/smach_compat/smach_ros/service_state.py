@@ -59,7 +59,6 @@ class ServiceState(AskingState):
         self._proxy: Any = None
 
     def execute(self, ud: Any) -> str:
-        """Wait for the server, call, hand over the response."""
         early = self._connect()
         if early is not None:
             return early

@@ -100,11 +100,6 @@ class SimpleActionState(AskingState):
     # --- the server ---
 
     def execute(self, ud: Any) -> str:
-        """Send the goal and wait until it has ended.
-
-        Raises:
-            KeyError: `goal_key` or one of `goal_slots` isn't in userdata.
-        """
         ready = self._wait_for_server()
         if self.preempt_requested():
             hooks.loginfo(f"Preempted before sending a goal to {self._action_name!r}.")

@@ -15,11 +15,7 @@ POLL = 1.0
 
 
 def set_preempt_handler(sc: Any) -> None:
-    """Ask a container to stop when ROS is asked to shut down, and wait until it has stopped.
-
-    Args:
-        sc: the container; one at the top is enough.
-    """
+    """Ask a container to stop when ROS is asked to shut down, and wait until it has stopped."""
 
     def handler() -> None:
         sc.request_preempt()
