@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.smach_compat.smach_ros._connection import new_result, ros, seconds
+from grip_bt.smach_compat.smach_ros._connection import ros, seconds
 
 from .rospy import SLICE, is_shutdown, resolve_name
 
@@ -60,7 +60,7 @@ class SimpleActionClient:
         def done(ending: str, status: int, result: object) -> None:
             status = _ENDINGS.get(ending, GoalStatus.LOST)
             if number == self._goal:
-                self._status, self._result = status, new_result(self._type) if result is None else result
+                self._status, self._result = status, self._type.Result() if result is None else result
             over.set()
             if done_cb is not None and number == self._goal:
                 done_cb(status, self._result)
@@ -166,7 +166,7 @@ class SimpleActionServer:
     def _end(self, ending: str, result: Any) -> None:
         if not self._over.is_set():
             self._active = False
-            self._server.end(ending, new_result(self._type) if result is None else result)
+            self._server.end(ending, self._type.Result() if result is None else result)
             self._over.set()
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:

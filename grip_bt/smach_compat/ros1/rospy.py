@@ -384,7 +384,7 @@ class ServiceProxy:
 
     def __init__(self, name: str, service_class: Any, *_: object, **__: object):
         self.resolved_name, self.service_class = resolve_name(name), service_class
-        self.request_class = request_of(service_class)
+        self.request_class = service_class.Request
         self._client = ros().service(self.resolved_name, service_class)
 
     def __call__(self, *args: Any, **kwds: Any) -> Any:
@@ -416,7 +416,7 @@ class Service:
     """Serves a service."""
 
     def __init__(self, name: str, service_class: Any, handler: Callable[[Any], Any], *_: object, **__: object):
-        self.resolved_name, self._response = resolve_name(name), response_of(service_class)
+        self.resolved_name, self._response = resolve_name(name), service_class.Response
         self._handler = handler
         self._end = ros().serve(self.resolved_name, service_class, self._answer)
 
@@ -431,14 +431,6 @@ class Service:
 
     def spin(self) -> None:
         spin()
-
-
-def request_of(service: Any) -> Any:
-    return service.Request if hasattr(service, "Request") else service._request_class
-
-
-def response_of(service: Any) -> Any:
-    return service.Response if hasattr(service, "Response") else service._response_class
 
 
 def get_published_topics(namespace: str = "/") -> list[list[str]]:

@@ -5,7 +5,6 @@ It is what was given, else rclpy. The first state or server that needs it connec
 
 from __future__ import annotations
 
-import copy
 import functools
 import importlib
 import sys
@@ -85,26 +84,6 @@ def seconds(duration: Any) -> float:
     return float(duration)
 
 
-def new_goal(action: Any) -> Any:
-    """Return an empty goal of an action's type."""
-    return action.Goal() if hasattr(action, "Goal") else copy.copy(action().action_goal.goal)
-
-
-def new_result(action: Any) -> Any:
-    """Return an empty result of an action's type."""
-    return action.Result() if hasattr(action, "Result") else copy.copy(action().action_result.result)
-
-
-def new_feedback(action: Any) -> Any:
-    """Return an empty feedback of an action's type."""
-    return action.Feedback() if hasattr(action, "Feedback") else copy.copy(action().action_feedback.feedback)
-
-
-def new_request(service: Any) -> Any:
-    """Return an empty request of a service's type."""
-    return service.Request() if hasattr(service, "Request") else service._request_class()
-
-
 def status_of(ending: str, status: int) -> int:
     """Return the number of a goal's end: that of ROS 1 where the process has its modules."""
     return STATUS[ending] if settings.rospy else status
@@ -117,9 +96,7 @@ def stands_in(value: object) -> bool:
 
 def fields(message: Any) -> tuple[str, ...]:
     """Return the names of a message's fields."""
-    if hasattr(message, "get_fields_and_field_types"):
-        return tuple(message.get_fields_and_field_types())
-    return tuple(message.__slots__)
+    return tuple(message.get_fields_and_field_types())
 
 
 def is_node(thing: object) -> bool:

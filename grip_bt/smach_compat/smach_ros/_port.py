@@ -52,7 +52,7 @@ class Service:
         """Return the answer, or raise ServiceFailedError."""
         serve = self._ros.services.get(self._name)
         if serve is None:
-            return self._ros.made_up(f"service {self._name}", response_of(self._type))
+            return self._ros.made_up(f"service {self._name}", self._type.Response)
         try:
             answer = serve(request)
         except Exception as error:
@@ -103,7 +103,7 @@ class ActionClient:
         if server is not None:
             server.take(sent)
             return
-        result = self._ros.made_up(f"action {self._name}", result_of(self._type))
+        result = self._ros.made_up(f"action {self._name}", self._type.Result)
         threading.Thread(target=sent.end, args=("succeeded", result), daemon=True).start()
 
     def cancel(self) -> None:
@@ -369,11 +369,3 @@ _MESSAGES = SimpleNamespace(
     packed=bytes,
     unpacked=bytes,
 )
-
-
-def response_of(service: Any) -> Any:
-    return service.Response if hasattr(service, "Response") else service._response_class
-
-
-def result_of(action: Any) -> Any:
-    return action.Result if hasattr(action, "Result") else lambda: action().action_result.result

@@ -10,7 +10,7 @@ from typing import Any
 from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.user_data import NOTHING, Remapper, UserData
 
-from ._connection import fields, new_feedback, new_goal, new_result, ros, with_optional_node
+from ._connection import fields, ros, with_optional_node
 
 __all__ = ["ActionServerWrapper"]
 
@@ -59,9 +59,9 @@ class ActionServerWrapper:
         self._goal_slots_map, self._result_slots_map = goal_slots_map or {}, result_slots_map or {}
         self._feedback_slots_map = feedback_slots_map or {}
         self._expand_goal_slots, self._pack_result_slots = expand_goal_slots, pack_result_slots
-        self.userdata[goal_key] = new_goal(action_spec)
-        self.userdata[result_key] = new_result(action_spec)
-        self.userdata[feedback_key] = new_feedback(action_spec)
+        self.userdata[goal_key] = action_spec.Goal()
+        self.userdata[result_key] = action_spec.Result()
+        self.userdata[feedback_key] = action_spec.Feedback()
         self._server_name, self._action_spec = server_name, action_spec
         self._succeeded_outcomes, self._aborted_outcomes = set(succeeded_outcomes), set(aborted_outcomes)
         self._preempted_outcomes = set(preempted_outcomes)

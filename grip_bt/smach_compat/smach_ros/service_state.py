@@ -8,7 +8,7 @@ from typing import Any
 from grip_bt.smach_compat._settings import hooks
 from grip_bt.smach_compat.user_data import NOTHING
 
-from ._connection import new_request, ros, with_optional_node
+from ._connection import ros, with_optional_node
 from ._port import ServiceFailedError
 from .ros_state import AskingState, BadAnswerError
 
@@ -55,7 +55,7 @@ class ServiceState(AskingState):
             outcomes,
         )
         self._service_name, self._service_spec = service_name, service_spec
-        self._request = new_request(service_spec) if request is None else request
+        self._request = service_spec.Request() if request is None else request
         self._proxy: Any = None
 
     def execute(self, ud: Any) -> str:

@@ -10,7 +10,7 @@ from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.exceptions import InvalidStateError
 from grip_bt.smach_compat.user_data import NOTHING
 
-from ._connection import fields, new_goal, new_result, ros, seconds, stands_in, status_of, with_optional_node
+from ._connection import fields, ros, seconds, stands_in, status_of, with_optional_node
 from .ros_state import AskingState, BadAnswerError, user_code
 
 __all__ = ["SimpleActionState"]
@@ -69,10 +69,10 @@ class SimpleActionState(AskingState):
     ):
         if goal is not None and callable(goal) and not stands_in(goal):
             raise InvalidStateError(f"The goal of {action_name!r} is a function; give it as goal_cb")
-        _check_slots("goal", goal_slots, new_goal(action_spec))
-        _check_slots("result", result_slots, new_result(action_spec))
+        _check_slots("goal", goal_slots, action_spec.Goal())
+        _check_slots("result", result_slots, action_spec.Result())
         self._action_name, self._action_spec = action_name, action_spec
-        self._goal = new_goal(action_spec) if goal is None else goal
+        self._goal = action_spec.Goal() if goal is None else goal
         keys = (input_keys, output_keys)
         self._take(
             ("goal callback", "result callback"),
