@@ -7,6 +7,7 @@ import importlib
 import math
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -133,12 +134,8 @@ class RclpyConnection(Ros):
         return End(close, publish, listeners)
 
     def topics_of(self, type_: InterfaceType) -> list[str]:
-        wanted = type_name(type_)
-        return [name for name, found in self.topics() if found == wanted]
-
-    def topics(self) -> list[tuple[str, str]]:
-        found = self._bus.ask(lambda: topics(self._bus.node))
-        return [(name, type_) for name, types, _ in found for type_ in types]
+        wanted, found = type_name(type_), self._bus.ask(lambda: topics(self._bus.node))
+        return [name for name, types, _ in found if wanted in types]
 
     def wait_for_server(self, name: str, timeout: float) -> bool:
         wanted = {name, f"{name}/_action/send_goal"}
@@ -302,31 +299,24 @@ class IntrospectionClientNode(IntrospectionClient, Node):
 
 
 class SmachNode(Node):
-    """A node of the user's, for the user's own publishers, timers and so on; states don't need it.
+    """A node of the user's, for the user's own publishers, timers and so on; states don't need it."""
 
-    Args:
-        **kwargs: see `rclpy.node.Node`.
-    """
-
-    def __init__(self, node_name: str, **kwargs: Any):
-        super().__init__(node_name, **kwargs)
-        self._spinner: threading.Thread | None = None
+    _spinner: threading.Thread | None = None
 
     def start(self) -> None:
+        """Spin in a thread until ROS is shut down."""
         self._spinner = threading.Thread(target=self._spin, name=f"smach-{self.get_name()}", daemon=True)
         self._spinner.start()
 
     def _spin(self) -> None:
         executor = SingleThreadedExecutor(context=self.context)
         executor.add_node(self)
-        try:
+        with suppress(ExternalShutdownException):
             while self.context.ok():
                 executor.spin_once(timeout_sec=0.5)
-        except ExternalShutdownException:
-            pass
-        finally:
-            executor.shutdown()
+        executor.shutdown()
 
     def join(self) -> None:
+        """Wait until it has stopped spinning."""
         if self._spinner is not None:
             self._spinner.join()

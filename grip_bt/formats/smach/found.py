@@ -227,7 +227,6 @@ class Record(BaseModel):
     """What became of a file: all runs, each after an import that was answered in one way."""
 
     runs: list[Run] = []
-    packages: list[str] = []
     read: list[str] = []
     error: str = ""
     compiled: list[Path] = []

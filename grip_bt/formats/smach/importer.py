@@ -40,11 +40,6 @@ class ImportedFile:
     error: str = ""
     needed: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
-    def verdicts(self) -> dict[str, int]:
-        """Return how many containers were imported how well."""
-        found = [c.verdict for c in self.containers]
-        return {verdict: found.count(verdict) for verdict in ("exact", "partial", "failed")}
-
 
 def import_file(
     file: Path,

@@ -136,17 +136,14 @@ def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given
 
 def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[str, Span | None]]:
     told = {(t.what, t.file, t.line): t for run, _ in seen for t in run.told}
-    for number, each in enumerate(told.values()):
-        if number == _MOST_REASONS:
-            yield f"and {len(told) - number} more like these", None
-            break
+    for each in list(told.values())[:_MOST_REASONS]:
         if each.value is not None:
-            yield (
-                f"goes by `{each.what}`, taken as {each.value}: with another value it may be another machine",
-                _span(each),
-            )
+            taken = f"taken as {each.value}: with another value it may be another machine"
+            yield f"goes by `{each.what}`, {taken}", _span(each)
         else:
             yield f"goes by `{each.what}`, known only in a run", _span(each)
+    if len(told) > _MOST_REASONS:
+        yield f"and {len(told) - _MOST_REASONS} more like these", None
     if _variants(seen) > 1:
         asked = {(t.what, t.file, t.line): t for run, _ in seen for t in run.asked}
         for each in list(asked.values())[:_MOST_REASONS]:

@@ -235,7 +235,7 @@ class FileRecorder:
             for builder, call in (("__main__", self._main), *self._builders(module)):
                 self.record.runs += answered(partial(self._built, builder, call), MOST_ANSWERS)
         self.record.compiled = list(_compiled)
-        self.record.packages, self.record.read = self.finder.packages, sorted(self.read)
+        self.record.read = sorted(self.read)
         return self.record
 
     def _prepare(self) -> None:
@@ -443,7 +443,7 @@ def record(job: Job) -> Record:
         text = in_child(lambda: FileRecorder(job, given).recorded(), lambda words: Record(error=words), PATIENCE)
         told = Record.model_validate_json(text)
         whole.error = whole.error or told.error
-        whole.packages, whole.read = told.packages or whole.packages, told.read or whole.read
+        whole.read = told.read or whole.read
         first = next(iter(told.runs), Run(builder="import", stopped=True))
         for run in told.runs[1:]:  # what the import went by, each machine goes by too
             run.told = first.told + run.told

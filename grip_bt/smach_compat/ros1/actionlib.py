@@ -96,10 +96,6 @@ class SimpleActionClient:
         """Return how the goal stands, one of GoalStatus; LOST where none was sent."""
         return self._status
 
-    def get_goal_status_text(self) -> str:
-        """Return the state's name; ROS 2 has no texts."""
-        return GoalStatus.to_string(self._status)
-
     def cancel_goal(self) -> None:
         self._client.cancel()
 

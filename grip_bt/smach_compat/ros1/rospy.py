@@ -42,16 +42,8 @@ class ROSInitException(ROSException):
     """A node can't begin."""
 
 
-class ROSSerializationException(ROSException):
-    """A message can't be sent."""
-
-
 class ServiceException(Exception):
     """A service gave no answer."""
-
-
-class TransportException(ROSException):
-    """There is no connection."""
 
 
 # --- logs ---
@@ -89,7 +81,7 @@ def _once(log: Callable[..., None]) -> Callable[..., None]:
 
 
 logdebug, loginfo, logwarn, logerr = map(_logger, ("logdebug", "loginfo", "logwarn", "logerr"))
-logfatal = logout = logerr
+logfatal = logerr
 for _name in ("logdebug", "loginfo", "logwarn", "logerr", "logfatal"):
     globals()[f"{_name}_throttle"] = globals()[f"{_name}_throttle_identical"] = _now_and_then(globals()[_name])
     globals()[f"{_name}_once"] = _once(globals()[_name])
@@ -125,11 +117,6 @@ def resolve_name(name: str, caller_id: str | None = None) -> str:
     return name if name.startswith("/") else f"/{name}"
 
 
-def remap_name(name: str) -> str:
-    """Return the name: nothing is remapped."""
-    return name
-
-
 def myargv(argv: list[str] | None = None) -> list[str]:
     """Return the arguments of the command line that aren't ROS's."""
     return [each for each in (sys.argv if argv is None else argv) if ":=" not in each]
@@ -137,9 +124,6 @@ def myargv(argv: list[str] | None = None) -> list[str]:
 
 def is_shutdown() -> bool:
     return ros().is_shutdown()
-
-
-is_shutdown_requested = is_shutdown
 
 
 def signal_shutdown(reason: object = "") -> None:
@@ -152,16 +136,6 @@ def on_shutdown(h: Callable[[], None]) -> None:
 
 def spin() -> None:
     ros().spin()
-
-
-add_client_shutdown_hook = on_shutdown
-
-
-def add_preshutdown_hook(h: Callable[[str], None]) -> None:
-    on_shutdown(lambda: h("shutdown"))
-
-
-add_shutdown_hook = add_preshutdown_hook
 
 
 def is_initialized() -> bool:
@@ -285,21 +259,6 @@ def delete_param(param_name: str) -> None:
     with _lock:
         *above, last = _place(param_name)
         del (get_param("/" + "/".join(above)) if above else _known())[last]
-
-
-def search_param(param_name: str) -> str | None:
-    """Return the full name of a parameter, the node's own before that of all; None where neither is set."""
-    names = [resolve_name(f"~{param_name}"), resolve_name(param_name)]
-    return next((name for name in names if has_param(name)), None)
-
-
-def get_param_names() -> list[str]:
-    """Return the full names of all parameters."""
-
-    def below(at: dict[str, Any], path: str) -> list[str]:
-        return [n for k, v in at.items() for n in (below(v, f"{path}/{k}") if isinstance(v, dict) else [f"{path}/{k}"])]
-
-    return below(_known(), "")
 
 
 # --- topics and services ---
@@ -431,7 +390,3 @@ class Service:
 
     def spin(self) -> None:
         spin()
-
-
-def get_published_topics(namespace: str = "/") -> list[list[str]]:
-    return [[name, type_] for name, type_ in ros().topics() if name.startswith(namespace)]

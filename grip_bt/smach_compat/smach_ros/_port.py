@@ -298,9 +298,6 @@ class Ros:
         """Return the names of the topics that somebody sends messages of a type on."""
         return [name for name, types in list(self._publishers.items()) if type_ in types]
 
-    def topics(self) -> list[tuple[str, str]]:
-        return [(name, getattr(types[0], "__name__", "")) for name, types in list(self._publishers.items()) if types]
-
     # --- services and actions ---
 
     def wait_for_server(self, name: str, timeout: float) -> bool:
