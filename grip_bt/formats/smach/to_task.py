@@ -23,7 +23,7 @@ from .containers import (
     source_of,
 )
 from .found import Child, ContainerInfo
-from .leaves import Leaves
+from .leaves import NEXT_ITEM, OBEYED, Leaves
 from .userdata import (
     Keys,
     Variables,
@@ -118,7 +118,7 @@ class TaskMaker:
 
     def _iterator(self, found: ContainerInfo, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
         plan = iteration_of(found)
-        spec = self.leaves.next_item()
+        spec = self.leaves.ours(NEXT_ITEM)
         added = next(iter(found.added.values()))
         name = free(task_name(added.label), {*means, "next"})
         node, ends = self.child(found, added, keys, raw=True)
@@ -159,7 +159,7 @@ class TaskMaker:
         ends = {"success": default, "failure": default} | {label: o for o, label in labels.items()}
         asked = free("asked", children)
         allowed = "preempted" in labels
-        spec = self.leaves.obeyed()
+        spec = self.leaves.ours(OBEYED)
         children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
         rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
         for outcome, wanted in given:
