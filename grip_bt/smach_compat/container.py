@@ -23,11 +23,7 @@ C = TypeVar("C", bound="Container")
 
 
 class Container(State):
-    """A state made of states.
-
-    Attributes:
-        userdata: its store. It outlives an execution, and may be replaced.
-    """
+    """A state made of states; its `userdata` outlives an execution, and may be replaced."""
 
     _construction_stack: ClassVar[list[Container]] = []
     _construction_lock: ClassVar[Any] = threading.RLock()
@@ -75,11 +71,7 @@ class Container(State):
         raise NotImplementedError
 
     def check_state_spec(self, label: str, state: State, transitions: Mapping[str, str | None]) -> None:
-        """Check that a state has all the outcomes that its transitions name.
-
-        Raises:
-            InvalidTransitionError: it lacks one.
-        """
+        """Check that a state has all the outcomes that its transitions name."""
         outcomes = state.get_registered_outcomes()
         unknown = [outcome for outcome in transitions if outcome not in outcomes]
         if unknown:
@@ -97,11 +89,7 @@ class Container(State):
         Container._construction_stack.append(self)
 
     def close(self) -> None:
-        """End construction and check it; an inconsistency is logged and not raised.
-
-        Raises:
-            InvalidStateError: it isn't the innermost open container.
-        """
+        """End construction and check it; an inconsistency is logged and not raised."""
         stack = Container._construction_stack
         if not stack or stack[-1] is not self:
             raise InvalidStateError(

@@ -18,11 +18,7 @@ from .user_data import NOTHING, Remapper, UserData
 class Iterator(Container):
     """A container that executes its one state for each item, until an outcome breaks the loop.
 
-    Args:
-        outcomes: what its execution may end with; a list, to which the exhausted outcome is added.
-        it: the items, or a function that returns them when an execution begins.
-        it_label: the userdata key that holds the current item.
-        exhausted_outcome: the outcome when no item is left.
+    `it` is the items, or returns them when an execution begins; the exhausted outcome is added to the list `outcomes`.
     """
 
     def __init__(
@@ -61,13 +57,9 @@ class Iterator(Container):
         break_outcomes: Iterable[str] = NOTHING,
         final_outcome_map: dict[str, str] | None = None,
     ) -> None:
-        """Set the state of the open iterator.
+        """Set the state of the open iterator; it gets the iterator's userdata itself, with no check of keys.
 
-        Args:
-            state: a state or container; it gets the iterator's userdata itself, with no check of keys.
-            loop_outcomes: what goes on with the next item; ignored where `break_outcomes` are given.
-            break_outcomes: what ends the loop. With neither list, every registered outcome does.
-            final_outcome_map: how the loop ended -> outcome of the iterator, where they differ.
+        `loop_outcomes` are ignored where `break_outcomes` are given. With neither, every outcome ends the loop.
         """
         self = Iterator._currently_opened_container()
         self._state_label, self._state = label, state
@@ -82,11 +74,6 @@ class Iterator(Container):
             self._break_outcomes += [o for o in registered if o not in self._loop_outcomes]
 
     def check_consistency(self) -> None:
-        """Check that there is a state.
-
-        Raises:
-            InvalidStateError: there is none.
-        """
         if self._state is None:
             raise InvalidStateError("The iterator has no contained state")
 
@@ -121,15 +108,7 @@ class Iterator(Container):
     # --- execution ---
 
     def execute(self, parent_ud: UserData | Remapper | None = None) -> Any:
-        """Execute the state for each item.
-
-        Returns:
-            The state's outcome that ended the loop, or the exhausted outcome, mapped by `final_outcome_map`.
-            Nobody checks it here.
-
-        Raises:
-            InvalidUserCodeError: the state raised.
-        """
+        """Execute the state for each item; what ended the loop, by `final_outcome_map`, isn't checked here."""
         self._is_running = True  # stays so after an exception, as upstream
         self._copy_input_keys(parent_ud, self.userdata)
         self.call_start_cbs()

@@ -55,22 +55,13 @@ class StateMachine(Container):
         remapping: Remapping | None = None,
         constants: dict[str, Any] | None = None,
     ) -> State:
-        """Add a state to the open machine; the first one is where it begins.
+        """Add a state to the open machine; the first one is where it begins. Return it.
 
         Args:
-            label: its name in this machine.
-            state: a state or container.
             transitions: outcome -> label of a state or outcome of the machine. Outcomes left out are added to this very
                 dict as None: they end the machine with the outcome of the same name.
             remapping: the state's key -> the machine's key.
             constants: the machine's key -> value, written before each execution of this state.
-
-        Returns:
-            The state.
-
-        Raises:
-            InvalidTransitionError: `transitions` has an outcome that the state hasn't.
-            InvalidStateError: the label is taken, or no machine is open.
         """
         self = StateMachine._currently_opened_container()
         if constants is not None and settings.ros2:
@@ -175,15 +166,7 @@ class StateMachine(Container):
     # --- execution ---
 
     def execute(self, parent_ud: UserData | Remapper | None = None) -> str | None:
-        """Run from the initial state to an outcome.
-
-        Returns:
-            The outcome; None when the machine is inconsistent or a shutdown was asked for.
-
-        Raises:
-            InvalidTransitionError: a state returned an outcome that it hasn't registered or that leads nowhere.
-            InvalidUserCodeError: a state raised.
-        """
+        """Run to an outcome of the machine; None when it is inconsistent, or a shutdown was asked for."""
         with self._state_transitioning_lock:
             try:
                 self.check_consistency()

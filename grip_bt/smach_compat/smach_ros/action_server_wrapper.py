@@ -16,21 +16,12 @@ __all__ = ["ActionServerWrapper"]
 
 
 class ActionServerWrapper:
-    """Executes a container for each goal; its outcome decides how the goal ends.
+    """Executes a container for each goal; its outcome decides how the goal ends: `aborted`, where it is in no list.
 
     The container finds the goal, the result to fill and the feedback in its userdata under `goal_key`, `result_key` and
-    `feedback_key`, if it registers them as input keys (profile `ros2` registers them itself).
-
-    Args:
-        succeeded_outcomes: its outcomes that mean success.
-        aborted_outcomes: those that mean failure, as all do that aren't listed.
-        preempted_outcomes: those that mean that it stopped when it was told to.
-        feedback_key: userdata whose value is sent as feedback at each transition.
-        goal_slots_map: field of the goal -> userdata.
-        feedback_slots_map: has no effect, as upstream.
-        result_slots_map: field of the result -> userdata.
-        expand_goal_slots: put all fields of the goal in userdata of the same names.
-        pack_result_slots: take all fields of the result from userdata of the same names, where there is some.
+    `feedback_key`, if it registers them as input keys (profile `ros2` registers them itself). `..._slots_map` are field
+    -> userdata; that of the feedback has no effect, as upstream. `expand_goal_slots` and `pack_result_slots` take all
+    fields, for userdata of the same names.
     """
 
     @with_optional_node

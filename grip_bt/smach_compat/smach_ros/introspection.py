@@ -72,11 +72,8 @@ class IntrospectionClient(_NodeInRos2):
     ) -> bool | None:
         """Let a container begin at these states, with this userdata.
 
-        Args:
-            timeout: how long to wait for the server to confirm (a duration or [s]); None: don't wait.
-
         Returns:
-            Whether the server has confirmed in time; None without `timeout`.
+            Whether the server has confirmed within `timeout` (a duration or [s]); None without.
 
         Raises:
             GripError: userdata can't be confirmed, since that means to read the server's pickle.

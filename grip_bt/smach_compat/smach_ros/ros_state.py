@@ -42,12 +42,8 @@ class RosState(State):
 class ConditionState(RosState):
     """Ends with `true` as soon as `cond_cb(userdata)` holds, with `false` after the checks, or `preempted`.
 
-    Args:
-        cond_cb: the condition.
-        input_keys: userdata that it reads.
-        poll_rate: the time between two checks (a duration or [s]); in profile `ros2`, checks per second.
-        timeout: how long to check at most (a duration or [s]).
-        max_checks: how often to check; noetic checks once more. -1: for ever.
+    `poll_rate` is the time between two checks (a duration or [s]), in profile `ros2` checks per second. Noetic checks
+    once more than `max_checks`; -1: for ever.
     """
 
     @with_optional_node
@@ -98,11 +94,7 @@ class MonitorState(RosState):
     """Watches until a condition doesn't hold.
 
     Ends with `invalid` at the first message for which `cond_cb(userdata, message)` isn't true or raises, with `valid`
-    at message number `max_checks`, or with `preempted`.
-
-    Args:
-        cond_cb: the condition. It is called on the thread that executes the state, so it may take its time.
-        max_checks: -1: never `valid`.
+    at message number `max_checks` (-1: never), or with `preempted`. The condition may take its time.
     """
 
     @with_optional_node

@@ -27,16 +27,8 @@ class SimpleActionState(AskingState):
     The goal is `goal` (kept, and changed by what follows) or what is under `goal_key`; then its fields `goal_slots` are
     taken from userdata; then `goal_cb(userdata, goal, ...)` may change it or return another. The result goes to
     `result_cb(userdata, status, result)`, then under `result_key`, then its fields `result_slots` to userdata.
-
-    Args:
-        goal: the goal, if it is always the same.
-        result_cb: see above. `result_cb_args` and `result_cb_kwargs` have no effect, as upstream.
-        outcomes: further outcomes, that `result_cb` may return.
-        exec_timeout: cancel the goal after this time (a duration or [s]); the outcome is `aborted`.
-        preempt_timeout: how long to wait for the end of a goal that was canceled; only with the setting
-            `honour_preempt_timeout` or profile `ros2`, since noetic waits for ever.
-        server_wait_timeout: how long to wait for the server; then `aborted`.
-        feedback_cb: called with feedback as `feedback_cb(userdata, feedback, ...)`.
+    Times are durations or [s]; noetic waits for ever for the end of a goal that was canceled, so that `preempt_timeout`
+    needs the setting `honour_preempt_timeout`.
     """
 
     WAITING_FOR_SERVER, INACTIVE, ACTIVE, PREEMPTING, COMPLETED = range(5)
