@@ -35,7 +35,6 @@ class AmongStates(Leaf):
             return _runs.setdefault(self.context.clock, Asking())
 
     def requests(self) -> int:
-        """Return how many preempt requests the run has had."""
         counted = getattr(self.context, "preempt_requests", None)
         return int(self.context.preempt_requested if counted is None else counted)
 
@@ -66,7 +65,6 @@ class KeysLeaf(AmongStates):
         return self.at_first(key)
 
     def at_first(self, key: str) -> tuple[bool, Any]:
-        """Return whether an unwritten variable has a value all the same, and that value."""
         return False, None
 
 
@@ -92,7 +90,6 @@ class Values:
         return key in self.written or self._leaf.look_up(str(key))[0]
 
     def keys(self) -> list[str]:
-        """Return the keys that have been written."""
         return [key for key in self._leaf.manifest.inputs if key in self]
 
     def update(self, ud: UserData) -> None:
@@ -128,5 +125,4 @@ class Activation:
         self._thread.start()
 
     def done(self) -> bool:
-        """Whether `execute` has returned."""
         return self.over.done()

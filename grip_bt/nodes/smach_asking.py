@@ -78,7 +78,6 @@ class Container:
         self.flag = False
 
     def is_running(self) -> bool:
-        """Tell whether it is being executed."""
         return self.enclosing is None or self.enclosing.runs()
 
     # --- its own life ---
@@ -128,7 +127,6 @@ class Whole(Container):
     """The run, around everything: each new request is asked of what runs, and goes on until something has obeyed."""
 
     def request_preempt(self) -> None:
-        """Set the flag, and ask."""
         self.asked = None
         super().request_preempt()
 
@@ -145,17 +143,14 @@ class Together(Container):
         self.executing = False
 
     def come(self, child: Child) -> None:
-        """Take note of a child that begins."""
         if child not in self.begun:
             self.begun.append(child)
 
     def before(self, child: Child) -> None:
-        """A child that begins after the request is one that hasn't ended."""
         if self.has_asked:
             child.request_preempt()
 
     def ask(self) -> None:
-        """Ask the children that haven't ended."""
         if not self.has_asked:
             self.has_asked = True
             for child in self.begun:
@@ -198,7 +193,6 @@ class Iteration(Container):
         """A request that came before isn't brought to the state."""
 
     def ask(self) -> None:
-        """Ask the state."""
         if self.current is not None:
             self.current.request_preempt()
 
@@ -222,7 +216,6 @@ class Asking:
         self._seen = 0
 
     def container(self, enclosing: Enclosing) -> Container:
-        """Return the flag of a container."""
         if enclosing.path not in self._containers:
             self._containers[enclosing.path] = _KINDS.get(enclosing.kind, Container)(enclosing)
         return self._containers[enclosing.path]
@@ -254,7 +247,6 @@ class Asking:
                     child.enter()
 
     def arrive(self, requests: int) -> None:
-        """Bring a request that is new to what runs."""
         with self.lock:
             if requests > self._seen:
                 self.whole.request_preempt()

@@ -91,7 +91,6 @@ class SmachLeaf(KeysLeaf):
             )
 
     def at_first(self, key: str) -> tuple[bool, Any]:
-        """Return the value that the legacy code begins with."""
         return (True, self.built(self.first[key], self)) if key in self.first else (False, None)
 
     def initialise(self) -> None:
@@ -127,22 +126,18 @@ class SmachLeaf(KeysLeaf):
     # --- as its container sees it ---
 
     def request_preempt(self) -> None:
-        """Set the state's flag."""
         try:
             self.state.request_preempt()
         except Exception:  # noqa: BLE001 - the task goes on, as SMACH does
             _log.exception("%s: request_preempt() raised", self.path)
 
     def preempt_requested(self) -> bool:
-        """Return the state's flag."""
         return bool(self.state.preempt_requested())
 
     def recall_preempt(self) -> None:
-        """Clear the state's flag."""
         self.state.recall_preempt()
 
     def is_running(self) -> bool:
-        """Tell whether `execute` runs."""
         activation = self._activation
         return self._relives or (activation is not None and not activation.done())
 
@@ -203,7 +198,6 @@ class SmachLeaf(KeysLeaf):
 
     @property
     def zombie(self) -> bool:
-        """Whether an interrupted `execute` still runs."""
         return self._zombie is not None and not self._zombie.done()
 
     def _bury(self) -> None:

@@ -23,7 +23,7 @@ __all__ = ["export"]
 
 def _assemble(builder: SourceBuilder, folder: Path) -> str:
     """Return the whole file, which will lie in a folder."""
-    trees = bool(builder.nodes or builder.trees or builder.classes)
+    trees = bool(builder.nodes or builder.trees or "Choose" in builder.parts)
     plain = not trees and all(_importable(file) for file in builder.modules)
     places = {file: Path(os.path.relpath(file, folder)) for file in builder.modules}
     names, folders = list(builder.nodes), dict.fromkeys(place.parent.as_posix() for place in places.values())
@@ -34,7 +34,6 @@ def _assemble(builder: SourceBuilder, folder: Path) -> str:
         plain=plain,
         ticked=builder.nodes or builder.trees,
         parts=builder.parts,
-        classes=builder.classes,
         nodes=flat if len(flat) < 80 else "[\n" + "".join(f"    {py(name)},\n" for name in names) + "]",
         modules=builder.modules,
         places={file: f"HERE / {py(place.as_posix())}" for file, place in places.items()},

@@ -18,7 +18,7 @@ from grip_bt.formats.smach_export.forms import (
 )
 from grip_bt.task import model
 
-from .forms import outcome_function, outcome_map, smach_form
+from .forms import outcome_map, smach_form
 from .states import SourceBuilder, keys_of, legacy, tree
 
 Made = Bracketed | Raw
@@ -89,7 +89,7 @@ _OUTSIDE = {"on", "x", "doc", "data", "exits", "child", "children"}
 
 def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> str:
     """Write the state that asks a rule, and return its name."""
-    builder.classes["Choose"] = None
+    builder.parts.add("Choose")
     more: dict[str, object] = {"place": part.path}
     if failures := _failures(needed):
         more["codes"] = [f"{outcome}.{code}" for outcome, code in sorted(failures)]
@@ -127,25 +127,6 @@ def add(
     builder.write(call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given), "", 8)
 
 
-def _iterator(builder: SourceBuilder, part: Part, needed: Refined) -> str:
-    """Write a for_each over a variable, which is looked at when it begins."""
-    assert isinstance(part.node, model.ForEach), "only these iterate over a variable"
-    (child,) = part.children
-    table = table_of(part, needed)
-    made = state(builder, child, table.refined[child.name])
-    name, keys = builder.take(part), {"input_keys": [], "output_keys": [], **keys_of(part)}
-    outcomes = labels(part.meaning, needed)
-    own = _own(builder, part, "Each", "smach.Iterator")
-    run = [Raw("run")] if own == "Each" else []
-    builder.begin(name, call(own, *run, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
-    items, item = part.node.items, part.node.item
-    given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
-    builder.write(call(f"{name}.register_start_cb", Raw(given)))
-    (row,) = table.rows.values()
-    _contained(builder, name, child, made, row, {AGAIN}, {})
-    return name
-
-
 def _items(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     """Write what an import had made of an Iterator as one."""
     assert isinstance(part.node, model.StateMachine), "it is a machine of these"
@@ -164,9 +145,7 @@ def _items(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     }
     name = builder.take(part)
     builder.body.append("")
-    own = _own(builder, part, "Each", "smach.Iterator")
-    run = [Raw("run")] if own == "Each" else []
-    builder.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
+    builder.write(call("smach.Iterator", outcomes=labels(part.meaning, needed), **given), name)
     again = {child.name for child in part.children if is_next_item(child)}
     mapped: dict[str, str] = {}
     for step in part.children:
@@ -205,30 +184,15 @@ def _contained(
     builder.write(call("smach.Iterator.set_contained_state", child.name, made, **given), "", 8)
 
 
-def _own(builder: SourceBuilder, part: Part, ours: str, theirs: str) -> str:
-    """Return SMACH's own class where all that is below are legacy states, which it was once made for; else ours."""
-    for leaf in (below for below in part.walk() if not below.children):
-        if not is_next_item(leaf) and not is_obeyed(leaf) and legacy_state(leaf) is None:
-            builder.classes[ours] = None
-            return ours
-    return theirs
-
-
 def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     names = state_labels(part)
     children = [child for child in part.children if not is_obeyed(child)]
     states = {child.name: state(builder, child, ()) for child in children}
-    name, default, given = builder.take(part), "failure", dict[str, object]()
-    own, said = _own(builder, part, "Joining", "smach.Concurrence"), outcome_map(part)
-    if said is not None and own == "smach.Concurrence":
-        mapped, default = said
-        given["outcome_map"] = {o: {names[c]: end for c, end in ends.items()} for o, ends in mapped.items()}
-    else:
-        function = builder.identifiers.take(f"outcome_of_{name}")
-        builder.functions.append(outcome_function(part, function, names))
-        given["outcome_cb"] = Raw(function)
-    outcomes = labels(part.meaning, needed)
-    made = call(own, outcomes=outcomes, default_outcome=default, **keys_of(part), **given)
+    name, said = builder.take(part), outcome_map(part)
+    assert said is not None, "this form is for those"
+    mapped = {o: {names[c]: end for c, end in ends.items()} for o, ends in said[0].items()}
+    outcomes, more = labels(part.meaning, needed), {"outcome_map": mapped}
+    made = call("smach.Concurrence", outcomes=outcomes, default_outcome=said[1], **keys_of(part), **more)
     builder.begin(name, made, part)
     builder.body.append(f"    with {name}:")
     for child in children:
@@ -238,7 +202,6 @@ def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
 
 _CONTAINERS: dict[str, Callable[[SourceBuilder, Part, Refined], str]] = {
     "machine": machine,
-    "iterator": _iterator,
     "items": _items,
     "concurrence": _concurrence,
 }

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Literal
 
 from grip_bt.base.expression import parse_expression
-from grip_bt.base.python_literals import py
 from grip_bt.compilers.behaviour_state import Refined
-from grip_bt.compilers.machine_table import AGAIN, chooses, counts, interrupts, table_of
+from grip_bt.compilers.machine_table import chooses, counts, interrupts
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.scopes import Cell, Scope
 from grip_bt.task import model
@@ -154,9 +153,8 @@ def _made(body: list[ast.stmt]) -> ast.expr | None:
     return None
 
 
-SmachForm = Literal["state", "tree", "machine", "iterator", "items", "concurrence"]
-"""A legacy state; a tree in a state; containers: StateMachine, Iterator over a variable, over literals, Concurrence."""
-EXHAUSTED = "exhausted"
+SmachForm = Literal["state", "tree", "machine", "items", "concurrence"]
+"""A legacy state; a tree in a state; containers: StateMachine, Iterator, Concurrence."""
 
 
 def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
@@ -179,20 +177,10 @@ def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
     return mapped, rest.then
 
 
-def outcome_function(part: Part, name: str, labels: dict[str, str]) -> str:
-    """Return a function that says the outcome from those of the children."""
-    node = part.node
-    assert isinstance(node, model.Parallel), "only these join"
-    lines = [f"def {name}(ends):", f'    """Return the outcome of {part.name} from those of its children."""']
-    order = {child.name: number for number, child in enumerate(part.children)}
-    for (joined, outcome, _), target in sorted(part.exits, key=lambda exit: order[exit[0][0]]):
-        lines += [f"    if ends[{py(labels[joined])}] == {py(outcome)}:", f"        return {py(target)}"]
-    lines.append("    good = [")
-    for child in part.children:
-        ends = [outcome for outcome, meaning in child.meaning.items() if meaning == "success"]
-        lines.append(f"        ends[{py(labels[child.name])}] in {py(ends)},")
-    lines += ["    ]", f'    return "success" if {node.policy}(good) else "failure"']
-    return "\n".join(lines)
+def _is_legacy(part: Part) -> bool:
+    """Tell whether all that is below are legacy states, which SMACH's containers were once made for."""
+    leaves = (below for below in part.walk() if not below.children)
+    return all(is_next_item(leaf) or is_obeyed(leaf) or legacy_state(leaf) is not None for leaf in leaves)
 
 
 def smach_form(part: Part, needed: Refined) -> SmachForm:
@@ -202,28 +190,17 @@ def smach_form(part: Part, needed: Refined) -> SmachForm:
         return "tree" if legacy_state(part) is None else "state"
     if isinstance(node, model.Foreign | model.Subtask) or node.precondition or interrupts(part):
         return "tree"
-    if chooses(part) and not isinstance(node, model.Switch | model.Loop | model.ForEach):
+    if chooses(part) and not isinstance(node, model.Switch | model.Loop):
         return "tree"
     if isinstance(node, model.Parallel):
-        ruled = bool(node.rules) and outcome_map(part) is None
         by_code = any(code is not None for (_, _, code), _ in part.exits)
-        return "tree" if needed or ruled or by_code or shares(part) else "concurrence"
-    if isinstance(node, model.ForEach):
-        return "iterator" if _iterates(part, needed) else "tree"
+        said = outcome_map(part) is not None and _is_legacy(part)
+        return "concurrence" if said and not needed and not by_code and not shares(part) else "tree"
     if counts(part) and needed:
         return "tree"
-    return "items" if _hands_out_items(part) else "machine"
-
-
-def _iterates(part: Part, needed: Refined) -> bool:
-    """Tell whether an Iterator can hold the child: it passes its own userdata on, under no other names."""
-    (child,) = part.children
-    state = legacy_state(child)
-    if state is not None and (state.remapping or state.outcomes):
-        return False
-    (row,) = table_of(part, needed).rows.values()
-    leaving = {label: target for label, target in row.items() if target != AGAIN}
-    return EXHAUSTED not in leaving and leaving.get("success", "success") == "success"
+    if not _hands_out_items(part):
+        return "machine"
+    return "items" if _is_legacy(part) else "tree"
 
 
 def _hands_out_items(part: Part) -> bool:

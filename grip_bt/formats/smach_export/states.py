@@ -18,7 +18,7 @@ from grip_bt.task import model
 
 _TAKEN = (
     *("smach", "copy", "sys", "Path", "HERE", "NODES", "build", "run", "task", "load_legacy", "BehaviourTree"),
-    *("Choose", "Count", "Each", "Joining", "begin_anew", "tree_run", "userdata", "states", "ends"),
+    *("Choose", "Count", "begin_anew", "tree_run", "userdata", "states", "ends"),
 )
 _PLAIN = {"success": "success", "failure": "failure"}
 
@@ -31,7 +31,6 @@ class SourceBuilder:
         built: source of what builds a legacy machine -> name of that machine in `build`.
         trees: paths of containers that one state ticks -> kind.
         nodes: catalogue ids of the leaves that are ticked.
-        classes: containers of ours that are used.
     """
 
     resolved: Resolved
@@ -43,7 +42,6 @@ class SourceBuilder:
     built: dict[str, str] = field(default_factory=dict)
     trees: dict[str, str] = field(default_factory=dict)
     nodes: dict[str, None] = field(default_factory=dict)
-    classes: dict[str, None] = field(default_factory=dict)
 
     def take(self, part: Part) -> str:
         """Return a name for the container of a node."""
