@@ -21,8 +21,7 @@ RUNS_LOCK = threading.RLock()
 class AmongStates(Leaf):
     """A leaf that takes part in how containers of SMACH hand on a preempt request.
 
-    Attributes:
-        enclosing: the containers around it that were SMACH's, outermost first; given by the compiler.
+    `enclosing`: the containers around it that were SMACH's, outermost first; given by the compiler.
     """
 
     enclosing: Sequence[Enclosing] = ()
@@ -97,11 +96,7 @@ class Values:
 
 
 class Activation:
-    """One call of `execute` in its thread.
-
-    Attributes:
-        over: ends when `execute` returns; nobody can cancel it.
-    """
+    """One call of `execute` in its thread; `over` ends when it returns, and nobody can cancel it."""
 
     def __init__(self, state: Any, values: Values, name: str, wake: Callable[[], None]):
         self.values = values

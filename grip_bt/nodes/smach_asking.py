@@ -1,8 +1,7 @@
 """How a preempt request travels among imported SMACH states: container by container, as SMACH's own flags do.
 
-A task has one request for the whole run; SMACH has a flag on each state and container, and each kind of container hands
-it on in its own way. Whatever form the task runs in, its leaves say when they begin, and containers that were SMACH's
-count how often they were entered (`Enclosing`). From that alone the flags are kept here.
+Whatever form a task runs in, its leaves say when they begin, and containers that were SMACH's count how often they were
+entered (`Enclosing`). From that alone the flags are kept here.
 """
 
 from __future__ import annotations
@@ -35,19 +34,12 @@ class Enclosing:
 
 
 class Child(Protocol):
-    """A state or container, as the container around it sees it."""
+    """A state or container with its flag, as the container around it sees it."""
 
-    def request_preempt(self) -> None:
-        """Set its flag."""
-
-    def preempt_requested(self) -> bool:
-        """Return its flag."""
-
-    def recall_preempt(self) -> None:
-        """Clear its flag."""
-
-    def is_running(self) -> bool:
-        """Tell whether it is being executed."""
+    def request_preempt(self) -> None: ...
+    def preempt_requested(self) -> bool: ...
+    def recall_preempt(self) -> None: ...
+    def is_running(self) -> bool: ...
 
 
 class Container:
@@ -203,8 +195,7 @@ _KINDS: dict[str, type[Container]] = {"Concurrence": Together, "Iterator": Itera
 class Asking:
     """All flags of one run. What isn't in a container of SMACH is in one that the run itself is.
 
-    Attributes:
-        built: what builds a legacy container -> the container that it has built, for all leaves of the run.
+    `built`: what builds a legacy container -> the container that it has built, for all leaves of the run.
     """
 
     def __init__(self) -> None:
@@ -221,13 +212,7 @@ class Asking:
         return self._containers[enclosing.path]
 
     def begin(self, around: Sequence[Enclosing], leaf: Child | None, requests: int) -> None:
-        """Take note that a leaf begins.
-
-        Args:
-            around: the containers around it, outermost first.
-            leaf: the leaf; None where it is no state of SMACH's, so that only its containers have begun.
-            requests: how many preempt requests the run has had.
-        """
+        """Take note that a leaf begins in containers, outermost first; None where it is no state of SMACH's."""
         with self.lock:
             inside = [self.container(enclosing) for enclosing in around]
             outer: list[Container] = [self.whole, *inside]

@@ -33,11 +33,7 @@ def task_name(label: str) -> str:
 
 
 def argument(name: str) -> Any:
-    """Return what stands for an argument that nobody has given, where stand-ins are wanted.
-
-    Raises:
-        NotImplementedError: they aren't.
-    """
+    """Return what stands for an argument that nobody has given, where stand-ins are wanted."""
     if any(isinstance(finder, StandInFinder) for finder in sys.meta_path):
         return stand_in(name)
     raise NotImplementedError(
@@ -152,10 +148,7 @@ class SmachLeaf(KeysLeaf):
             self._ask_here()
 
     def replay_ended(self, outcome: str | None) -> None:
-        """Bring the flags to where the activation left them.
-
-        Whether the state answered a request isn't recorded: it did where it ended with `preempted`, as SMACH's own do.
-        """
+        """Bring the flags to where the activation left them; a state that ended `preempted` has answered."""
         with self.asking.lock:
             if not self._relives:
                 self.replay_begun()

@@ -203,11 +203,7 @@ class RclpyConnection(Ros):
         self._tf.publish(load_type(MESSAGE)(transforms=[made]))
 
     def introspection(self) -> SimpleNamespace:
-        """Return smach_msgs; built once, in some 15 s, where no package of the name can be imported.
-
-        Raises:
-            MissingPartError: it has to be built and there is no compiler.
-        """
+        """Return smach_msgs; built once, in some 15 s, where no package of the name can be imported."""
         if self._messages is None:
             PROVIDED.end()
             ensure_package("smach_msgs", self._cache)

@@ -150,12 +150,7 @@ class BehaviourTree(State):
         return cls(Task.model_validate(document), run, codes=codes, place=place)
 
     def execute(self, userdata: object) -> str:
-        """Tick the tree to its end.
-
-        Raises:
-            Halted: it was stopped.
-            NodeError: a leaf raised.
-        """
+        """Tick the tree to its end."""
         if not self._shares:
             self.run.shared.error = None
         before = self._copy_in(userdata)

@@ -35,12 +35,9 @@ _FAILURE = re.compile(
 
 
 class Meanings:
-    """What outcomes mean, by their names.
+    """What outcomes mean: by their names, or because they are among `success`.
 
     Of outcomes of which none is called after success, the first that isn't called after failure is it (`outcome4`).
-
-    Args:
-        success: those that mean success, whatever they are called.
     """
 
     def __init__(self, success: Iterable[str] = ()):
@@ -114,10 +111,7 @@ class Leaves:
     ) -> LeafSpec:
         """Return the leaf of a state; states that are made alike share one.
 
-        Args:
-            label: after which a state of a class of smach's own is called.
-            keys: its input and output keys.
-            first: values of unwritten inputs.
+        One of a class of smach's own is called after `label`; `keys` are its input and output keys.
         """
         source = self.source(found)
         inputs, outputs = (tuple(dict.fromkeys(k)) for k in keys)

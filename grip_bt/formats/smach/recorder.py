@@ -1,11 +1,7 @@
 """The recording process: runs the construction of legacy machines, executes none, and tells what was built.
 
-`main` reads jobs from stdin, one a line, and answers each with a line. A file is
-imported in a child of this process, and each of its builders is called in a child of that one, so that nothing that one
-does reaches another. What a builder asks of stand-ins is answered in every way, one after the other.
-
-The code runs, so that it has to be trusted. Writing files, starting programs and the network are refused, and time and
-memory are limited: a module that does more than build machines fails instead of doing it.
+A file is imported in a child of this process, and each of its builders is called in a child of that one. What it asks
+of stand-ins is answered in every way, one after the other. The code has to be trusted: what else it does is refused.
 """
 
 from __future__ import annotations
@@ -336,19 +332,18 @@ class FileRecorder:
     def _call(self, function: Callable[..., object], name: str) -> Any:
         """Call with what was given, defaults, and stand-ins."""
         given = {**self.given.get("", {}), **self.given.get(name, {})}
-        arguments: dict[str, object] = {}
-        for parameter in inspect.signature(function).parameters.values():
+        signature = inspect.signature(function)
+        bound = signature.bind_partial()
+        for name, parameter in signature.parameters.items():
             if parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):
                 continue
-            if parameter.name in given:
-                arguments[parameter.name] = given[parameter.name]
+            if name in given:
+                bound.arguments[name] = given[name]
             elif parameter.default is parameter.empty:
-                arguments[parameter.name] = _argument(parameter)
-                if parameter.name not in self._missing:
-                    self._missing.append(parameter.name)
-        positional = [n for n, p in inspect.signature(function).parameters.items() if p.kind is p.POSITIONAL_ONLY]
-        first = [arguments.pop(n) for n in positional if n in arguments]
-        return function(*first, **arguments)
+                bound.arguments[name] = _argument(parameter)
+                if name not in self._missing:
+                    self._missing.append(name)
+        return function(*bound.args, **bound.kwargs)
 
 
 def _argument(parameter: inspect.Parameter) -> Any:

@@ -41,11 +41,7 @@ def machine(
 ) -> str:
     """Write a StateMachine of children that run one after the other, and return its name.
 
-    Args:
-        needed: (outcome, code) pairs for which its parent has an edge.
-        ends: its outcomes -> what they are called, where that differs.
-        outcomes: what they are called, all of them.
-        then: writes what comes between its object and its states.
+    `ends` and `outcomes` are what its outcomes are called, `then` writes what comes between its object and its states.
     """
     table, names, ends = table_of(part, needed), state_labels(part), ends or {}
     states = {child.name: state(builder, child, table.refined[child.name]) for child in part.children}
