@@ -55,8 +55,6 @@ class Container:
         self.begun: list[Child] = []
         self.asked: Child | None = None
 
-    # --- as a child of another container ---
-
     def request_preempt(self) -> None:
         """Set the flag; a container that is executed asks what runs in it."""
         self.flag = True
@@ -71,8 +69,6 @@ class Container:
 
     def is_running(self) -> bool:
         return self.enclosing is None or self.enclosing.runs()
-
-    # --- its own life ---
 
     def enter(self) -> None:
         """Begin an execution; the flag is kept, so that a request that came before asks the initial state."""

@@ -119,8 +119,6 @@ class SmachLeaf(KeysLeaf):
                 outermost = self.asking.container(self.enclosing[0]) if self.enclosing else self
                 outermost.request_preempt()
 
-    # --- as its container sees it ---
-
     def request_preempt(self) -> None:
         try:
             self.state.request_preempt()
@@ -136,8 +134,6 @@ class SmachLeaf(KeysLeaf):
     def is_running(self) -> bool:
         activation = self._activation
         return self._relives or (activation is not None and not activation.done())
-
-    # --- activations of a process that died ---
 
     def replay_begun(self) -> None:
         """Be among what runs, with the flag that it began with."""
@@ -159,8 +155,6 @@ class SmachLeaf(KeysLeaf):
                 self.recall_preempt()
             elif outcome is None:
                 self._ask_to_return()
-
-    # --- its ends ---
 
     def _take(self, activation: Activation) -> Status:
         if isinstance(activation.error, Exception):

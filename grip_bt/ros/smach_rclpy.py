@@ -25,7 +25,7 @@ from grip_bt.base.failures import GoalRejectedError, ServerLostError
 from grip_bt.base.operation import Operation
 from grip_bt.smach_compat.smach_ros._connection import PROVIDED
 from grip_bt.smach_compat.smach_ros._port import ActionClient, End, NoFrameError, Ros, Service, ServiceFailedError
-from grip_bt.smach_compat.smach_ros.introspection import IntrospectionClient, IntrospectionServer
+from grip_bt.smach_compat.smach_ros.introspection import IntrospectionServer
 
 from .client.bus import Bus
 from .client.goal import GoalEnd
@@ -285,13 +285,6 @@ class IntrospectionServerNode(IntrospectionServer, Node):
     def __init__(self, server_name: str, state: object, path: str):
         Node.__init__(self, server_name)
         IntrospectionServer.__init__(self, self, server_name, state, path)
-
-
-class IntrospectionClientNode(IntrospectionClient, Node):
-    """ROS 2's: a node that finds servers, and sets where their containers begin."""
-
-    def __init__(self, node_name: str = "introspection_client", **kwargs: Any):
-        Node.__init__(self, node_name, **kwargs)
 
 
 class SmachNode(Node):

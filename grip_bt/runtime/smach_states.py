@@ -180,8 +180,6 @@ class BehaviourTree(State):
             self.root.shutdown()
         self._prepared = False
 
-    # --- stopping ---
-
     def request_preempt(self) -> None:
         """Ask the tree to come to an end, and have it look."""
         super().request_preempt()
@@ -194,8 +192,6 @@ class BehaviourTree(State):
 
     def recall_halt(self) -> None:
         self._halting = False
-
-    # --- as a pacer ---
 
     def turn(self) -> int:
         seen = self.run.shared.turn()
@@ -210,8 +206,6 @@ class BehaviourTree(State):
 
     def wake(self) -> None:
         self.run.shared.wake()
-
-    # --- values ---
 
     def _prepare(self) -> None:
         if self._prepared:

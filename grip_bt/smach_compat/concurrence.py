@@ -70,8 +70,6 @@ class Concurrence(Container):
             if callback is not None and not callable(callback):
                 raise InvalidStateError(f"{name} is {callback!r}, which can't be called")
 
-    # --- construction ---
-
     @staticmethod
     def add(label: str, state: State, remapping: Remapping | None = None) -> State:
         """Add a child to the open concurrence; one with the same label is replaced."""
@@ -90,8 +88,6 @@ class Concurrence(Container):
                         f"The outcome map of {outcome!r} names outcome {child_outcome!r} of state {label!r}, "
                         f"but its outcomes are {list(registered)}"
                     )
-
-    # --- the container's view of itself ---
 
     def __getitem__(self, key: str) -> State:
         return self._states[key]
@@ -120,8 +116,6 @@ class Concurrence(Container):
             for outcome, constraints in self._outcome_map.items()
             for label, child_outcome in constraints.items()
         ]
-
-    # --- execution ---
 
     def execute(self, parent_ud: UserData | Remapper | None = None) -> str:
         """Run all children, wait; `preempted` when a request was obeyed, even where that isn't registered."""
@@ -221,8 +215,6 @@ class Concurrence(Container):
             ) from error
         if stop_others:
             self._wake()
-
-    # --- the outcome ---
 
     def _decide(self) -> str:
         if self._preempt_requested:

@@ -41,8 +41,6 @@ class Container(State):
         self._transition_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []
         self._termination_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []
 
-    # --- what each kind of container says about itself ---
-
     def __getitem__(self, key: str) -> State:
         raise NotImplementedError
 
@@ -78,8 +76,6 @@ class Container(State):
             raise InvalidTransitionError(
                 f"Transitions of state {label!r} name {unknown}, but its outcomes are {list(outcomes)}"
             )
-
-    # --- construction ---
 
     def open(self) -> None:
         """Make it the container that `add` adds to; other threads that open one wait until it is closed."""
@@ -156,8 +152,6 @@ class Container(State):
             self._context_kwargs = {}  # type: ignore[misc]
             self.close()
 
-    # --- callbacks ---
-
     def register_start_cb(self, cb: Callable[..., object], cb_args: Iterable[object] = NOTHING) -> None:
         """Call `cb(userdata, initial_states, *cb_args)` when an execution begins."""
         self._start_cbs.append((cb, cb_args))
@@ -191,8 +185,6 @@ class Container(State):
                 cb(self.userdata, *args, *cb_args)
         except Exception:  # noqa: BLE001 - an observer must not end the execution; the rest is skipped as upstream
             hooks.logerr(f"Could not call a {kind} callback:\n{traceback.format_exc()}")
-
-    # --- keys ---
 
     def _view(self, state: State, remapping: Remapping) -> Remapper:
         """Return what a state sees of the userdata while it is executed once."""

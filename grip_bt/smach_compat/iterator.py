@@ -43,8 +43,6 @@ class Iterator(Container):
         self._final_outcome_map: dict[str, str] = {}
         self._is_running = False
 
-    # --- construction ---
-
     def set_iteritems(self, it: Iterable[object] | Callable[[], Iterable[object]], it_label: str) -> None:
         """Set the items, or the function that returns them, and the key of the current item."""
         self._items, self._items_label = it, it_label
@@ -77,8 +75,6 @@ class Iterator(Container):
         if self._state is None:
             raise InvalidStateError("The iterator has no contained state")
 
-    # --- the container's view of itself ---
-
     def __getitem__(self, key: str) -> State:
         return self.get_children()[key]
 
@@ -104,8 +100,6 @@ class Iterator(Container):
         label, final = self._state_label, self._final_outcome_map
         edges: list[tuple[str, str, str | None]] = [(o, label, label) for o in self._loop_outcomes]
         return edges + [(o, label, final.get(o, o)) for o in self._break_outcomes]
-
-    # --- execution ---
 
     def execute(self, parent_ud: UserData | Remapper | None = None) -> Any:
         """Execute the state for each item; what ended the loop, by `final_outcome_map`, isn't checked here."""

@@ -45,8 +45,6 @@ class StateMachine(Container):
         self._last_added_label: str | None = None
         self._connector_outcomes: list[str] = []
 
-    # --- construction ---
-
     @staticmethod
     def add(
         label: str,
@@ -126,8 +124,6 @@ class StateMachine(Container):
             f"nor an outcome {list(self.get_registered_outcomes())} of the machine"
         )
 
-    # --- the container's view of itself ---
-
     def __getitem__(self, key: str) -> State:
         if key not in self._states:
             hooks.logerr(f"There is no state {key!r} in the machine; there are: {list(self._states)}")
@@ -162,8 +158,6 @@ class StateMachine(Container):
 
     def is_running(self) -> bool:
         return self._is_running
-
-    # --- execution ---
 
     def execute(self, parent_ud: UserData | Remapper | None = None) -> str | None:
         """Run to an outcome of the machine; None when it is inconsistent, or a shutdown was asked for."""
@@ -269,8 +263,6 @@ class StateMachine(Container):
         self.call_termination_cbs([label], reached)
         return reached
 
-    # --- preemption ---
-
     def _pass_on_preempt(self) -> None:
         """Before a state is executed: bring a request of the machine to it, or see that the last state obeyed."""
         if self._preempted_state is None:
@@ -299,8 +291,6 @@ class StateMachine(Container):
         with self._state_transitioning_lock:
             self._preempt_requested = True
             self._preempt_current_state()
-
-    # --- copies ---
 
     def __getstate__(self) -> dict[str, Any]:
         return {k: v for k, v in self.__dict__.items() if k != "_state_transitioning_lock"}

@@ -72,12 +72,7 @@ class Way:
 
 
 class StateInfo(BaseModel):
-    """An object of a State class, or a container.
-
-    Attributes:
-        kind: the class of smach or smach_ros that it comes from; empty where its own class isn't here.
-        cls: the name of its own class.
-    """
+    """An object of a State class, or a container; `kind`: the class of smach or smach_ros that it is of, if it's here."""
 
     kind: str
     cls: str
@@ -114,12 +109,7 @@ class StateInfo(BaseModel):
 
 
 class Child(BaseModel):
-    """One child of a container, as it was added.
-
-    Attributes:
-        transitions: outcome -> label, outcome of the container, or None for the outcome of the same name.
-        constants: keys of the container that are set before each execution.
-    """
+    """One child of a container, as it was added; a transition to None leads to the outcome of the same name."""
 
     label: str
     state: ContainerInfo | StateInfo
@@ -133,10 +123,7 @@ class ContainerInfo(StateInfo):
     """A container.
 
     Attributes:
-        added: its children by label, in order.
         settings: what it was given besides outcomes and keys; of callbacks, whether there is one.
-        items: of an Iterator.
-        userdata: initial values.
         way: of an outermost container, how it is had again; None where it is an object of this process.
     """
 

@@ -88,8 +88,6 @@ class TaskMaker:
     def _initial(self) -> set[str]:
         return {*self.variables.values, *self.variables.first}
 
-    # --- nodes ---
-
     def container(self, found: ContainerInfo, keys: Keys) -> tuple[Any, Ends]:
         """Return a container as a node, and what its outcomes stand for; refuse one that has no equivalent."""
         check(found)
@@ -239,8 +237,6 @@ class TaskMaker:
         live = self.leaves.source(where)
         return f"{live}.userdata[{key!r}]" if live else ""
 
-    # --- edges ---
-
     def _target(self, found: ContainerInfo, added: Child, outcome: str, names: Mapping[str, str]) -> str:
         target = added.transitions.get(outcome)
         if target is not None and target in names:
@@ -249,8 +245,6 @@ class TaskMaker:
         if target not in (found.outcomes or ()):
             raise RefusedError(f"{outcome!r} of {added.label!r} leads to {target!r}, which isn't there")
         return task_name(target)
-
-    # --- the whole ---
 
     def _checked(self, node: AnyNode, outcomes: Mapping[str, Meaning]) -> Task:
         catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())

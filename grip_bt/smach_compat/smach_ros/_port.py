@@ -94,10 +94,7 @@ class ActionClient:
         return self._ros.wait_for_server(self._name, timeout)
 
     def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callback) -> None:
-        """Send a goal and return at once; `done(ending, status, result)` is called once.
-
-        `ending` is `succeeded`, `aborted`, `preempted`, `rejected` or `lost`, `status` this ROS's number for it.
-        """
+        """Send a goal; `done(ending, status, result)` is called once; endings are those of `STATUS`."""
         self._goal = sent = Goal(goal, done, feedback)
         server = self._ros.actions.get(self._name)
         if server is not None:
@@ -114,10 +111,9 @@ class ActionClient:
 
 
 class ActionServer:
-    """A server of one action, one goal at a time: a new goal preempts the one that is being worked on.
+    """Serves one action, one goal at a time: a new goal preempts the one that is being worked on.
 
-    It calls `execute` with each goal on a thread of its own, which has to call `end`; and `preempt` when the goal being
-    worked on was canceled or another one came.
+    It calls `execute` with each goal on a thread of its own, which has to call `end`.
     """
 
     def __init__(self, ros: Ros, name: str, execute: Callback, preempt: Callable[[], None]):
@@ -176,12 +172,8 @@ class ActionServer:
 class Ros:
     """ROS within one process: what the program offers it finds, and what nobody does isn't there.
 
-    For a dry run, `stand_in` gives values that stand for what isn't there: then services answer, actions succeed,
-    topics speak, parameters are set, and waiting takes no time.
-
-    Args:
-        stand_in: returns a stand-in of a name; None for no dry run.
-        tell: told of each service, action, topic, parameter and frame that was stood in for.
+    For a dry run, `stand_in` gives values for what isn't there, of which `tell` is told: then services answer, actions
+    succeed, topics speak, parameters are set, and waiting takes no time.
     """
 
     def __init__(self, stand_in: Callable[[str], Any] | None = None, tell: Callable[[str], object] = lambda text: None):
@@ -210,8 +202,6 @@ class Ros:
             if kind == "boolean":
                 setattr(made, name, True)
         return made
-
-    # --- the program ---
 
     def is_shutdown(self) -> bool:
         return self._over.is_set()
@@ -252,8 +242,6 @@ class Ros:
     def name_of(self, name: str, node: object) -> str:
         """Return the full name of a topic, service or action as a node of the user's would have it."""
         return name if name.startswith("/") else f"/{name}"
-
-    # --- topics ---
 
     def subscribe(self, topic: str, type_: Any, callback: Callback) -> End:
         name, heard = self.name_of(topic, None), queue.SimpleQueue[Any]()
@@ -298,8 +286,6 @@ class Ros:
         """Return the names of the topics that somebody sends messages of a type on."""
         return [name for name, types in list(self._publishers.items()) if type_ in types]
 
-    # --- services and actions ---
-
     def wait_for_server(self, name: str, timeout: float) -> bool:
         """Tell whether somebody serves a service or an action of this name within `timeout` [s]."""
         end = time.monotonic() + timeout
@@ -322,19 +308,10 @@ class Ros:
     def action_server(self, name: str, type_: Any, execute: Callback, preempt: Callable[[], None]) -> ActionServer:
         return ActionServer(self, self.name_of(name, None), execute, preempt)
 
-    # --- frames and smach_msgs ---
-
     def transform(
         self, target: str, source: str, at: float | None, timeout: float
     ) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
-        """Return where a frame is in another: x, y, z [m], and x, y, z, w.
-
-        Args:
-            at: a time [s] of the frames' stamps; None for the last ones.
-
-        Raises:
-            NoFrameError: it isn't known within `timeout` [s].
-        """
+        """Return where a frame is in another, at a time [s] or last: x, y, z [m], and x, y, z, w; see NoFrameError."""
         if self._stand_in is None:
             raise NoFrameError(f"{source!r} isn't known in {target!r}")
         self.made_up(f"frame {source}", None)
@@ -348,8 +325,7 @@ class Ros:
     def introspection(self) -> SimpleNamespace:
         """Return the messages of smach_msgs as this ROS has them.
 
-        `Status`, `Structure`, `Command` are classes; `header()` is a header with the time; `packed` and `unpacked` turn
-        bytes into what the field `local_data` has, and back.
+        `packed` and `unpacked` turn bytes into what the field `local_data` has, and back.
         """
         return _MESSAGES
 

@@ -77,8 +77,6 @@ class ActionServerWrapper:
         self._action_server.start()
         hooks.loginfo(f"A state machine serves the action {self._server_name!r}")
 
-    # --- the container's callbacks ---
-
     def transition_cb(self, userdata: object, active_states: list[str]) -> None:
         self.publish_feedback(userdata)
 
@@ -89,8 +87,6 @@ class ActionServerWrapper:
         """Send what is under `feedback_key`; nothing when the container has no such userdata."""
         if self._feedback_key in userdata:  # upstream raises, and its container logs that at each transition
             self._action_server.feedback(userdata[self._feedback_key])
-
-    # --- the server's callbacks ---
 
     def execute_cb(self, goal: Any) -> None:
         if self._expand_goal_slots:

@@ -41,17 +41,7 @@ _REFUSED = (
 )
 
 
-class _NodeInRos2:
-    """In profile `ros2`, a program that has called `rclpy.init` gets what is a node of rclpy too."""
-
-    def __new__(cls, *_: object, **__: object) -> Any:
-        rclpy = sys.modules.get("rclpy")
-        if settings.ros2 and cls.__module__ == __name__ and rclpy is not None and rclpy.ok():
-            cls = getattr(importlib.import_module("grip_bt.ros.smach_rclpy"), f"{cls.__name__}Node")
-        return super().__new__(cls)
-
-
-class IntrospectionClient(_NodeInRos2):
+class IntrospectionClient:
     """Finds servers and sets where their containers begin. A node's name or a node is accepted and not needed."""
 
     def __init__(self, *_names: object, **_options: object):
@@ -199,8 +189,17 @@ class ContainerProxy:
         self._publish_status("REMOTE_INIT")
 
 
-class IntrospectionServer(_NodeInRos2):
-    """Puts a container, and those inside it, on the network."""
+class IntrospectionServer:
+    """Puts a container, and those inside it, on the network.
+
+    In profile `ros2`, a program that has called `rclpy.init` gets one that is a node of rclpy too.
+    """
+
+    def __new__(cls, *_: object, **__: object) -> Any:
+        rclpy = sys.modules.get("rclpy")
+        if settings.ros2 and cls.__module__ == __name__ and rclpy is not None and rclpy.ok():
+            cls = importlib.import_module("grip_bt.ros.smach_rclpy").IntrospectionServerNode
+        return super().__new__(cls)
 
     @with_optional_node
     def __init__(self, server_name: str, state: object, path: str):

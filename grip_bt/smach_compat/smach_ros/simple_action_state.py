@@ -89,8 +89,6 @@ class SimpleActionState(AskingState):
         # noetic looks for the server from here on, in a thread: its time runs from the construction.
         self._server_deadline = ros().now() + seconds(server_wait_timeout)
 
-    # --- the server ---
-
     def execute(self, ud: Any) -> str:
         ready = self._wait_for_server()
         if self.preempt_requested():
@@ -124,8 +122,6 @@ class SimpleActionState(AskingState):
                 hooks.logwarn(f"Still waiting for the action server {self._action_name!r}; is it running?")
                 begin = clock.now()
         return False
-
-    # --- the goal under way ---
 
     def _run_goal(self, ud: object) -> None:
         clock = ros()
@@ -183,8 +179,6 @@ class SimpleActionState(AskingState):
             if self._gives_up:
                 with self._done_cond:
                     self._done_cond.notify_all()  # from now on there is a time to be looked at
-
-    # --- its end ---
 
     def _conclude(self, ud: Any) -> str:
         try:
