@@ -72,7 +72,7 @@ class Way:
 
 
 class StateInfo(BaseModel):
-    """An object of a State class, or a container; `kind`: the class of smach or smach_ros that it is of, if it's here."""
+    """An object of a State class, or a container; `kind` is the class of smach or smach_ros that it is of, if any."""
 
     kind: str
     cls: str

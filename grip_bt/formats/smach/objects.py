@@ -146,11 +146,8 @@ def _pairs(found: ContainerInfo, live: Any) -> Iterator[tuple[StateInfo, Any]]:
             yield state, child
 
 
-def _issues(found: ContainerInfo) -> Iterator[Issue]:
-    yield from found.issues
-    for added in found.added.values():
-        if isinstance(added.state, ContainerInfo):
-            yield from _issues(added.state)
+def _issues(found: ContainerInfo) -> list[Issue]:
+    return [issue for each in found.within() for issue in each.issues]
 
 
 def _importable(machine: Container, name: str, source: Callable[[], object]) -> ImportedFile:

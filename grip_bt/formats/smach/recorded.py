@@ -50,14 +50,10 @@ class Recorder:
             assert process.stdin is not None, "it is a pipe"
             process.stdin.write(job + "\n")
             process.stdin.flush()
-        first, second = (self._answer(process) for process in self._processes)
+        lines = [process.stdout.readline() for process in self._processes if process.stdout is not None]
+        ended = Record(error="the recording process ended")
+        first, second = (Record.model_validate_json(line) if line else ended for line in lines)
         return first, second
-
-    @staticmethod
-    def _answer(process: subprocess.Popen[str]) -> Record:
-        assert process.stdout is not None, "it is a pipe"
-        line = process.stdout.readline()
-        return Record.model_validate_json(line) if line else Record(error="the recording process ended")
 
 
 def recorded_containers(file: Path, records: tuple[Record, Record], given: Given) -> list[ContainerInfo]:

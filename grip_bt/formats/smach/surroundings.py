@@ -222,33 +222,22 @@ def _ros_state(kind: str) -> type:
     parameters = list(inspect.signature(getattr(real, kind).__init__).parameters)[1:]
 
     def __init__(self: State, *arguments: Any, **named: Any) -> None:
-        if (
-            arguments
-            and not isinstance(arguments[0], str)
-            and kind in ("SimpleActionState", "ServiceState", "MonitorState")
-        ):
+        if arguments and not isinstance(arguments[0], str) and kind != "ConditionState":
             arguments = arguments[1:]  # ROS 2's node
         given = dict(zip(parameters, arguments, strict=False)) | named
         keys = {k: list(given.get(k) or []) for k in ("input_keys", "output_keys", "io_keys")}
         State.__init__(self, [*FIXED_OUTCOMES[kind], *(given.get("outcomes") or [])], **keys)
-        for side, register in (
-            (("goal", "request"), self.register_input_keys),
-            (("result", "response"), self.register_output_keys),
-        ):
-            for word in side:
-                register([k for k in (given.get(f"{word}_key"),) if isinstance(k, str)])
-                register([k for k in given.get(f"{word}_slots") or [] if isinstance(k, str)])
+        for word in ("goal", "request", "result", "response"):
+            said = (given.get(f"{word}_key"), *(given.get(f"{word}_slots") or []))
+            register = self.register_input_keys if word in ("goal", "request") else self.register_output_keys
+            register([key for key in said if isinstance(key, str)])
         for name in ("goal_cb", "result_cb", "request_cb", "response_cb", "cond_cb"):
-            _interface(self, name, given.get(name))
+            callback = given.get(name)
+            if callback is None or stands_in(callback) or not hasattr(callback, "get_registered_outcomes"):
+                continue
+            if name in ("result_cb", "response_cb"):
+                self.register_outcomes(callback.get_registered_outcomes())
+            self.register_input_keys(callback.get_registered_input_keys())
+            self.register_output_keys(callback.get_registered_output_keys())
 
     return type(kind, (State,), {"__init__": __init__, "__module__": "smach_ros"})
-
-
-def _interface(state: State, name: str, callback: Any) -> None:
-    """Add what `cb_interface` declares on a callback."""
-    if callback is None or stands_in(callback) or not hasattr(callback, "get_registered_outcomes"):
-        return
-    if name in ("result_cb", "response_cb"):
-        state.register_outcomes(callback.get_registered_outcomes())
-    state.register_input_keys(callback.get_registered_input_keys())
-    state.register_output_keys(callback.get_registered_output_keys())

@@ -59,32 +59,23 @@ def _logger(name: str) -> Callable[..., None]:
 _said: dict[Any, float] = {}
 
 
-def _now_and_then(log: Callable[..., None]) -> Callable[..., None]:
-    def throttled(period: float, msg: object, *args: object, **_: object) -> None:
+def _now_and_then(log: Callable[..., None], once: bool = False) -> Callable[..., None]:
+    def throttled(*given: Any, **_: object) -> None:
+        period, *message = (float("inf"), *given) if once else given
         caller = sys._getframe(1)
         place, time = (caller.f_code, caller.f_lineno), ros().now()
         if place not in _said or time - _said[place] >= period:
             _said[place] = time
-            log(msg, *args)
+            log(*message)
 
     return throttled
-
-
-def _once(log: Callable[..., None]) -> Callable[..., None]:
-    def once(msg: object, *args: object, **_: object) -> None:
-        caller = sys._getframe(1)
-        if _said.setdefault((caller.f_code, caller.f_lineno), -1.0) == -1.0:
-            _said[caller.f_code, caller.f_lineno] = 0.0
-            log(msg, *args)
-
-    return once
 
 
 logdebug, loginfo, logwarn, logerr = map(_logger, ("logdebug", "loginfo", "logwarn", "logerr"))
 logfatal = logerr
 for _name in ("logdebug", "loginfo", "logwarn", "logerr", "logfatal"):
     globals()[f"{_name}_throttle"] = globals()[f"{_name}_throttle_identical"] = _now_and_then(globals()[_name])
-    globals()[f"{_name}_once"] = _once(globals()[_name])
+    globals()[f"{_name}_once"] = _now_and_then(globals()[_name], once=True)
 log_warning, logerror = logwarn, logerr
 
 

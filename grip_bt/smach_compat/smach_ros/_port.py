@@ -10,6 +10,7 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from types import SimpleNamespace
 from typing import Any
@@ -27,16 +28,13 @@ class NoFrameError(Exception):
     """A frame isn't known."""
 
 
+@dataclass
 class End:
     """One end of a topic, or a server: what somebody has and gives back."""
 
-    def __init__(self, close: Callable[[], Any], publish: Callback | None = None, listeners: Callable[[], int] = int):
-        self._close = close
-        self.publish = publish or (lambda message: None)
-        self.listeners = listeners
-
-    def close(self) -> None:
-        self._close()
+    close: Callable[[], Any]
+    publish: Callback = lambda message: None
+    listeners: Callable[[], int] = int
 
 
 class Service:
