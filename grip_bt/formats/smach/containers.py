@@ -27,19 +27,12 @@ def parallel_rules(found: ContainerInfo) -> tuple[Rules, str]:
     for name in ("child_termination_cb", "outcome_cb"):
         if settings.get(name):
             raise RefusedError(f"its `{name}` decides in its own way when it ends or how")
-    default, mapped = settings.get("default_outcome"), settings.get("outcome_map") or {}
-    if not isinstance(default, str) or not isinstance(mapped, dict):
-        raise RefusedError("its default outcome or outcome map is known only at run time")
-    if default not in (found.outcomes or ()):
-        raise RefusedError(f"its default outcome {default!r} is none of its outcomes")
-    entries = {k: dict(v) for k, v in mapped.items() if isinstance(v, dict) and v}
-    if len(entries) != len(mapped):
-        raise RefusedError("an entry of its outcome map is empty, or known only at run time")
-    for label, wanted in entries.items():
+    entries: dict[str, dict[str, str]] = settings["outcome_map"]
+    if not all(entries.values()):
+        raise RefusedError("an entry of its outcome map is empty")
+    for wanted in entries.values():
         if unknown := sorted(set(wanted) - set(found.added)):
             raise RefusedError(f"its outcome map names {unknown}, which it doesn't hold")
-        if label not in (found.outcomes or ()):
-            raise RefusedError(f"{label!r} of its outcome map is none of its outcomes")
     writers: dict[str, str] = {}
     for label, added in found.added.items():
         for key in added.state.output_keys:
@@ -47,7 +40,7 @@ def parallel_rules(found: ContainerInfo) -> tuple[Rules, str]:
             if there in writers and writers[there] != label:
                 raise RefusedError(f"{writers[there]!r} and {label!r} both write the userdata `{there}`")
             writers[there] = label
-    return sorted(entries.items(), key=lambda entry: -len(entry[1])), default
+    return sorted(entries.items(), key=lambda entry: -len(entry[1])), settings["default_outcome"]
 
 
 @dataclass(frozen=True)
@@ -82,20 +75,18 @@ def iteration_of(found: ContainerInfo) -> Iteration:
         items = plain_literal(found.items or Value(value=[]))
     except ValueError as error:
         raise RefusedError(f"its items are `{error}`, known only at run time") from None
-    label, exhausted = settings.get("it_label", "it_data"), settings.get("exhausted_outcome", "exhausted")
-    loop, leave = settings.get("loop_outcomes") or [], settings.get("break_outcomes") or []
-    mapped = settings.get("final_outcome_map") or {}
-    known = added.state.outcomes or []
-    words = (*loop, *leave, *mapped, *mapped.values(), label, exhausted)
-    if not isinstance(items, list) or not all(isinstance(word, str) for word in words):
-        raise RefusedError("its items, outcomes or outcome map are known only at run time")
+    if not isinstance(items, list):
+        raise RefusedError("its items are no list")
+    loop, leave, mapped = settings["loop_outcomes"], settings["break_outcomes"], settings["final_outcome_map"]
+    exhausted = settings["exhausted_outcome"]
+    known = added.state.outcomes
     # upstream's rule: with a break list, the rest loops; without, whatever isn't in the loop list breaks
     loops = frozenset(o for o in known if (o not in leave if leave else o in loop))
     final = {o: mapped.get(o, o) for o in known if o not in loops}
     for target in (*final.values(), mapped.get(exhausted, exhausted)):
         if target not in (found.outcomes or ()):
             raise RefusedError(f"it would end with {target!r}, which is none of its outcomes")
-    return Iteration(items, label, loops, final, mapped.get(exhausted, exhausted), dict(mapped))
+    return Iteration(items, settings["it_label"], loops, final, mapped.get(exhausted, exhausted), dict(mapped))
 
 
 def check(found: ContainerInfo) -> None:

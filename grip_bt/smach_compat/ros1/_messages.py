@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import importlib
 import sys
+from dataclasses import dataclass
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
@@ -113,17 +114,12 @@ def _by_position(message: Any) -> Any:
 _SECOND = 10**9
 
 
+@dataclass
 class _Whole:
     """Seconds and nanoseconds as in the messages: the latter are never negative."""
 
-    def __init__(self, *, sec: int = 0, nanosec: int = 0):
-        self.sec, self.nanosec = sec, nanosec
-
-    def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and self.to_nsec() == other.to_nsec()  # type: ignore[attr-defined]
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}(sec={self.sec}, nanosec={self.nanosec})"
+    sec: int = 0
+    nanosec: int = 0
 
 
 class _Reckoned:
