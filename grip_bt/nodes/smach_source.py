@@ -94,8 +94,6 @@ def _converter() -> Any:
     return RefactoringTool([f"lib2to3.fixes.fix_{name}" for name in _FIXERS])
 
 
-# --- where modules are -----------------------------------------------------------------------------------------------
-
 _HIGHEST = 5
 """How many folders above a package a workspace may begin."""
 _BUILT = ("build", "install", "devel", "log")

@@ -38,7 +38,6 @@ class Settings:
 
     @property
     def ros2(self) -> bool:
-        """Whether the ROS 2 branch is imitated."""
         return self.profile == "ros2"
 
 
@@ -49,7 +48,6 @@ configure = settings.update
 
 
 def errors_of_user_code() -> type[BaseException]:
-    """Return the class of what counts as an error of user code."""
     return BaseException if settings.wrap_interrupts else Exception
 
 

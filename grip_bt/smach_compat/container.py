@@ -187,7 +187,6 @@ class Container(State):
             hooks.logerr(f"Could not call a {kind} callback:\n{traceback.format_exc()}")
 
     def _view(self, state: State, remapping: Remapping) -> Remapper:
-        """Return what a state sees of the userdata while it is executed once."""
         return Remapper(self.userdata, state.get_registered_input_keys(), state.get_registered_output_keys(), remapping)
 
     def _copy_input_keys(self, parent_ud: UserData | Remapper | None, ud: UserData) -> None:

@@ -191,7 +191,6 @@ class StateMachine(Container):
         return outcome
 
     def _loop(self) -> str | None:
-        """Execute states until the machine's outcome; return None when it is to stop before."""
         while self._is_running and not hooks.is_shutdown():
             outcome = self._update_once()
             if outcome is not None:
@@ -250,7 +249,6 @@ class StateMachine(Container):
         return None
 
     def _terminate(self, label: Any, state: Any, outcome: str, target: str | None) -> str:
-        """Leave by an outcome of the machine."""
         if self._preempt_requested and self._preempted_state is not None:
             if not state.preempt_requested():
                 self.service_preempt()

@@ -54,10 +54,8 @@ class Way:
 
     Attributes:
         builder: a function, class, `Class.method` or variable of the module; `__main__` for the file as a program.
-        arguments: parameter -> value that was given.
         missing: parameters that nobody has given a value.
         returned: whether the builder returns the machine, or is it; else it is what was built at `line` of `file`.
-        called: whether the builder is called.
         number: which of the containers that are built there.
     """
 
@@ -152,9 +150,6 @@ class ContainerInfo(StateInfo):
         return [self, *(each for one in inner for each in one.within())]
 
 
-# --- what goes between an import and its recording processes ---
-
-
 class Job(BaseModel):
     """A file to record; `given`: class or function, or empty for all -> parameter -> value."""
 
@@ -191,9 +186,7 @@ class Run(BaseModel):
     """What one builder did, with one way of answering.
 
     Attributes:
-        builder: `import`, `__main__`, or a name in the module.
         answers: to the questions with two answers, in their order, and `asked` what these were.
-        told: what else the code went by.
         missing: parameters of the builder that a stand-in was given for.
         unfinished: whether there are answers that weren't tried.
     """

@@ -195,9 +195,7 @@ class Leaves:
             "from pathlib import Path",
             "",
             *(["from grip_bt.nodes.smach_construction import built_in, run_as_main"] if self.ways else []),
-            "from grip_bt.nodes.smach_leaf import SmachLeaf, argument"
-            if self.ways
-            else "from grip_bt.nodes.smach_leaf import SmachLeaf",
+            f"from grip_bt.nodes.smach_leaf import SmachLeaf{', argument' if self.ways else ''}",
             "from grip_bt.nodes.smach_source import load_legacy",
             "",
             "HERE = Path(__file__).resolve().parent",

@@ -27,11 +27,7 @@ from grip_bt.task.catalog import Catalog, Manifest
 
 
 def to_task(machine: CompiledMachine) -> Task:
-    """Return the task of a compiled machine.
-
-    Raises:
-        ImportRefusedError: its states or edges were changed since; the error names each place.
-    """
+    """Return the task of a compiled machine; ImportRefusedError names each place that was changed since."""
     (row,) = machine.machine._transitions.values()
     changed = [] if dict(row) == machine.ends else ["/"]
     for part in machine._resolved.root.walk():
@@ -126,7 +122,6 @@ def from_machine(
 
 
 def _read(machine: Container, file: Path) -> ContainerInfo:
-    """Return what a machine is made of."""
     found = facts_of(machine, file)
     assert isinstance(found, ContainerInfo), "a machine is one"
     for each in found.within():
@@ -181,7 +176,6 @@ class _ObjectLeaves(Leaves):
         return name
 
     def factory(self) -> LeafFactory:
-        """Return what makes the leaves."""
         specs = {spec.manifest.id: spec for spec in self.specs.values()}
 
         def make(path: str, node: Leaf, manifest: Manifest) -> Any:

@@ -107,7 +107,6 @@ class _Reader:
         self.places = Construction()
 
     def machines(self, node: ast.FunctionDef | ast.Module, name: str, cls: ast.ClassDef | None = None) -> Any:
-        """Yield the outermost ones."""
         if cls is not None and getattr(node, "name", "") == "__init__" and (own := _kind_of_class(cls)):
             self._container("self", own, cls.name, cls.lineno, _constructor(node, own))
         self._block(node.body, None)
@@ -205,7 +204,6 @@ def _constructor(function: Any, kind: str) -> ast.Call | None:
 
 
 def _literals(cls: type, call: ast.Call | None) -> dict[str, Any]:
-    """Return the arguments of a constructor that the text shows."""
     if call is None:
         return {}
     names = list(inspect.signature(cls).parameters)

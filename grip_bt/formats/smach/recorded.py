@@ -97,7 +97,6 @@ def _rank(seen: Seen) -> tuple[Any, ...]:
 
 
 def _shape(state: ContainerInfo) -> str:
-    """Return what a machine is, wherever it is made."""
     return re.sub(r'"file":"[^"]*"|"line":\d+', "", state.model_dump_json())
 
 
@@ -159,7 +158,6 @@ def _span(told: Told) -> Span | None:
 
 
 def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterator[ContainerInfo]:
-    """Yield what the text makes and no run has built, with why."""
     for place in places_of(file):
         lines = range(place.line, place.end_line + 1)
         here = (c for c in found if c.span.file == file and c.span.line in lines)
@@ -176,13 +174,8 @@ def _why(place: Place, record: Record) -> str:
     imported = next((r for r in record.runs if r.builder == "import"), None)
     if imported is not None and imported.error:
         return f"wasn't built, since importing the file raises {imported.error}"
-    errors = [
-        (r.builder, r.error) for r in record.runs if r.error and r.builder.split(".")[0] in (place.around, place.cls)
-    ]
-    if errors:
-        return f"wasn't built: {errors[0][0]}: {errors[0][1]}"
-    if not place.around and not place.cls:
-        errors = [(r.builder, r.error) for r in record.runs if r.error and r.builder == "__main__"]
-        if errors:
-            return f"wasn't built: the program: {errors[0][1]}"
+    names = (place.around, place.cls) if place.around or place.cls else ("__main__",)
+    for run in record.runs:
+        if run.error and run.builder.split(".")[0] in names:
+            return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {run.error}"
     return "wasn't built by anything that was called"

@@ -140,9 +140,6 @@ class Recording(Construction):
             )
 
 
-# --- processes -------------------------------------------------------------------------------------------------------
-
-
 def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: int) -> str:
     """Return, as JSON, what is told by a child of this process; `otherwise` says what a failure is."""
     reader, writer = os.pipe()
@@ -191,9 +188,6 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
             break
         todo += [[*run.answers[:n], not run.answers[n]] for n in range(len(given), len(run.answers))]
     return runs
-
-
-# --- a file ----------------------------------------------------------------------------------------------------------
 
 
 _compiled: dict[Path, None] = {}
@@ -330,7 +324,6 @@ class FileRecorder:
         return self._call(getattr(made, method), f"{name}.{method}")
 
     def _call(self, function: Callable[..., object], name: str) -> Any:
-        """Call with what was given, defaults, and stand-ins."""
         given = {**self.given.get("", {}), **self.given.get(name, {})}
         signature = inspect.signature(function)
         bound = signature.bind_partial()
@@ -360,7 +353,6 @@ def _argument(parameter: inspect.Parameter) -> Any:
 
 
 def _builds(code: CodeType, builders: set[str]) -> bool:
-    """Whether a function mentions a container, or something that builds one."""
     if builders & {*code.co_names, *code.co_varnames, *code.co_freevars}:
         return True
     return any(isinstance(c, CodeType) and _builds(c, builders) for c in code.co_consts)

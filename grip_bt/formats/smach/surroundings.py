@@ -164,9 +164,6 @@ def _parsed(parser: argparse.ArgumentParser, *given: Any) -> argparse.Namespace:
     return found
 
 
-# --- packages of ROS -------------------------------------------------------------------------------------------------
-
-
 def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
     """Give packages of ROS that aren't here what construction needs of them."""
 
@@ -191,7 +188,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
     def smach_ros(module: ModuleType) -> None:
         for name in FIXED_OUTCOMES:
             setattr(module, name, _ros_state(name))
-        module.RosState = _RosState  # type: ignore[attr-defined]
+        module.RosState = real.RosState  # type: ignore[attr-defined]
 
     def rospkg(module: ModuleType) -> None:
         module.RosPack = type("RosPack", (), {"get_path": lambda self, name: folder(name)})  # type: ignore[attr-defined]
@@ -202,19 +199,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         ("ament_index_python.packages", "get_package_share_directory"),
         ("ament_index_python", "get_package_share_directory"),
     ):
-        finder.made[name] = partial(_give, function, folder)
-
-
-class _RosState(State):
-    """ROS 2's: a state with a node."""
-
-    def __init__(self, node: Any, *arguments: Any, **named: Any):
-        State.__init__(self, *arguments, **named)
-        self.node = node
-
-
-def _give(name: str, value: object, module: ModuleType) -> None:
-    setattr(module, name, value)
+        finder.made[name] = lambda module, function=function: setattr(module, function, folder)  # type: ignore[misc]
 
 
 def _ros_state(kind: str) -> type:

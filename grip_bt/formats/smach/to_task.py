@@ -283,7 +283,6 @@ def _outcomes(added: Child) -> list[str]:
 
 
 def _read_too_early(task: Task, catalog: Catalog) -> set[str]:
-    """Return the variables that a leaf may read before anything has written them."""
     nodes = dict(model.walk(task.root))
     early = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
     return {str(nodes[issue.path].in_[str(issue.key[1])]) for issue in early}  # type: ignore[union-attr]  # of leaves

@@ -73,11 +73,7 @@ class Keys:
 
 
 def plain_literal(value: Value) -> object:
-    """Return a value as a task can hold it.
-
-    Raises:
-        ValueError: it can't; the message is its source.
-    """
+    """Return a value as a task can hold it, or raise ValueError with its source."""
     if value.opaque is not None:
         raise ValueError(value.opaque)
     todo: list[object] = [value.value]
@@ -152,7 +148,6 @@ def copied_in(found: ContainerInfo) -> list[str]:
 
 
 def _inside(found: ContainerInfo) -> tuple[set[str], set[str]]:
-    """Return the keys of a container that its children read and write."""
     reads: set[str] = set()
     writes: set[str] = set()
     for added in found.added.values():

@@ -22,7 +22,6 @@ __all__ = ["export"]
 
 
 def _assemble(builder: SourceBuilder, folder: Path) -> str:
-    """Return the whole file, which will lie in a folder."""
     trees = bool(builder.nodes or builder.trees or "Choose" in builder.parts)
     plain = not trees and all(_importable(file) for file in builder.modules)
     places = {file: Path(os.path.relpath(file, folder)) for file in builder.modules}
@@ -69,7 +68,6 @@ def _stands_on(builder: SourceBuilder, trees: bool, plain: bool) -> str:
 
 
 def _importable(file: Path) -> bool:
-    """Tell whether Python 3 can import a file by its name."""
     try:
         compile(file.read_bytes(), str(file), "exec")
     except (OSError, SyntaxError, ValueError):
@@ -97,7 +95,6 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
 
 
 def _root(builder: SourceBuilder) -> None:
-    """Write the machine of the whole task, called `task`."""
     task, part, outcomes = builder.resolved.task, builder.resolved.root, list(builder.resolved.task.outcomes)
     needed: Refined = {(outcome, code) for (_, outcome, code), _ in builder.resolved.ends if code is not None}
     ends = {o if code is None else f"{o}.{code}": target for (_, o, code), target in builder.resolved.ends}

@@ -80,7 +80,6 @@ _OUTSIDE = {"on", "x", "doc", "data", "exits", "child", "children"}
 
 
 def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> str:
-    """Write the state that asks a rule, and return its name."""
     builder.parts.add("Choose")
     more: dict[str, object] = {"place": part.path}
     if failures := _failures(needed):

@@ -135,7 +135,6 @@ def _classes(file: Path) -> dict[str, tuple[ast.expr, dict[str, Path]]]:
 
 
 def _made(body: list[ast.stmt]) -> ast.expr | None:
-    """Return what `make` returns, where that is all that the class says."""
     for statement in body:
         match statement:
             case ast.Expr(ast.Constant(str())):
@@ -151,10 +150,7 @@ SmachForm = Literal["state", "tree", "machine", "concurrence"]
 
 
 def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
-    """Return rules as outcome -> {child: its outcome}, and the outcome of the rest; None where no map says the same.
-
-    SMACH takes the entry with the most conditions that hold, the first of equals.
-    """
+    """Return rules as outcome -> {child: its outcome}, and the outcome of the rest; None where no map says the same."""
     node = part.node
     assert isinstance(node, model.Parallel), "only these join"
     obeyed = {child.name for child in part.children if is_obeyed(child)}

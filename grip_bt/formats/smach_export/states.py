@@ -28,10 +28,7 @@ _PLAIN = {"success": "success", "failure": "failure"}
 class SourceBuilder:
     """The file under construction: the body of `build`, the functions above it, and what these use.
 
-    Attributes:
-        built: source of what builds a legacy machine -> name of that machine in `build`.
-        trees: paths of containers that one state ticks -> kind.
-        nodes: catalogue ids of the leaves that are ticked.
+    `built`: source of what builds a legacy machine -> name of that machine; `trees`: paths that one state ticks -> kind.
     """
 
     resolved: Resolved
@@ -135,7 +132,6 @@ class _Renaming(ast.NodeTransformer):
         self.builder, self.modules = builder, modules
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Name a module."""
         file = self.modules.get(node.id)
         if file is None:
             return node
@@ -144,7 +140,6 @@ class _Renaming(ast.NodeTransformer):
         return ast.Name(self.builder.modules[file], ast.Load())
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        """Name smach itself, which the file imports too."""
         match node.value:
             case ast.Attribute(ast.Name(module), "smach") if module in self.modules:
                 return ast.Attribute(ast.Name("smach", ast.Load()), node.attr, ast.Load())
@@ -152,7 +147,6 @@ class _Renaming(ast.NodeTransformer):
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
-        """Name what is built once."""
         self.generic_visit(node)
         match node:
             case ast.Call(ast.Attribute(ast.Name("self"), "built"), [factory, *arguments], keywords):

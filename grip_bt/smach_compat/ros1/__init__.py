@@ -49,8 +49,6 @@ def end() -> None:
     _messages.end()
 
 
-# --- roslib: ROS 2's packages are found by Python, so that there is nothing to load ---
-
 packages = sys.modules[__name__]
 
 

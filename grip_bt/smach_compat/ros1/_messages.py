@@ -58,7 +58,6 @@ def begin() -> None:
 
 
 def end() -> None:
-    """Give no more names; those that were given stay."""
     sys.meta_path[:] = [finder for finder in sys.meta_path if not isinstance(finder, Ros1Names)]
 
 
@@ -106,9 +105,6 @@ def _by_position(message: Any) -> Any:
 
     message.__init__ = init
     return message
-
-
-# --- rospy's Time and Duration: ROS 2's own messages, where they are there, so that stamps fit into others -----------
 
 
 _SECOND = 10**9
@@ -207,7 +203,6 @@ Duration = _class("Duration", _DurationOfRos1)
 
 
 def now() -> Any:
-    """Return ROS's time."""
     return Time(ros().now())
 
 

@@ -46,9 +46,6 @@ class ServiceException(Exception):
     """A service gave no answer."""
 
 
-# --- logs ---
-
-
 def _logger(name: str) -> Callable[..., None]:
     def log(msg: object, *args: object, **_: object) -> None:
         getattr(hooks, name)(str(msg) % args if args else msg)
@@ -77,9 +74,6 @@ for _name in ("logdebug", "loginfo", "logwarn", "logerr", "logfatal"):
     globals()[f"{_name}_throttle"] = globals()[f"{_name}_throttle_identical"] = _now_and_then(globals()[_name])
     globals()[f"{_name}_once"] = _now_and_then(globals()[_name], once=True)
 log_warning, logerror = logwarn, logerr
-
-
-# --- the node ---
 
 _node = SimpleNamespace(name="/unnamed", ready=False)
 
@@ -137,9 +131,6 @@ core = exceptions = rostime = service = sys.modules[__name__]
 """Its sub-modules are itself."""
 
 
-# --- time ---
-
-
 def get_time() -> float:
     return ros().now()
 
@@ -195,8 +186,6 @@ class Timer(threading.Thread):
                 return
 
 
-# --- parameters ---
-
 _parameters: dict[str, Any] = {}
 _lock = threading.RLock()
 
@@ -250,9 +239,6 @@ def delete_param(param_name: str) -> None:
     with _lock:
         *above, last = _place(param_name)
         del (get_param("/" + "/".join(above)) if above else _known())[last]
-
-
-# --- topics and services ---
 
 
 def _message(type_: Any, values: tuple[Any, ...], named: dict[str, Any]) -> Any:

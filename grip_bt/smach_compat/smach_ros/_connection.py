@@ -95,12 +95,10 @@ def stands_in(value: object) -> bool:
 
 
 def fields(message: Any) -> tuple[str, ...]:
-    """Return the names of a message's fields."""
     return tuple(message.get_fields_and_field_types())
 
 
 def is_node(thing: object) -> bool:
-    """Tell whether something is a node, of rclpy or a stand-in."""
     return hasattr(thing, "create_publisher") and hasattr(thing, "get_name")
 
 
@@ -117,8 +115,6 @@ def with_optional_node(init: Callable[..., None]) -> Callable[..., None]:
 
     return taking
 
-
-# --- `smach_msgs` for programs that import it where it isn't installed; made when a message is used ---
 
 _MESSAGES = {
     "SmachContainerStatus": "Status",

@@ -47,7 +47,6 @@ class Service:
         return self._ros.wait_for_server(self._name, timeout)
 
     def call(self, request: Any) -> Any:
-        """Return the answer, or raise ServiceFailedError."""
         serve = self._ros.services.get(self._name)
         if serve is None:
             return self._ros.made_up(f"service {self._name}", self._type.Response)
@@ -71,7 +70,6 @@ class Goal:
         """Be worked on from now on."""
 
     def end(self, ending: str, result: object) -> None:
-        """End; nothing when it has."""
         if not self.over:
             self.over = True
             self._done(ending, STATUS[ending], result)
@@ -162,7 +160,6 @@ class ActionServer:
             self._current.feedback(message)
 
     def end(self, ending: str, result: object = None) -> None:
-        """End the goal being worked on as `succeeded`, `aborted` or `preempted`."""
         if self._current is not None:
             self._current.end(ending, result)
 
@@ -281,11 +278,9 @@ class Ros:
         return End(lambda: self._publishers[name].remove(type_), publish, listeners)
 
     def topics_of(self, type_: Any) -> list[str]:
-        """Return the names of the topics that somebody sends messages of a type on."""
         return [name for name, types in list(self._publishers.items()) if type_ in types]
 
     def wait_for_server(self, name: str, timeout: float) -> bool:
-        """Tell whether somebody serves a service or an action of this name within `timeout` [s]."""
         end = time.monotonic() + timeout
         while name not in self.services and name not in self.actions and self._stand_in is None:
             if time.monotonic() >= end or self._over.wait(_PERIOD / 10):

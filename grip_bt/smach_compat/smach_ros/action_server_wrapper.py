@@ -48,7 +48,6 @@ class ActionServerWrapper:
         self.userdata = UserData()
         self._goal_key, self._feedback_key, self._result_key = goal_key, feedback_key, result_key
         self._goal_slots_map, self._result_slots_map = goal_slots_map or {}, result_slots_map or {}
-        self._feedback_slots_map = feedback_slots_map or {}
         self._expand_goal_slots, self._pack_result_slots = expand_goal_slots, pack_result_slots
         self.userdata[goal_key] = action_spec.Goal()
         self.userdata[result_key] = action_spec.Result()

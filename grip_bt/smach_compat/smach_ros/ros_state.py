@@ -35,7 +35,6 @@ class RosState(State):
         return self._node  # type: ignore[attr-defined]
 
     def _full_name(self, name: str) -> str:
-        """Return a name as the node would resolve it."""
         return ros().name_of(name, self.node)
 
 
