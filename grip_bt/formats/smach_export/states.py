@@ -28,7 +28,7 @@ _PLAIN = {"success": "success", "failure": "failure"}
 class SourceBuilder:
     """The file under construction: the body of `build`, the functions above it, and what these use.
 
-    `built`: source of what builds a legacy machine -> name of that machine; `trees`: paths that one state ticks -> kind.
+    `built`: source of what builds a legacy machine -> its name; `trees`: paths of what one state ticks -> kind.
     """
 
     resolved: Resolved
