@@ -21,8 +21,7 @@ RUNS_LOCK = threading.RLock()
 class AmongStates(Leaf):
     """A leaf that takes part in how containers of SMACH hand on a preempt request.
 
-    Attributes:
-        enclosing: the containers around it that were SMACH's, outermost first; given by the compiler.
+    `enclosing`: the containers around it that were SMACH's, outermost first; given by the compiler.
     """
 
     enclosing: Sequence[Enclosing] = ()
@@ -35,7 +34,6 @@ class AmongStates(Leaf):
             return _runs.setdefault(self.context.clock, Asking())
 
     def requests(self) -> int:
-        """Return how many preempt requests the run has had."""
         counted = getattr(self.context, "preempt_requests", None)
         return int(self.context.preempt_requested if counted is None else counted)
 
@@ -66,7 +64,6 @@ class KeysLeaf(AmongStates):
         return self.at_first(key)
 
     def at_first(self, key: str) -> tuple[bool, Any]:
-        """Return whether an unwritten variable has a value all the same, and that value."""
         return False, None
 
 
@@ -92,7 +89,6 @@ class Values:
         return key in self.written or self._leaf.look_up(str(key))[0]
 
     def keys(self) -> list[str]:
-        """Return the keys that have been written."""
         return [key for key in self._leaf.manifest.inputs if key in self]
 
     def update(self, ud: UserData) -> None:
@@ -100,11 +96,7 @@ class Values:
 
 
 class Activation:
-    """One call of `execute` in its thread.
-
-    Attributes:
-        over: ends when `execute` returns; nobody can cancel it.
-    """
+    """One call of `execute` in its thread; `over` ends when it returns, and nobody can cancel it."""
 
     def __init__(self, state: Any, values: Values, name: str, wake: Callable[[], None]):
         self.values = values
@@ -128,5 +120,4 @@ class Activation:
         self._thread.start()
 
     def done(self) -> bool:
-        """Whether `execute` has returned."""
         return self.over.done()

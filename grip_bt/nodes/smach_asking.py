@@ -1,8 +1,7 @@
 """How a preempt request travels among imported SMACH states: container by container, as SMACH's own flags do.
 
-A task has one request for the whole run; SMACH has a flag on each state and container, and each kind of container hands
-it on in its own way. Whatever form the task runs in, its leaves say when they begin, and containers that were SMACH's
-count how often they were entered (`Enclosing`). From that alone the flags are kept here.
+Whatever form a task runs in, its leaves say when they begin, and containers that were SMACH's count how often they were
+entered (`Enclosing`). From that alone the flags are kept here.
 """
 
 from __future__ import annotations
@@ -13,8 +12,6 @@ from typing import Any, Protocol
 
 MARK = "x-smach"
 """Says of a container in a task which class of SMACH it was."""
-CONSTANT = "constant"
-"""Says it of a state that sets what was one of `constants=`."""
 
 
 class Enclosing:
@@ -37,19 +34,12 @@ class Enclosing:
 
 
 class Child(Protocol):
-    """A state or container, as the container around it sees it."""
+    """A state or container with its flag, as the container around it sees it."""
 
-    def request_preempt(self) -> None:
-        """Set its flag."""
-
-    def preempt_requested(self) -> bool:
-        """Return its flag."""
-
-    def recall_preempt(self) -> None:
-        """Clear its flag."""
-
-    def is_running(self) -> bool:
-        """Tell whether it is being executed."""
+    def request_preempt(self) -> None: ...
+    def preempt_requested(self) -> bool: ...
+    def recall_preempt(self) -> None: ...
+    def is_running(self) -> bool: ...
 
 
 class Container:
@@ -65,8 +55,6 @@ class Container:
         self.begun: list[Child] = []
         self.asked: Child | None = None
 
-    # --- as a child of another container ---
-
     def request_preempt(self) -> None:
         """Set the flag; a container that is executed asks what runs in it."""
         self.flag = True
@@ -80,10 +68,7 @@ class Container:
         self.flag = False
 
     def is_running(self) -> bool:
-        """Tell whether it is being executed."""
         return self.enclosing is None or self.enclosing.runs()
-
-    # --- its own life ---
 
     def enter(self) -> None:
         """Begin an execution; the flag is kept, so that a request that came before asks the initial state."""
@@ -130,7 +115,6 @@ class Whole(Container):
     """The run, around everything: each new request is asked of what runs, and goes on until something has obeyed."""
 
     def request_preempt(self) -> None:
-        """Set the flag, and ask."""
         self.asked = None
         super().request_preempt()
 
@@ -147,17 +131,14 @@ class Together(Container):
         self.executing = False
 
     def come(self, child: Child) -> None:
-        """Take note of a child that begins."""
         if child not in self.begun:
             self.begun.append(child)
 
     def before(self, child: Child) -> None:
-        """A child that begins after the request is one that hasn't ended."""
         if self.has_asked:
             child.request_preempt()
 
     def ask(self) -> None:
-        """Ask the children that haven't ended."""
         if not self.has_asked:
             self.has_asked = True
             for child in self.begun:
@@ -200,7 +181,6 @@ class Iteration(Container):
         """A request that came before isn't brought to the state."""
 
     def ask(self) -> None:
-        """Ask the state."""
         if self.current is not None:
             self.current.request_preempt()
 
@@ -211,8 +191,7 @@ _KINDS: dict[str, type[Container]] = {"Concurrence": Together, "Iterator": Itera
 class Asking:
     """All flags of one run. What isn't in a container of SMACH is in one that the run itself is.
 
-    Attributes:
-        built: what builds a legacy container -> the container that it has built, for all leaves of the run.
+    `built`: what builds a legacy container -> the container that it has built, for all leaves of the run.
     """
 
     def __init__(self) -> None:
@@ -224,19 +203,12 @@ class Asking:
         self._seen = 0
 
     def container(self, enclosing: Enclosing) -> Container:
-        """Return the flag of a container."""
         if enclosing.path not in self._containers:
             self._containers[enclosing.path] = _KINDS.get(enclosing.kind, Container)(enclosing)
         return self._containers[enclosing.path]
 
     def begin(self, around: Sequence[Enclosing], leaf: Child | None, requests: int) -> None:
-        """Take note that a leaf begins.
-
-        Args:
-            around: the containers around it, outermost first.
-            leaf: the leaf; None where it is no state of SMACH's, so that only its containers have begun.
-            requests: how many preempt requests the run has had.
-        """
+        """Take note that a leaf begins in containers, outermost first; None where it is no state of SMACH's."""
         with self.lock:
             inside = [self.container(enclosing) for enclosing in around]
             outer: list[Container] = [self.whole, *inside]
@@ -256,7 +228,6 @@ class Asking:
                     child.enter()
 
     def arrive(self, requests: int) -> None:
-        """Bring a request that is new to what runs."""
         with self.lock:
             if requests > self._seen:
                 self.whole.request_preempt()

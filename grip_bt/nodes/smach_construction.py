@@ -148,10 +148,7 @@ def run_as_main(path: Path) -> Callable[[], None]:
 
 
 def built_in(path: Path, line: int, code: Callable[[], Any], number: int = 0) -> Any:
-    """Return the container that code builds at a line of a file; a machine that it would execute ends it.
-
-    Args:
-        number: which of those that it builds there.
+    """Return the `number`th container that code builds at a line of a file; a machine that it would execute ends it.
 
     Raises:
         LookupError: it builds none there, this time.

@@ -33,11 +33,7 @@ def task_name(label: str) -> str:
 
 
 def argument(name: str) -> Any:
-    """Return what stands for an argument that nobody has given, where stand-ins are wanted.
-
-    Raises:
-        NotImplementedError: they aren't.
-    """
+    """Return what stands for an argument that nobody has given, where stand-ins are wanted."""
     if any(isinstance(finder, StandInFinder) for finder in sys.meta_path):
         return stand_in(name)
     raise NotImplementedError(
@@ -91,7 +87,6 @@ class SmachLeaf(KeysLeaf):
             )
 
     def at_first(self, key: str) -> tuple[bool, Any]:
-        """Return the value that the legacy code begins with."""
         return (True, self.built(self.first[key], self)) if key in self.first else (False, None)
 
     def initialise(self) -> None:
@@ -124,29 +119,21 @@ class SmachLeaf(KeysLeaf):
                 outermost = self.asking.container(self.enclosing[0]) if self.enclosing else self
                 outermost.request_preempt()
 
-    # --- as its container sees it ---
-
     def request_preempt(self) -> None:
-        """Set the state's flag."""
         try:
             self.state.request_preempt()
         except Exception:  # noqa: BLE001 - the task goes on, as SMACH does
             _log.exception("%s: request_preempt() raised", self.path)
 
     def preempt_requested(self) -> bool:
-        """Return the state's flag."""
         return bool(self.state.preempt_requested())
 
     def recall_preempt(self) -> None:
-        """Clear the state's flag."""
         self.state.recall_preempt()
 
     def is_running(self) -> bool:
-        """Tell whether `execute` runs."""
         activation = self._activation
         return self._relives or (activation is not None and not activation.done())
-
-    # --- activations of a process that died ---
 
     def replay_begun(self) -> None:
         """Be among what runs, with the flag that it began with."""
@@ -157,10 +144,7 @@ class SmachLeaf(KeysLeaf):
             self._ask_here()
 
     def replay_ended(self, outcome: str | None) -> None:
-        """Bring the flags to where the activation left them.
-
-        Whether the state answered a request isn't recorded: it did where it ended with `preempted`, as SMACH's own do.
-        """
+        """Bring the flags to where the activation left them; a state that ended `preempted` has answered."""
         with self.asking.lock:
             if not self._relives:
                 self.replay_begun()
@@ -171,8 +155,6 @@ class SmachLeaf(KeysLeaf):
                 self.recall_preempt()
             elif outcome is None:
                 self._ask_to_return()
-
-    # --- its ends ---
 
     def _take(self, activation: Activation) -> Status:
         if isinstance(activation.error, Exception):
@@ -203,7 +185,6 @@ class SmachLeaf(KeysLeaf):
 
     @property
     def zombie(self) -> bool:
-        """Whether an interrupted `execute` still runs."""
         return self._zombie is not None and not self._zombie.done()
 
     def _bury(self) -> None:

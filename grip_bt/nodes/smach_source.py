@@ -43,10 +43,7 @@ _PYTHON_2 = re.compile(r"\.(iteritems|iterkeys|itervalues|has_key)\(|\b(xrange|r
 
 @dataclass(frozen=True)
 class Source:
-    """A file that can be parsed: its text in Python 3 and its syntax, with the file's own line numbers.
-
-    `converted` says whether it is Python 2 and was converted, which keeps lines.
-    """
+    """A file that can be parsed: its text in Python 3 and its syntax, with the file's own line numbers."""
 
     path: Path
     text: str
@@ -97,8 +94,6 @@ def _converter() -> Any:
     return RefactoringTool([f"lib2to3.fixes.fix_{name}" for name in _FIXERS])
 
 
-# --- where modules are -----------------------------------------------------------------------------------------------
-
 _HIGHEST = 5
 """How many folders above a package a workspace may begin."""
 _BUILT = ("build", "install", "devel", "log")
@@ -106,10 +101,7 @@ _BUILT = ("build", "install", "devel", "log")
 
 @dataclass(frozen=True)
 class Workspace:
-    """The packages that lie together: the folder around them, and the folders in which modules are looked for.
-
-    `packages`: the folders of ROS packages, by name.
-    """
+    """The packages that lie together, by name; the folder around them; where modules are looked for."""
 
     root: Path
     folders: tuple[Path, ...]
@@ -118,11 +110,7 @@ class Workspace:
 
 @lru_cache(maxsize=64)
 def workspace_of(file: Path, bound: Path | None = None) -> Workspace:
-    """Return the workspace around a file, found by `package.xml` and `setup.py`.
-
-    Args:
-        bound: the folder that it is, where that is known.
-    """
+    """Return the workspace around a file, found by `package.xml` and `setup.py`; `bound`: its folder, if known."""
     package = next((p for p in file.parents if (p / "package.xml").is_file() or (p / "setup.py").is_file()), None)
     root = bound or (_root(package) if package is not None else file.parent)
     packages, folders = {}, [file.parent]
@@ -177,12 +165,7 @@ def _module_folders(package: Path) -> list[Path]:
 
 
 class LegacyFinder(MetaPathFinder, Loader):
-    """Finds the modules of a workspace, of any age of Python.
-
-    Args:
-        folders: where they are.
-        compiled: gives the code of a file; as it is, by default.
-    """
+    """Finds the modules of folders, of any age of Python; `compiled` gives the code of a file."""
 
     def __init__(self, folders: Iterable[Path], compiled: Callable[[Path], CodeType] | None = None):
         self.folders, self.compiled = list(folders), compiled or _compiled
@@ -225,12 +208,7 @@ _finder = LegacyFinder(())
 
 
 def prepare_imports(path: Path, ros: bool = True) -> None:
-    """Have a legacy file find `smach`, `rospy`, its neighbours, and the packages of its workspace, after all others.
-
-    Args:
-        path: the file, resolved.
-        ros: see `load_legacy`.
-    """
+    """Have a legacy file find `smach`, `rospy`, its neighbours, and the packages of its workspace, after all others."""
     smach_compat.install(ros=ros, rospy=ros)
     top = path.parents[module_name(path).count(".")] if (path.parent / "__init__.py").is_file() else path.parent
     for folder in (path.parent, top, *workspace_of(path).folders):
@@ -241,9 +219,7 @@ def prepare_imports(path: Path, ros: bool = True) -> None:
 
 
 def load_legacy(path: Path, ros: bool = True) -> ModuleType:
-    """Import a legacy file, once per process, with `smach_compat` as its `smach` and `smach_ros`.
-
-    It finds its neighbours, and the packages of its workspace, after all others.
+    """Import a legacy file, once per process; see `prepare_imports`.
 
     Args:
         path: the file.

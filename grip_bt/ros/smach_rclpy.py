@@ -7,6 +7,7 @@ import importlib
 import math
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -22,9 +23,9 @@ from std_msgs.msg import Header
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import GoalRejectedError, ServerLostError
 from grip_bt.base.operation import Operation
+from grip_bt.smach_compat.smach_ros._connection import PROVIDED
 from grip_bt.smach_compat.smach_ros._port import ActionClient, End, NoFrameError, Ros, Service, ServiceFailedError
-from grip_bt.smach_compat.smach_ros._smach_msgs import PROVIDED
-from grip_bt.smach_compat.smach_ros.introspection import IntrospectionClient, IntrospectionServer
+from grip_bt.smach_compat.smach_ros.introspection import IntrospectionServer
 
 from .client.bus import Bus
 from .client.goal import GoalEnd
@@ -78,38 +79,30 @@ class RclpyConnection(Ros):
         )
 
     def close(self) -> None:
-        """Leave ROS."""
         self._bus.close()
 
     def is_shutdown(self) -> bool:
-        """Tell whether the program or the connection is over."""
         return self._bus.closed or self._shutdown.over()
 
     def on_shutdown(self, hook: Callable[[], None]) -> None:
-        """Call `hook()` when a shutdown was asked for."""
         self._shutdown.add(hook)
 
     def shut_down(self, reason: str = "") -> None:
-        """Shut the program's ROS down."""
         self._shutdown.begin()
 
     def spin(self) -> None:
-        """Wait for the shutdown."""
         while not self.is_shutdown():
             self._shutdown.wait(SLICE)
 
     def now(self) -> float:
-        """Return ROS's time [s]."""
         return float(self._bus.node.get_clock().now().nanoseconds) / 1e9
 
     def sleep(self, seconds: float) -> None:
-        """Wait; a shutdown ends it."""
         end = self.now() + seconds
         while (left := end - self.now()) > 0 and not self.is_shutdown():
             self._shutdown.wait(min(left, SLICE))
 
     def subscribe(self, topic: str, type_: InterfaceType, callback: Callable[[Message], None]) -> End:
-        """Call `callback(message)` on the bus's thread for each message."""
         node, name = self._bus.node, self.name_of(topic, None)
         made = self._bus.ask(lambda: node.create_subscription(type_, name, callback, 10))
         return self._end(made, node.destroy_subscription)
@@ -141,17 +134,10 @@ class RclpyConnection(Ros):
         return End(close, publish, listeners)
 
     def topics_of(self, type_: InterfaceType) -> list[str]:
-        """Return the topics that somebody sends messages of a type on."""
-        wanted = type_name(type_)
-        return [name for name, found in self.topics() if found == wanted]
-
-    def topics(self) -> list[tuple[str, str]]:
-        """Return the topics that somebody sends on, with their types."""
-        found = self._bus.ask(lambda: topics(self._bus.node))
-        return [(name, type_) for name, types, _ in found for type_ in types]
+        wanted, found = type_name(type_), self._bus.ask(lambda: topics(self._bus.node))
+        return [name for name, types, _ in found if wanted in types]
 
     def wait_for_server(self, name: str, timeout: float) -> bool:
-        """Tell whether somebody serves a service, or an action, within `timeout` [s]."""
         wanted = {name, f"{name}/_action/send_goal"}
         end = self.now() + timeout
         while not wanted & {service for service, _ in self._bus.ask(self._bus.node.get_service_names_and_types)}:
@@ -161,7 +147,6 @@ class RclpyConnection(Ros):
         return True
 
     def service(self, name: str, type_: InterfaceType) -> _Service:
-        """Return a client."""
         return _Service(self, self._bus, self.name_of(name, None), type_)
 
     def serve(self, name: str, type_: InterfaceType, answer: Callable[[Message], Message]) -> End:
@@ -185,19 +170,16 @@ class RclpyConnection(Ros):
         return self._end(made, node.destroy_service)
 
     def action_client(self, name: str, type_: InterfaceType) -> _ActionClient:
-        """Return a client."""
         return _ActionClient(self, self._bus, self.name_of(name, None), type_)
 
     def action_server(
         self, name: str, type_: InterfaceType, execute: Callable[[Message], None], preempt: Callable[[], None]
     ) -> SimpleServer:
-        """Return a server, not started."""
         return SimpleServer(self, self._bus, self.name_of(name, None), type_, execute, preempt)
 
     def transform(
         self, target: str, source: str, at: float | None, timeout: float
     ) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
-        """Return where TF has a frame in another: x, y, z [m], and x, y, z, w."""
         ensure_package("tf2_msgs", self._cache)
         try:
             pose = ended(self._transforms.lookup(target, source, timeout, at))
@@ -209,7 +191,6 @@ class RclpyConnection(Ros):
     def broadcast(
         self, parent: str, child: str, move: tuple[float, ...], turn: tuple[float, ...], stamp: float
     ) -> None:
-        """Tell TF where a frame is."""
         ensure_package("tf2_msgs", self._cache)
         if self._tf is None:
             self._tf = self.advertise("/tf", load_type(MESSAGE))
@@ -222,11 +203,7 @@ class RclpyConnection(Ros):
         self._tf.publish(load_type(MESSAGE)(transforms=[made]))
 
     def introspection(self) -> SimpleNamespace:
-        """Return smach_msgs; built once, in some 15 s, where no package of the name can be imported.
-
-        Raises:
-            MissingPartError: it has to be built and there is no compiler.
-        """
+        """Return smach_msgs; built once, in some 15 s, where no package of the name can be imported."""
         if self._messages is None:
             PROVIDED.end()
             ensure_package("smach_msgs", self._cache)
@@ -242,7 +219,6 @@ class RclpyConnection(Ros):
         return self._messages
 
     def name_of(self, name: str, node: Any) -> str:
-        """Return the full name, by the user's node where there is one."""
         return str((self._bus.node if node is None else node).resolve_topic_name(name))
 
 
@@ -252,7 +228,6 @@ class _Service(Service):
         self._client = bus.service(type_, name)
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return _ready(self._client.wait_ready(timeout))
 
     def call(self, request: Message) -> Message:
@@ -272,7 +247,6 @@ class _ActionClient(ActionClient):
         self._sent: Operation[GoalEnd] | None = None
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return _ready(self._client.wait_ready(timeout))
 
     def send(self, goal: Message, done: Callable[[str, int, Any], None], feedback: Callable[[Message], None]) -> None:
@@ -282,7 +256,6 @@ class _ActionClient(ActionClient):
         operation.add_done_callback(lambda: done(*_end_of(operation)))
 
     def cancel(self) -> None:
-        """Ask the server to end the goal."""
         if self._sent is not None:
             self._sent.cancel()
 
@@ -296,7 +269,6 @@ def _ready(operation: Operation[None]) -> bool:
 
 
 def _end_of(operation: Operation[GoalEnd]) -> tuple[str, int, Message | None]:
-    """Return how a goal ended, as (ending, status, result)."""
     try:
         end = operation.result()
     except GoalRejectedError:
@@ -315,23 +287,10 @@ class IntrospectionServerNode(IntrospectionServer, Node):
         IntrospectionServer.__init__(self, self, server_name, state, path)
 
 
-class IntrospectionClientNode(IntrospectionClient, Node):
-    """ROS 2's: a node that finds servers, and sets where their containers begin."""
-
-    def __init__(self, node_name: str = "introspection_client", **kwargs: Any):
-        Node.__init__(self, node_name, **kwargs)
-
-
 class SmachNode(Node):
-    """A node of the user's, for the user's own publishers, timers and so on; states don't need it.
+    """A node of the user's, for the user's own publishers, timers and so on; states don't need it."""
 
-    Args:
-        **kwargs: see `rclpy.node.Node`.
-    """
-
-    def __init__(self, node_name: str, **kwargs: Any):
-        super().__init__(node_name, **kwargs)
-        self._spinner: threading.Thread | None = None
+    _spinner: threading.Thread | None = None
 
     def start(self) -> None:
         """Spin in a thread until ROS is shut down."""
@@ -341,13 +300,10 @@ class SmachNode(Node):
     def _spin(self) -> None:
         executor = SingleThreadedExecutor(context=self.context)
         executor.add_node(self)
-        try:
+        with suppress(ExternalShutdownException):
             while self.context.ok():
                 executor.spin_once(timeout_sec=0.5)
-        except ExternalShutdownException:
-            pass
-        finally:
-            executor.shutdown()
+        executor.shutdown()
 
     def join(self) -> None:
         """Wait until it has stopped spinning."""

@@ -78,7 +78,6 @@ class SimpleServer(ActionServer):
         self._served: dict[bytes, _Served] = {}
 
     def start(self) -> None:
-        """Take goals."""
         self._bus.ask(self._create)
         super().start()
 
@@ -124,7 +123,6 @@ class Shutdown:
         self._previous: dict[int, Any] = {}
 
     def over(self) -> bool:
-        """Tell whether it is over."""
         up = bool(get_default_context().ok())
         self._context_was_up = self._context_was_up or up
         return self._over.is_set() or (self._context_was_up and not up)
@@ -142,7 +140,6 @@ class Shutdown:
                 self._previous[number] = signal.signal(number, self._interrupted)
 
     def wait(self, seconds: float) -> None:
-        """Wait; a shutdown by signal ends it."""
         self._over.wait(max(0.0, seconds))
 
     def _interrupted(self, number: int, frame: FrameType | None) -> None:
@@ -152,7 +149,6 @@ class Shutdown:
         threading.Thread(target=self.begin, name="smach-shutdown").start()
 
     def begin(self) -> None:
-        """Shut down, from now on."""
         try:
             for hook in self._hooks:
                 hook()

@@ -7,10 +7,9 @@
 * Journal: `journal` (the ticking thread, then the writer's, with `value_codec`) -> SQLite -> `journal_reader`.
 * Control: `control` (over streams), `debugger` (with breakpoints).
 * Executing a recorded run again: `recording`, `re_execution`; `observers`: state beside the task.
-* Trees inside of SMACH machines: `smach_states`, `smach_choice`.
+* Trees inside of SMACH machines: `smach_states`.
 """
 
-from grip_bt.compilers.task_machine import Joining
 from grip_bt.runtime.journal_events import NodeState, RunSnapshot
 
 from .clock import ManualClock, Waker, WallClock
@@ -25,15 +24,12 @@ from .pacing import Pacing
 from .re_execution import ReExecution
 from .recording import Recording
 from .runner import Runner, RunResult
-from .smach_choice import Choose, Each
-from .smach_states import BehaviourTree, TreeRun
+from .smach_states import BehaviourTree, Choose, TreeRun
 
 __all__ = [
     "BehaviourTree",
     "Choose",
-    "Each",
     "Event",
-    "Joining",
     "Journal",
     "JournalError",
     "JournalReader",

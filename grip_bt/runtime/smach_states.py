@@ -6,7 +6,7 @@ request reaches the leaves of the tree as a flag; a halt interrupts them at once
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any, Literal, Self
 
 from py_trees.behaviour import Behaviour
@@ -14,15 +14,22 @@ from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
 from grip_bt.base.closing import Closing
+from grip_bt.base.errors import DataError
+from grip_bt.base.evaluation import condition_of, value_of
+from grip_bt.base.expression import Expression, parse_expression
 from grip_bt.compilers import CompiledTree, Halted, Pacer, to_tree
 from grip_bt.compilers.behaviour_state import MachineRun, Refined, drive, label, labels
 from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.compilers.scopes import UNSET, Scopes
+from grip_bt.compilers.task_machine import Decide
+from grip_bt.nodes.answers import Answers
 from grip_bt.nodes.node import AskedContext
 from grip_bt.smach_compat import State
 from grip_bt.task import Leaf, Task
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.model import join
+from grip_bt.task.kinds.base import Kind
+from grip_bt.task.model import KINDS, join
+from grip_bt.task.parts import Edges
 
 from .context import RunContext
 from .pacing import Pacing
@@ -58,7 +65,6 @@ class TreeRun(Closing):
         self.shared.fail(Halted())
 
     def close(self) -> None:
-        """Shut the leaves down; nothing runs any more."""
         while self.trees:
             self.trees.pop().release()
 
@@ -144,12 +150,7 @@ class BehaviourTree(State):
         return cls(Task.model_validate(document), run, codes=codes, place=place)
 
     def execute(self, userdata: object) -> str:
-        """Tick the tree to its end.
-
-        Raises:
-            Halted: it was stopped.
-            NodeError: a leaf raised.
-        """
+        """Tick the tree to its end."""
         if not self._shares:
             self.run.shared.error = None
         before = self._copy_in(userdata)
@@ -173,14 +174,11 @@ class BehaviourTree(State):
         return label(end.outcome, end.failure, self._refined)
 
     def release(self) -> None:
-        """Shut the leaves down."""
         if self.compiled is not None:
             self.compiled.release()
         else:
             self.root.shutdown()
         self._prepared = False
-
-    # --- stopping ---
 
     def request_preempt(self) -> None:
         """Ask the tree to come to an end, and have it look."""
@@ -193,13 +191,9 @@ class BehaviourTree(State):
         self.run.shared.wake()
 
     def recall_halt(self) -> None:
-        """Let it be executed again."""
         self._halting = False
 
-    # --- as a pacer ---
-
     def turn(self) -> int:
-        """Wait for the time to tick."""
         seen = self.run.shared.turn()
         if self._halting:
             raise Halted
@@ -208,14 +202,10 @@ class BehaviourTree(State):
         return seen
 
     def rest(self, seen: int) -> None:
-        """Wait for something to look at."""
         self.run.shared.rest(seen)
 
     def wake(self) -> None:
-        """Have it look."""
         self.run.shared.wake()
-
-    # --- values ---
 
     def _prepare(self) -> None:
         if self._prepared:
@@ -250,6 +240,57 @@ class BehaviourTree(State):
         for name, cell in self.compiled.data[Scopes.TASK].cells.items():
             if cell.value is not UNSET and cell.value is not before.get(name, UNSET):
                 userdata[name] = cell.value
+
+
+class Choose(Decide):
+    """Asks a kind what follows; ends with `do CHILD`, `success`, or `failure`.
+
+    Its machine begins with it; a loop's child leads back to it. Register `begin` as a start callback of the machine.
+
+    Args:
+        node: a `switch` or `loop` as a task file has it, without its children; expressions are over userdata.
+        children: names of what it chooses among.
+        place: its path in messages.
+        codes: failure codes with outcomes of their own, such as `failure.loop_limit`.
+    """
+
+    def __init__(
+        self,
+        run: TreeRun,
+        node: Mapping[str, Any],
+        children: Sequence[str],
+        *,
+        place: str = "/",
+        codes: Collection[str] = (),
+    ):
+        refined: Refined = [(outcome, code) for outcome, _, code in (code.partition(".") for code in codes)]
+        ends, answers = {label: label for label in ("success", "failure")}, Answers(place, children, Edges(), Edges())
+        kind: Kind = KINDS[node["kind"]].model_construct(**node)
+        said = {key: parse_expression(text) for key in (*kind.values, *kind.conditions) if (text := getattr(kind, key))}
+        names = dict.fromkeys(name for expression in said.values() for name in expression.names)
+        super().__init__(kind, answers, ends, run.shared, refined, list(names))
+        for key, expression in said.items():
+            readers = self._readers(expression, key)
+            if key in kind.values:
+                answers.readers[key] = value_of(expression, readers)
+            else:
+                answers.conditions[key] = condition_of(expression, readers)
+        self._userdata: Any = None
+
+    def execute(self, userdata: Any) -> str:
+        self._userdata = userdata
+        return super().execute(userdata)
+
+    def _readers(self, expression: Expression, key: str) -> dict[str, Callable[[], Any]]:
+        def reader(name: str) -> Callable[[], Any]:
+            def read() -> Any:
+                if name not in self._userdata:
+                    raise DataError(self.answers.path, key, f"variable {name!r} was read before it was written")
+                return self._userdata[name]
+
+            return read
+
+        return {name: reader(name) for name in expression.names}
 
 
 def _inside(place: str, path: str) -> str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import importlib
 import sys
-from pkgutil import iter_modules
 from types import ModuleType
 
 from grip_bt.base.errors import GripError
@@ -17,8 +16,11 @@ from ._settings import Settings, configure
 
 
 def _with_submodules(name: str, module: ModuleType) -> dict[str, ModuleType]:
-    names = [each.name for each in iter_modules(module.__path__) if not each.ispkg and each.name[0] != "_"]
-    return {name: module, **{f"{name}.{each}": getattr(module, each) for each in names}}
+    """Return a package, and what programs import from below it: itself, or a module that is no package."""
+    below = {each: value for each, value in vars(module).items() if isinstance(value, ModuleType) and each[0] != "_"}
+    ours = {each: value for each, value in below.items() if value.__name__.startswith(module.__name__)}
+    found = {each: value for each, value in ours.items() if value is module or not hasattr(value, "__path__")}
+    return {name: module, **{f"{name}.{each}": value for each, value in found.items()}}
 
 
 def _modules(ros: bool = True) -> dict[str, ModuleType]:
@@ -58,7 +60,7 @@ def install(*, ros: bool = True, rospy: bool = False, **changes: bool | str) -> 
 
 def smach_msgs() -> Provided:
     """Return what provides `smach_msgs`; its messages are ROS's."""
-    provided: Provided = importlib.import_module("grip_bt.smach_compat.smach_ros._smach_msgs").PROVIDED
+    provided: Provided = importlib.import_module("grip_bt.smach_compat.smach_ros._connection").PROVIDED
     return provided
 
 

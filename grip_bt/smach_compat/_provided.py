@@ -27,7 +27,6 @@ class Provided(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, is_package=True) if fullname in self.makers and not theirs else None
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Return the module."""
         self._made[spec.name] = module = self.makers[spec.name]()
         return module
 
@@ -35,12 +34,10 @@ class Provided(MetaPathFinder, Loader):
         """Do nothing: it was executed under its own name."""
 
     def begin(self) -> None:
-        """Be asked from now on."""
         if self not in sys.meta_path:
             sys.meta_path.append(self)
 
     def end(self) -> None:
-        """Be asked no more; what was imported is forgotten."""
         if self in sys.meta_path:
             sys.meta_path.remove(self)
         for name, module in self._made.items():

@@ -12,19 +12,9 @@ PROFILES = ("noetic", "ros2")
 
 @dataclass
 class Settings:
-    """How faithful to be, and to which version.
+    """How faithful to be, and to which version: see docs/smach.md.
 
-    Attributes:
-        profile: `noetic` (executive_smach 2.5.x) or `ros2` (3.0.x).
-        strict_upstream_construction: leave a container open, and the construction lock taken, when the body of
-            `with container:` raises, as upstream does; by default both are undone.
-        wrap_interrupts: turn KeyboardInterrupt and SystemExit raised in a state into InvalidUserCodeError, as
-            upstream does; by default they pass through.
-        honour_preempt_timeout: give a canceled goal up after `preempt_timeout` of its SimpleActionState; noetic waits
-            for its server for ever, and so does the default. Profile `ros2` always gives up.
-        unpickle_userdata: read pickled userdata that comes from the network (introspection). It may run any code.
-        rospy: number goals' ends as ROS 1 does; set where a program imports `rospy` of `install(rospy=True)`.
-        parameters: a YAML file of what `rospy.get_param` gives.
+    `rospy`: number goals' ends as ROS 1 does; set where a program imports `rospy` of `install(rospy=True)`.
     """
 
     profile: str = "noetic"
@@ -36,12 +26,7 @@ class Settings:
     parameters: str = ""
 
     def update(self, **changes: bool | str) -> None:
-        """Change some settings, see docs/smach.md.
-
-        Raises:
-            ValueError: the profile isn't known.
-            TypeError: there is no such setting.
-        """
+        """Change some settings, see docs/smach.md."""
         known = {f.name for f in fields(self)}
         for name in changes:
             if name not in known:
@@ -53,7 +38,6 @@ class Settings:
 
     @property
     def ros2(self) -> bool:
-        """Whether the ROS 2 branch is imitated."""
         return self.profile == "ros2"
 
 
@@ -64,31 +48,17 @@ configure = settings.update
 
 
 def errors_of_user_code() -> type[BaseException]:
-    """Return the class of what counts as an error of user code."""
     return BaseException if settings.wrap_interrupts else Exception
 
 
 Logger = Callable[[object], object]
 
 
-def loginfo(msg: object) -> None:
-    """Print an information."""
-    sys.stdout.write(f"[  INFO ] : {msg}\n")
+def _printer(level: str) -> Logger:
+    return lambda text: sys.stdout.write(f"[{level}] : {text}\n")
 
 
-def logwarn(msg: object) -> None:
-    """Print a warning."""
-    sys.stdout.write(f"[  WARN ] : {msg}\n")
-
-
-def logdebug(msg: object) -> None:
-    """Print a detail for debugging."""
-    sys.stdout.write(f"[ DEBUG ] : {msg}\n")
-
-
-def logerr(msg: object) -> None:
-    """Print an error."""
-    sys.stdout.write(f"[ ERROR ] : {msg}\n")
+loginfo, logwarn, logdebug, logerr = map(_printer, ("  INFO ", "  WARN ", " DEBUG ", " ERROR "))
 
 
 def is_shutdown() -> bool:

@@ -21,15 +21,7 @@ _POLL = 0.1  # [s] how often a shutdown is looked for while children are being j
 class Concurrence(Container):
     """A container that runs its children at the same time on one userdata.
 
-    Args:
-        default_outcome: the outcome where nothing below says otherwise.
-        outcome_map: outcome -> {label: outcome of that child}; the entry with most constraints that all hold wins.
-        outcome_cb: `outcome_cb({label: outcome})` returns an outcome, or nothing to leave it as it is.
-        child_termination_cb: `child_termination_cb({label: outcome or None})` is called as each child ends; if what it
-            returns is true, the others are asked to stop.
-
-    Raises:
-        InvalidStateError: the default outcome or one of the map isn't registered, or a callback can't be called.
+    The entry of the map with most constraints that all hold wins; a callback that returns nothing leaves it at that.
     """
 
     def __init__(
@@ -78,8 +70,6 @@ class Concurrence(Container):
             if callback is not None and not callable(callback):
                 raise InvalidStateError(f"{name} is {callback!r}, which can't be called")
 
-    # --- construction ---
-
     @staticmethod
     def add(label: str, state: State, remapping: Remapping | None = None) -> State:
         """Add a child to the open concurrence; one with the same label is replaced."""
@@ -89,12 +79,7 @@ class Concurrence(Container):
         return state
 
     def check_consistency(self) -> None:
-        """Check the outcome map.
-
-        Raises:
-            KeyError: it names a child that isn't there.
-            InvalidTransitionError: it names an outcome that the child hasn't.
-        """
+        """Check the outcome map: KeyError where it names a child that isn't there."""
         for outcome, constraints in self._outcome_map.items():
             for label, child_outcome in constraints.items():
                 registered = self._states[label].get_registered_outcomes()
@@ -104,13 +89,10 @@ class Concurrence(Container):
                         f"but its outcomes are {list(registered)}"
                     )
 
-    # --- the container's view of itself ---
-
     def __getitem__(self, key: str) -> State:
         return self._states[key]
 
     def get_children(self) -> dict[str, State]:
-        """Return label -> state."""
         return self._states
 
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
@@ -121,7 +103,6 @@ class Concurrence(Container):
             self.userdata.update(userdata)
 
     def get_initial_states(self) -> list[str]:
-        """Return the labels of all children."""
         return list(self._states)
 
     def get_active_states(self) -> list[str]:
@@ -136,18 +117,8 @@ class Concurrence(Container):
             for label, child_outcome in constraints.items()
         ]
 
-    # --- execution ---
-
     def execute(self, parent_ud: UserData | Remapper | None = None) -> str:
-        """Run all children and wait for them.
-
-        Returns:
-            The outcome; `preempted` when a requested preempt was obeyed, even where that isn't registered.
-
-        Raises:
-            InvalidStateError: there are no children, a child raised, or one returned None.
-            InvalidUserCodeError: a callback raised.
-        """
+        """Run all children, wait; `preempted` when a request was obeyed, even where that isn't registered."""
         if not self._states:
             raise InvalidStateError("A concurrence without children can't be executed")
         self._child_outcomes = dict.fromkeys(self._states)
@@ -244,8 +215,6 @@ class Concurrence(Container):
             ) from error
         if stop_others:
             self._wake()
-
-    # --- the outcome ---
 
     def _decide(self) -> str:
         if self._preempt_requested:

@@ -23,11 +23,7 @@ C = TypeVar("C", bound="Container")
 
 
 class Container(State):
-    """A state made of states.
-
-    Attributes:
-        userdata: its store. It outlives an execution, and may be replaced.
-    """
+    """A state made of states; its `userdata` outlives an execution, and may be replaced."""
 
     _construction_stack: ClassVar[list[Container]] = []
     _construction_lock: ClassVar[Any] = threading.RLock()
@@ -44,8 +40,6 @@ class Container(State):
         self._start_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []
         self._transition_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []
         self._termination_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []
-
-    # --- what each kind of container says about itself ---
 
     def __getitem__(self, key: str) -> State:
         raise NotImplementedError
@@ -75,19 +69,13 @@ class Container(State):
         raise NotImplementedError
 
     def check_state_spec(self, label: str, state: State, transitions: Mapping[str, str | None]) -> None:
-        """Check that a state has all the outcomes that its transitions name.
-
-        Raises:
-            InvalidTransitionError: it lacks one.
-        """
+        """Check that a state has all the outcomes that its transitions name."""
         outcomes = state.get_registered_outcomes()
         unknown = [outcome for outcome in transitions if outcome not in outcomes]
         if unknown:
             raise InvalidTransitionError(
                 f"Transitions of state {label!r} name {unknown}, but its outcomes are {list(outcomes)}"
             )
-
-    # --- construction ---
 
     def open(self) -> None:
         """Make it the container that `add` adds to; other threads that open one wait until it is closed."""
@@ -97,11 +85,7 @@ class Container(State):
         Container._construction_stack.append(self)
 
     def close(self) -> None:
-        """End construction and check it; an inconsistency is logged and not raised.
-
-        Raises:
-            InvalidStateError: it isn't the innermost open container.
-        """
+        """End construction and check it; an inconsistency is logged and not raised."""
         stack = Container._construction_stack
         if not stack or stack[-1] is not self:
             raise InvalidStateError(
@@ -168,8 +152,6 @@ class Container(State):
             self._context_kwargs = {}  # type: ignore[misc]
             self.close()
 
-    # --- callbacks ---
-
     def register_start_cb(self, cb: Callable[..., object], cb_args: Iterable[object] = NOTHING) -> None:
         """Call `cb(userdata, initial_states, *cb_args)` when an execution begins."""
         self._start_cbs.append((cb, cb_args))
@@ -204,10 +186,7 @@ class Container(State):
         except Exception:  # noqa: BLE001 - an observer must not end the execution; the rest is skipped as upstream
             hooks.logerr(f"Could not call a {kind} callback:\n{traceback.format_exc()}")
 
-    # --- keys ---
-
     def _view(self, state: State, remapping: Remapping) -> Remapper:
-        """Return what a state sees of the userdata while it is executed once."""
         return Remapper(self.userdata, state.get_registered_input_keys(), state.get_registered_output_keys(), remapping)
 
     def _copy_input_keys(self, parent_ud: UserData | Remapper | None, ud: UserData) -> None:

@@ -18,11 +18,7 @@ from .user_data import NOTHING, Remapper, UserData
 class Iterator(Container):
     """A container that executes its one state for each item, until an outcome breaks the loop.
 
-    Args:
-        outcomes: what its execution may end with; a list, to which the exhausted outcome is added.
-        it: the items, or a function that returns them when an execution begins.
-        it_label: the userdata key that holds the current item.
-        exhausted_outcome: the outcome when no item is left.
+    `it` is the items, or returns them when an execution begins; the exhausted outcome is added to the list `outcomes`.
     """
 
     def __init__(
@@ -47,8 +43,6 @@ class Iterator(Container):
         self._final_outcome_map: dict[str, str] = {}
         self._is_running = False
 
-    # --- construction ---
-
     def set_iteritems(self, it: Iterable[object] | Callable[[], Iterable[object]], it_label: str) -> None:
         """Set the items, or the function that returns them, and the key of the current item."""
         self._items, self._items_label = it, it_label
@@ -61,13 +55,9 @@ class Iterator(Container):
         break_outcomes: Iterable[str] = NOTHING,
         final_outcome_map: dict[str, str] | None = None,
     ) -> None:
-        """Set the state of the open iterator.
+        """Set the state of the open iterator; it gets the iterator's userdata itself, with no check of keys.
 
-        Args:
-            state: a state or container; it gets the iterator's userdata itself, with no check of keys.
-            loop_outcomes: what goes on with the next item; ignored where `break_outcomes` are given.
-            break_outcomes: what ends the loop. With neither list, every registered outcome does.
-            final_outcome_map: how the loop ended -> outcome of the iterator, where they differ.
+        `loop_outcomes` are ignored where `break_outcomes` are given. With neither, every outcome ends the loop.
         """
         self = Iterator._currently_opened_container()
         self._state_label, self._state = label, state
@@ -82,21 +72,13 @@ class Iterator(Container):
             self._break_outcomes += [o for o in registered if o not in self._loop_outcomes]
 
     def check_consistency(self) -> None:
-        """Check that there is a state.
-
-        Raises:
-            InvalidStateError: there is none.
-        """
         if self._state is None:
             raise InvalidStateError("The iterator has no contained state")
-
-    # --- the container's view of itself ---
 
     def __getitem__(self, key: str) -> State:
         return self.get_children()[key]
 
     def get_children(self) -> dict[str, State]:
-        """Return {label: state}."""
         return {} if self._state is None else {self._state_label: self._state}
 
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
@@ -107,7 +89,6 @@ class Iterator(Container):
             self.userdata.update(userdata)
 
     def get_initial_states(self) -> list[str]:
-        """Return the label of the state."""
         return [self._state_label]
 
     def get_active_states(self) -> list[str]:
@@ -120,18 +101,8 @@ class Iterator(Container):
         edges: list[tuple[str, str, str | None]] = [(o, label, label) for o in self._loop_outcomes]
         return edges + [(o, label, final.get(o, o)) for o in self._break_outcomes]
 
-    # --- execution ---
-
     def execute(self, parent_ud: UserData | Remapper | None = None) -> Any:
-        """Execute the state for each item.
-
-        Returns:
-            The state's outcome that ended the loop, or the exhausted outcome, mapped by `final_outcome_map`.
-            Nobody checks it here.
-
-        Raises:
-            InvalidUserCodeError: the state raised.
-        """
+        """Execute the state for each item; what ended the loop, by `final_outcome_map`, isn't checked here."""
         self._is_running = True  # stays so after an exception, as upstream
         self._copy_input_keys(parent_ud, self.userdata)
         self.call_start_cbs()

@@ -12,11 +12,7 @@ from .user_data import NOTHING, Remapping
 
 
 class Sequence(StateMachine):
-    """A machine whose states follow each other by `connector_outcome`, in the order in which they were added.
-
-    Args:
-        connector_outcome: the outcome that leads on; that of the last state falls through.
-    """
+    """A machine whose states follow each other by `connector_outcome`, in the order in which they were added."""
 
     def __init__(
         self,

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from ._names import Interface, OrderedSet
 from .user_data import NOTHING
-from .util import has_smach_interface
+from .util import Interface, OrderedSet, has_smach_interface
 
 
 class State(Interface):
@@ -30,38 +29,30 @@ class State(Interface):
         raise NotImplementedError(f"{type(self).__name__}.execute")
 
     def register_outcomes(self, new_outcomes: Iterable[str]) -> None:
-        """Add outcomes."""
         self._outcomes = self._outcomes.union(new_outcomes)
 
     def register_io_keys(self, keys: Iterable[str]) -> None:
-        """Add keys that are read and written."""
         self._input_keys = self._input_keys.union(keys)
         self._output_keys = self._output_keys.union(keys)
 
     def register_input_keys(self, keys: Iterable[str]) -> None:
-        """Add keys that are read."""
         self._input_keys = self._input_keys.union(keys)
 
     def register_output_keys(self, keys: Iterable[str]) -> None:
-        """Add keys that are written."""
         self._output_keys = self._output_keys.union(keys)
 
     # The flag is no more than a flag: nothing resets it on entry or exit, the state that obeys it does.
 
     def request_preempt(self) -> None:
-        """Ask it to stop."""
         self._preempt_requested = True
 
     def service_preempt(self) -> None:
-        """Say that the request was obeyed."""
         self._preempt_requested = False
 
     def recall_preempt(self) -> None:
-        """Take the request back."""
         self._preempt_requested = False
 
     def preempt_requested(self) -> bool:
-        """Tell whether it was asked to stop."""
         return self._preempt_requested
 
 

@@ -17,13 +17,7 @@ from .user_data import NOTHING, Remapper, Remapping, UserData
 
 
 class StateMachine(Container):
-    """A finite state machine.
-
-    Args:
-        outcomes: what its execution may end with.
-        input_keys: userdata copied in from the parent when an execution begins.
-        output_keys: userdata copied out to the parent when it ends.
-    """
+    """A finite state machine; keys are copied in from the parent when an execution begins, and out when it ends."""
 
     def __init__(
         self,
@@ -51,8 +45,6 @@ class StateMachine(Container):
         self._last_added_label: str | None = None
         self._connector_outcomes: list[str] = []
 
-    # --- construction ---
-
     @staticmethod
     def add(
         label: str,
@@ -61,22 +53,13 @@ class StateMachine(Container):
         remapping: Remapping | None = None,
         constants: dict[str, Any] | None = None,
     ) -> State:
-        """Add a state to the open machine; the first one is where it begins.
+        """Add a state to the open machine; the first one is where it begins. Return it.
 
         Args:
-            label: its name in this machine.
-            state: a state or container.
             transitions: outcome -> label of a state or outcome of the machine. Outcomes left out are added to this very
                 dict as None: they end the machine with the outcome of the same name.
             remapping: the state's key -> the machine's key.
             constants: the machine's key -> value, written before each execution of this state.
-
-        Returns:
-            The state.
-
-        Raises:
-            InvalidTransitionError: `transitions` has an outcome that the state hasn't.
-            InvalidStateError: the label is taken, or no machine is open.
         """
         self = StateMachine._currently_opened_container()
         if constants is not None and settings.ros2:
@@ -108,11 +91,7 @@ class StateMachine(Container):
         remapping: Remapping | None = None,
         constants: dict[str, Any] | None = None,
     ) -> State:
-        """Add a state whose `connector_outcomes` lead to whatever state is added next, whatever `transitions` says.
-
-        Raises:
-            InvalidStateError: a connector outcome isn't one of the state; the state was added.
-        """
+        """Add a state whose `connector_outcomes` lead to whatever state is added next, whatever `transitions` says."""
         self = StateMachine._currently_opened_container()
         StateMachine.add(label, state, transitions, remapping, constants)
         outcomes = state.get_registered_outcomes()
@@ -125,11 +104,7 @@ class StateMachine(Container):
         return state
 
     def check_consistency(self) -> None:
-        """Check that it begins somewhere and every outcome leads somewhere.
-
-        Raises:
-            InvalidTransitionError: it doesn't.
-        """
+        """Check that it begins somewhere and every outcome leads somewhere."""
         states, outcomes = self._states, self.get_registered_outcomes()
         if self._initial_state_label is None:
             raise InvalidTransitionError("The machine has no initial state")
@@ -149,15 +124,12 @@ class StateMachine(Container):
             f"nor an outcome {list(self.get_registered_outcomes())} of the machine"
         )
 
-    # --- the container's view of itself ---
-
     def __getitem__(self, key: str) -> State:
         if key not in self._states:
             hooks.logerr(f"There is no state {key!r} in the machine; there are: {list(self._states)}")
         return self._states[key]
 
     def get_children(self) -> dict[str, State]:
-        """Return label -> state."""
         return self._states
 
     def set_initial_state(self, initial_states: list[str], userdata: UserData | None = None) -> None:
@@ -170,7 +142,6 @@ class StateMachine(Container):
             self.userdata.update(userdata)
 
     def get_initial_states(self) -> list[str]:
-        """Return the label at which it begins."""
         return [str(self._initial_state_label)]
 
     def get_active_states(self) -> list[str]:
@@ -186,21 +157,10 @@ class StateMachine(Container):
         ]
 
     def is_running(self) -> bool:
-        """Tell whether it is being executed."""
         return self._is_running
 
-    # --- execution ---
-
     def execute(self, parent_ud: UserData | Remapper | None = None) -> str | None:
-        """Run from the initial state to an outcome.
-
-        Returns:
-            The outcome; None when the machine is inconsistent or a shutdown was asked for.
-
-        Raises:
-            InvalidTransitionError: a state returned an outcome that it hasn't registered or that leads nowhere.
-            InvalidUserCodeError: a state raised.
-        """
+        """Run to an outcome of the machine; None when it is inconsistent, or a shutdown was asked for."""
         with self._state_transitioning_lock:
             try:
                 self.check_consistency()
@@ -231,7 +191,6 @@ class StateMachine(Container):
         return outcome
 
     def _loop(self) -> str | None:
-        """Execute states until the machine's outcome; return None when it is to stop before."""
         while self._is_running and not hooks.is_shutdown():
             outcome = self._update_once()
             if outcome is not None:
@@ -290,7 +249,6 @@ class StateMachine(Container):
         return None
 
     def _terminate(self, label: Any, state: Any, outcome: str, target: str | None) -> str:
-        """Leave by an outcome of the machine."""
         if self._preempt_requested and self._preempted_state is not None:
             if not state.preempt_requested():
                 self.service_preempt()
@@ -302,8 +260,6 @@ class StateMachine(Container):
         hooks.loginfo(f"State machine terminating {label!r}:{outcome!r}:{reached!r}")
         self.call_termination_cbs([label], reached)
         return reached
-
-    # --- preemption ---
 
     def _pass_on_preempt(self) -> None:
         """Before a state is executed: bring a request of the machine to it, or see that the last state obeyed."""
@@ -333,8 +289,6 @@ class StateMachine(Container):
         with self._state_transitioning_lock:
             self._preempt_requested = True
             self._preempt_current_state()
-
-    # --- copies ---
 
     def __getstate__(self) -> dict[str, Any]:
         return {k: v for k, v in self.__dict__.items() if k != "_state_transitioning_lock"}

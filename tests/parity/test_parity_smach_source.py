@@ -35,9 +35,7 @@ def test_the_smach_source_of_random_tasks_does_what_their_machine_does(chunk: in
         found = compare(case, {"machine": machine, "source": exported})
         assert not found, f"seed {seed}: {found}\n{source}"
         whole += found is None
-        kinds |= {
-            kind for kind in ("StateMachine", "Joining", "Each", "Choose", "Count", "BehaviourTree") if kind in source
-        }
+        kinds |= {kind for kind in ("StateMachine", "Choose", "Count", "BehaviourTree") if kind in source}
     assert whole > size // 3
     assert kinds >= ALWAYS
-    assert size < 240 or kinds == {*ALWAYS, "Joining", "Each", "Choose"}
+    assert size < 240 or kinds == {*ALWAYS, "Choose"}

@@ -15,7 +15,7 @@ from grip_bt.base.errors import NodeError
 from grip_bt.compilers import Halted, to_machine, to_tree
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.smach_leaf import SmachLeaf
-from grip_bt.runtime import BehaviourTree, Choose, Each, RunContext, Runner, TreeRun
+from grip_bt.runtime import BehaviourTree, Choose, RunContext, Runner, TreeRun
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
 
@@ -240,56 +240,20 @@ def test_failure_codes_can_be_outcomes_of_their_own():
 
 def test_a_state_that_chooses_reads_userdata_and_says_what_is_wrong():
     with TreeRun() as run:
-        switch = Choose.case(run, "n % 3", {"a": [0, 1]}, place="pick", codes=["failure.no_case"])
+        cases = {"kind": "switch", "on_value": "n % 3", "cases": {"a": [0, 1]}}
+        switch = Choose(run, cases, ["a"], place="pick", codes=["failure.no_case"])
         data = smach.UserData()
         data.n = 4
         assert switch.execute(data) == "do a"
         data.n = 5
         assert switch.execute(data) == "failure.no_case"
         assert {name for name in switch.get_registered_outcomes() if name.startswith("do ")} == {"do a"}
-        other = Choose.case(run, "n % 3", {"a": [0, 1]}, default="b", place="pick")
+        other = Choose(run, {**cases, "default": "b"}, ["a", "b"], place="pick")
         assert {name for name in other.get_registered_outcomes() if name.startswith("do ")} == {"do a", "do b"}
         assert other.execute(data) == "do b"
-        loop = Choose.loop(run, "a", "n < 7", times=1)
+        loop = Choose(run, {"kind": "loop", "while": "n < 7", "times": 1}, ["a"])
         assert [loop.execute(data), loop.execute(data)] == ["do a", "failure"]
         data.n = 7
         assert loop.execute(data) == "success"
         with pytest.raises(NodeError, match="pick: .*variable 'n' was read before it was written"):
             switch.execute(smach.UserData())
-
-
-def test_a_machine_that_goes_round_over_nothing_can_be_stopped():
-    with TreeRun() as run:
-        each = Each(run, outcomes=["over"], input_keys=[], output_keys=[], it=[], exhausted_outcome="over")
-        with each:
-            Each.set_contained_state("NEVER", smach.CBState(lambda ud: "x", outcomes=["x"]), loop_outcomes=["x"])
-        machine = smach.StateMachine(["done"])
-        with machine:
-            smach.StateMachine.add("EACH", each, {"over": "EACH"})
-        threading.Timer(0.05, run.halt).start()
-        with pytest.raises(Halted):
-            machine.execute()
-
-
-def test_an_item_sees_a_request_from_when_it_was_made_and_not_before():
-    seen = []
-
-    class Look(smach.State):
-        def __init__(self):
-            super().__init__(["x"])
-
-        def execute(self, ud):
-            seen.append(self.preempt_requested())
-            if len(seen) == 2:
-                each.request_preempt()
-            return "x"
-
-    with TreeRun() as run:
-        each = Each(run, outcomes=["over"], input_keys=[], output_keys=[], it=list("abcd"), exhausted_outcome="over")
-        with each:
-            Each.set_contained_state("LOOK", Look(), loop_outcomes=["x"])
-        machine = smach.StateMachine(["done"])
-        with machine:
-            smach.StateMachine.add("EACH", each, {"over": "done"})
-        assert machine.execute() == "done"
-    assert seen == [False, False, True, True]

@@ -1,4 +1,4 @@
-"""Messages as genpy makes them for ROS 1 (slots, no `__dict__`), and actionlib's server of any number of goals."""
+"""Messages that take their fields by position (slots, no `__dict__`), and actionlib's server of any number of goals."""
 
 from types import ModuleType, SimpleNamespace
 
@@ -19,8 +19,8 @@ def message(type_, **defaults):
         for name, default in defaults.items():
             setattr(self, name, given.get(name, default() if callable(default) else default))
 
-    name = type_.split("/")[1]
-    return type(name, (), {"__slots__": list(defaults), "__init__": __init__, "_type": type_})
+    name, fields = type_.split("/")[1], classmethod(lambda cls: dict.fromkeys(defaults))
+    return type(name, (), {"__slots__": list(defaults), "__init__": __init__, "get_fields_and_field_types": fields})
 
 
 Header = message("std_msgs/Header", seq=0, stamp=rospy.Time, frame_id="")
@@ -32,22 +32,22 @@ AddResponse = message("standin/AddResponse", sum=0)
 
 
 class EmptySrv:
-    _request_class, _response_class = EmptyRequest, EmptyResponse
+    Request, Response = EmptyRequest, EmptyResponse
 
 
 class AddSrv:
-    _request_class, _response_class = AddRequest, AddResponse
+    Request, Response = AddRequest, AddResponse
 
 
 TestGoal = message("actionlib/TestGoal", goal=0)
 TestResult = message("actionlib/TestResult", result=0)
 TestFeedback = message("actionlib/TestFeedback", feedback=0)
-_ActionGoal = message("actionlib/TestActionGoal", goal=TestGoal)
-_ActionResult = message("actionlib/TestActionResult", result=TestResult)
-_ActionFeedback = message("actionlib/TestActionFeedback", feedback=TestFeedback)
-TestAction = message(
-    "actionlib/TestAction", action_goal=_ActionGoal, action_result=_ActionResult, action_feedback=_ActionFeedback
-)
+
+
+class TestAction:
+    Goal, Result, Feedback = TestGoal, TestResult, TestFeedback
+
+
 for _class in (TestGoal, TestResult, TestFeedback, TestAction):
     _class.__test__ = False  # no test of pytest's, whatever their names
 
@@ -86,7 +86,7 @@ class GoalHandle:
 class ActionServer:
     def __init__(self, ns, ActionSpec, goal_cb, cancel_cb=None, auto_start=True):
         self._name, self._goal_cb, self._cancel_cb = rospy.resolve_name(ns), goal_cb, cancel_cb
-        self._result_class, self._handles = type(ActionSpec().action_result.result), {}
+        self._result_class, self._handles = ActionSpec.Result, {}
         if auto_start:
             self.start()
 

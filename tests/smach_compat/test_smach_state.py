@@ -19,7 +19,7 @@ from grip_bt.smach_compat import (
     cb_interface,
     has_smach_interface,
 )
-from grip_bt.smach_compat._names import OrderedSet
+from grip_bt.smach_compat.util import OrderedSet
 
 
 def test_keys_are_lists():  # probe 16

@@ -1,4 +1,4 @@
-"""What a machine that is there as an object is made of, as JSON can tell it."""
+"""What a machine that is there as an object is made of."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ from pathlib import Path
 from types import LambdaType
 from typing import Any
 
-from pydantic import BaseModel, JsonValue
-
 from grip_bt import smach_compat
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
 from grip_bt.nodes.stand_ins import UNKNOWN, name_of, stands_in, value_of
 
-from .found import Child, ContainerInfo, Span, StateInfo, Unresolved
+from .found import Child, ContainerInfo, Span, StateInfo, Value
 
 MOST_ITEMS = 10_000
 """Of a range; they stand in the task one by one."""
@@ -31,107 +29,72 @@ _OWN = (
 _CALLBACKS = ("start", "transition", "termination")
 
 
-class Value(BaseModel):
-    """What JSON holds, or the class of what it doesn't: objects of subclasses, too."""
+def facts_of(
+    state: Any, file: Path, seen: Construction | None = None, line: int = 1, stores: dict[int, Any] | None = None
+) -> StateInfo:
+    """Return what a state is, and what it holds.
 
-    value: JsonValue = None
-    opaque: str | None = None
-
-    def plain(self) -> object:
-        """Return the value, or what stands for one that no file can hold."""
-        return self.value if self.opaque is None else Unresolved(self.opaque)
-
-
-class StateFacts(BaseModel):
-    """A state as it was made."""
-
-    cls: str
-    kind: str
-    file: str = ""
-    line: int = 0
-    outcomes: list[str]
-    input_keys: list[str]
-    output_keys: list[str]
-    inside: ContainerFacts | None = None
-
-
-class ChildFacts(BaseModel):
-    """A state as it was added to a container."""
-
-    label: str
-    state: StateFacts
-    transitions: dict[str, str | None]
-    remapping: dict[str, str]
-    constants: dict[str, Value]
-    file: str = ""
-    line: int = 0
-
-
-class ContainerFacts(BaseModel):
-    """What a container is besides a state; `items` are an Iterator's, `reasons` say what no task has."""
-
-    children: list[ChildFacts]
-    initial: str | None
-    userdata: dict[str, Value]
-    settings: dict[str, Any]
-    items: Value | None = None
-    reasons: list[str] = []
-    inconsistent: str = ""
-
-
-def facts_of(state: Any, seen: Construction | None = None, stores: dict[int, Any] | None = None) -> StateFacts:
-    """Return what a state is, and what it holds; `seen`: the construction that made it."""
+    Args:
+        file: where it is made, with `line`, if nothing says.
+        seen: the construction that made it.
+        stores: id of a userdata -> the container that has it.
+    """
     stores = {} if stores is None else stores
-    file, line = seen.places.get(id(state), ("", 0)) if seen is not None else ("", 0)
+    place, at = seen.places.get(id(state), ("", 0)) if seen is not None else ("", 0)
+    span = Span(Path(place or file), at or line)
     kinds = [c.__name__ for c in type(state).__mro__ if c.__module__.startswith(("grip_bt.smach", "smach"))]
     unknown = getattr(state, "stands_for", "")
-    return StateFacts(
-        cls=unknown or type(state).__name__,
-        kind="" if unknown else next(iter(kinds), ""),
-        file=file,
-        line=line,
-        outcomes=[str(o) for o in state.get_registered_outcomes()],
-        input_keys=[str(k) for k in state.get_registered_input_keys()],
-        output_keys=[str(k) for k in state.get_registered_output_keys()],
-        inside=_inside(state, seen, stores) if isinstance(state, CONTAINERS) else None,
-    )
+    said = {
+        "kind": "" if unknown else next(iter(kinds), ""),
+        "cls": unknown or type(state).__name__,
+        "span": span,
+        "outcomes": [str(o) for o in state.get_registered_outcomes()],
+        "input_keys": [str(k) for k in state.get_registered_input_keys()],
+        "output_keys": [str(k) for k in state.get_registered_output_keys()],
+    }
+    if isinstance(state, CONTAINERS):
+        return _container(state, said, seen, stores)
+    made = StateInfo(**said)
+    if unknown:
+        made.problem("partial", f"the class {unknown} isn't here: its outcomes are taken from its transitions")
+    return made
 
 
-def _inside(found: Any, seen: Construction | None, stores: dict[int, Any]) -> ContainerFacts:
+def _container(found: Any, said: dict[str, Any], seen: Construction | None, stores: dict[int, Any]) -> ContainerInfo:
     reasons = _reasons(found, stores)
     inconsistent = ""
     try:
         found.check_consistency()
     except Exception as error:  # noqa: BLE001 - whatever is wrong with it
         inconsistent = "" if isinstance(found, smach_compat.Concurrence) else str(error)  # it is executed all the same
-    transitions = getattr(found, "_transitions", {})
-    remappings = getattr(found, "_remappings", {})
-    constants = getattr(found, "_constants", {})
-    children = [
-        ChildFacts(
+    transitions, remappings, constants = (
+        getattr(found, f"_{n}", {}) for n in ("transitions", "remappings", "constants")
+    )
+    children = {}
+    for label, state in found.get_children().items():
+        inner = facts_of(state, said["span"].file, seen, said["span"].line, stores)
+        place = seen.added.get((id(found), str(label))) if seen is not None else None
+        children[str(label)] = Child(
             label=str(label),
-            state=facts_of(state, seen, stores),
+            state=inner,
             transitions={str(k): None if v is None else str(v) for k, v in transitions.get(label, {}).items()},
             remapping={str(k): str(v) for k, v in dict(remappings.get(label) or {}).items()},
-            constants={str(k): literal(v) for k, v in constants.get(label, {}).items()},
-            **_where_added(found, str(label), seen),
+            constants=[str(k) for k in constants.get(label, ())],
+            span=inner.span if place is None else Span(Path(place[0]), place[1]),
         )
-        for label, state in found.get_children().items()
-    ]
-    return ContainerFacts(
-        children=children,
+    made = ContainerInfo(
+        **said,
+        added=children,
         initial=getattr(found, "_initial_state_label", None),
         userdata={str(k): literal(v) for k, v in found.userdata._data.items()},
         settings=_settings(found),
         items=literal(_items(found._items)) if isinstance(found, smach_compat.Iterator) else None,
-        reasons=reasons,
-        inconsistent=inconsistent,
     )
-
-
-def _where_added(found: Any, label: str, seen: Construction | None) -> dict[str, Any]:
-    place = seen.added.get((id(found), label)) if seen is not None else None
-    return {} if place is None else {"file": place[0], "line": place[1]}
+    for reason in reasons:
+        made.problem("partial", reason)
+    if inconsistent:
+        made.problem("failed", f"SMACH refuses it: {inconsistent}")
+    return made
 
 
 def _reasons(found: Any, stores: dict[int, Any]) -> list[str]:
@@ -204,33 +167,3 @@ def unwrapped(value: Any, told: Callable[[str, Any], None]) -> Any:
     if isinstance(value, dict) and any(stands_in(each) for pair in value.items() for each in pair):
         return {unwrapped(key, told): unwrapped(each, told) for key, each in value.items()}
     return value
-
-
-def found_from(facts: StateFacts, file: Path, parent: ContainerInfo | None = None) -> StateInfo:
-    """Return what was found, as an import goes on with it; `file`: where it is, if nothing says."""
-    span = Span(Path(facts.file) if facts.file else file, facts.line or (parent.span.line if parent else 1))
-    words = facts.outcomes, facts.input_keys, facts.output_keys
-    if facts.inside is None:
-        state = StateInfo(facts.kind, facts.cls, span, *words, parent=parent)
-        if not facts.kind:
-            state.problem("partial", f"the class {facts.cls} isn't here: its outcomes are taken from its transitions")
-        return state
-    inside = facts.inside
-    made = ContainerInfo(facts.kind, facts.cls, span, *words, parent=parent, initial=inside.initial)
-    made.settings = dict(inside.settings)
-    for name in ("outcome_cb", "child_termination_cb"):
-        if name in made.settings:
-            made.settings[name] = Unresolved(name) if made.settings[name] else None
-    if inside.items is not None:
-        made.settings["it"] = inside.items.plain()
-    made.userdata = {key: value.plain() for key, value in inside.userdata.items()}
-    for reason in inside.reasons:
-        made.problem("partial", reason)
-    if inside.inconsistent:
-        made.problem("failed", f"SMACH refuses it: {inside.inconsistent}")
-    for child in inside.children:
-        inner = found_from(child.state, file, made)
-        constants = {key: value.plain() for key, value in child.constants.items()}
-        place = Span(Path(child.file), child.line) if child.file else inner.span
-        made.added[child.label] = Child(child.label, inner, child.transitions, child.remapping, place, constants)
-    return made

@@ -1,10 +1,15 @@
-"""What is found in a legacy file: states and containers, how they are had again, and what couldn't be said exactly."""
+"""What is found in a legacy file: states and containers, how they are had again, and what couldn't be said exactly.
+
+Recording processes tell it as JSON.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
+
+from pydantic import BaseModel, JsonValue, PrivateAttr
 
 from grip_bt.base.issue import Issue, Severity
 
@@ -36,11 +41,11 @@ class Span:
         return f"{self.file.name}:{self.line}"
 
 
-@dataclass(frozen=True)
-class Unresolved:
-    """A value that no file can hold, by its text for people."""
+class Value(BaseModel):
+    """What JSON holds, or the class of what it doesn't: objects of subclasses, too."""
 
-    text: str
+    value: JsonValue = None
+    opaque: str | None = None
 
 
 @dataclass(frozen=True)
@@ -49,10 +54,8 @@ class Way:
 
     Attributes:
         builder: a function, class, `Class.method` or variable of the module; `__main__` for the file as a program.
-        arguments: parameter -> value that was given.
         missing: parameters that nobody has given a value.
         returned: whether the builder returns the machine, or is it; else it is what was built at `line` of `file`.
-        called: whether the builder is called.
         number: which of the containers that are built there.
     """
 
@@ -66,24 +69,25 @@ class Way:
     number: int = 0
 
 
-@dataclass(eq=False)
-class StateInfo:
-    """An object of a State class, or a container.
-
-    Attributes:
-        kind: the class of smach or smach_ros that it comes from; empty where its own class isn't here.
-        cls: the name of its own class.
-        outcomes: None when they aren't known.
-    """
+class StateInfo(BaseModel):
+    """An object of a State class, or a container; `kind` is the class of smach or smach_ros that it is of, if any."""
 
     kind: str
     cls: str
     span: Span
-    outcomes: list[str] | None = None
-    input_keys: list[str] = field(default_factory=list)
-    output_keys: list[str] = field(default_factory=list)
-    issues: list[Issue] = field(default_factory=list)
-    parent: ContainerInfo | None = None
+    outcomes: list[str] = []
+    input_keys: list[str] = []
+    output_keys: list[str] = []
+    issues: list[Issue] = []
+    _parent: ContainerInfo | None = PrivateAttr(default=None)
+
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    @property
+    def parent(self) -> ContainerInfo | None:
+        """The container around it."""
+        return self._parent
 
     def problem(self, verdict: str, text: str, span: Span | None = None) -> None:
         """Note what can't be imported exactly, and what to do.
@@ -102,39 +106,37 @@ class StateInfo:
         return self.kind if self.cls == self.kind else f"{self.cls} ({self.kind})" if self.kind else self.cls
 
 
-@dataclass
-class Child:
-    """One child of a container, as it was added.
-
-    Attributes:
-        transitions: outcome -> label, outcome of the container, or None for the outcome of the same name.
-        constants: userdata of the container that is set before each execution.
-    """
+class Child(BaseModel):
+    """One child of a container, as it was added; a transition to None leads to the outcome of the same name."""
 
     label: str
-    state: StateInfo
+    state: ContainerInfo | StateInfo
     transitions: dict[str, str | None]
     remapping: dict[str, str]
     span: Span
-    constants: dict[str, Any] = field(default_factory=dict)
+    constants: list[str] = []
 
 
-@dataclass(eq=False)
 class ContainerInfo(StateInfo):
     """A container.
 
     Attributes:
-        added: its children by label, in order.
-        settings: what it was given besides outcomes and keys.
-        userdata: initial values.
+        settings: what it was given besides outcomes and keys; of callbacks, whether there is one.
         way: of an outermost container, how it is had again; None where it is an object of this process.
     """
 
-    added: dict[str, Child] = field(default_factory=dict)
+    added: dict[str, Child]
     initial: str | None = None
-    settings: dict[str, Any] = field(default_factory=dict)
-    userdata: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, Any] = {}
+    items: Value | None = None
+    userdata: dict[str, Value] = {}
     way: Way | None = None
+
+    def model_post_init(self, context: Any) -> None:
+        """Be the parent of the states in it."""
+        super().model_post_init(context)
+        for child in self.added.values():
+            child.state._parent = self
 
     @property
     def verdict(self) -> Verdict:
@@ -142,12 +144,69 @@ class ContainerInfo(StateInfo):
         severities = {issue.severity for issue in self.issues}
         return "failed" if "error" in severities else "partial" if "warning" in severities else "exact"
 
-    @property
-    def outermost(self) -> ContainerInfo:
-        """The container around all others, which generated code can build."""
-        return self if self.parent is None else self.parent.outermost
-
     def within(self) -> list[ContainerInfo]:
         """Return it, and all containers in it."""
         inner = [added.state for added in self.added.values() if isinstance(added.state, ContainerInfo)]
         return [self, *(each for one in inner for each in one.within())]
+
+
+class Job(BaseModel):
+    """A file to record; `given`: class or function, or empty for all -> parameter -> value."""
+
+    file: str
+    root: str | None = None
+    given: dict[str, dict[str, JsonValue]] = {}
+
+
+class Built(BaseModel):
+    """An outermost machine as one run has built it.
+
+    Attributes:
+        key: where it is made, and the how many-th there: `file:line#0`.
+        returned: whether the builder returned it; `variable`: the module's name for it.
+    """
+
+    key: str
+    number: int
+    state: ContainerInfo
+    returned: bool = False
+    variable: str = ""
+
+
+class Told(BaseModel):
+    """Something that code goes by; `value` is what it was taken for, where that is known."""
+
+    what: str
+    value: str | None = None
+    line: int = 0
+    file: str = ""
+
+
+class Run(BaseModel):
+    """What one builder did, with one way of answering.
+
+    Attributes:
+        answers: to the questions with two answers, in their order, and `asked` what these were.
+        missing: parameters of the builder that a stand-in was given for.
+        unfinished: whether there are answers that weren't tried.
+    """
+
+    builder: str
+    machines: list[Built] = []
+    answers: list[bool] = []
+    asked: list[Told] = []
+    told: list[Told] = []
+    error: str = ""
+    missing: list[str] = []
+    caught: bool = False
+    unfinished: bool = False
+    stopped: bool = False
+
+
+class Record(BaseModel):
+    """What became of a file: all runs, each after an import that was answered in one way."""
+
+    runs: list[Run] = []
+    read: list[str] = []
+    error: str = ""
+    compiled: list[Path] = []

@@ -27,8 +27,6 @@ class ImportedFile:
     Attributes:
         containers: every container that it makes, in the order of the text.
         tasks: name -> task, one for each outermost container that was imported.
-        converted: whether the file was Python 2.
-        error: why it couldn't be read at all.
         needed: function or class -> parameters that nobody has given.
     """
 
@@ -39,11 +37,6 @@ class ImportedFile:
     converted: bool = False
     error: str = ""
     needed: dict[str, tuple[str, ...]] = field(default_factory=dict)
-
-    def verdicts(self) -> dict[str, int]:
-        """Return how many containers were imported how well."""
-        found = [c.verdict for c in self.containers]
-        return {verdict: found.count(verdict) for verdict in ("exact", "partial", "failed")}
 
 
 def import_file(
@@ -103,12 +96,7 @@ def _name(container: ContainerInfo, result: ImportedFile) -> str:
 
 
 def write_import(imported: ImportedFile, tasks: Mapping[str, Path], nodes: Path) -> list[Path]:
-    """Write tasks and their leaves; return the files.
-
-    Args:
-        imported: what was read.
-        tasks: the file of each task, by name.
-        nodes: the project's folder of nodes.
+    """Write tasks into the files of their names, and their leaves into the project's folder of nodes; return the files.
 
     Raises:
         GripError: a file is in the way that wasn't generated; nothing was written.
@@ -130,15 +118,10 @@ def advice(files: list[ImportedFile], executed: bool) -> list[str]:
             "what was read is a preview of the text; if you trust the code, import again with --execute, which runs the"
             " construction of the machines, and none of them"
         )
-    names: dict[str, list[str]] = {}
-    for each in files:
-        for builder, parameters in each.needed.items():
-            for parameter in parameters:
-                names.setdefault(parameter, []).append(builder)
-    if executed and names:
-        said = ", ".join(f"{name}: ..." for name in names)
-        users = sum(map(len, names.values()))
-        what = f"{users} builders need" if users > 1 else f"{next(iter(names.values()))[0]} needs"
+    needed = [(builder, names) for each in files for builder, names in each.needed.items()]
+    if executed and needed:
+        said = ", ".join(f"{name}: ..." for name in dict.fromkeys(name for _, names in needed for name in names))
+        what = f"{len(needed)} builders need" if len(needed) > 1 else f"{needed[0][0]} needs"
         lines.append(f"{what} arguments: --arguments FILE.yaml with `{{{said}}}`, or in leaves.py what makes them")
     if executed and any(c.verdict == "failed" for c in every):
         lines.append(

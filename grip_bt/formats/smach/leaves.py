@@ -35,12 +35,9 @@ _FAILURE = re.compile(
 
 
 class Meanings:
-    """What outcomes mean, by their names.
+    """What outcomes mean: by their names, or because they are among `success`.
 
     Of outcomes of which none is called after success, the first that isn't called after failure is it (`outcome4`).
-
-    Args:
-        success: those that mean success, whatever they are called.
     """
 
     def __init__(self, success: Iterable[str] = ()):
@@ -62,17 +59,37 @@ class Meanings:
 
 MARK = generated_by("smach")
 NEXT_ITEM, OBEYED, COPY = "next_item", "preempt_obeyed", "copy"
+_OURS: dict[str, tuple[str, dict[str, object]]] = {
+    NEXT_ITEM: (
+        "NextItem",
+        {
+            "doc": "The next item of an iteration.",
+            "parameters": {"items": {"type": "list"}, "leaves_by": {"type": "str", "default": ""}},
+            "inputs": {"position": {"type": "int"}},
+            "outputs": {
+                "position": {"type": "int", "on": ["item", "exhausted", "preempted"]},
+                "item": {"type": "Any", "on": ["item"]},
+            },
+            "outcomes": {"item": "success", "exhausted": "failure", "preempted": "failure"},
+        },
+    ),
+    OBEYED: (
+        "Obeyed",
+        {
+            "doc": "Whether a preempt request was obeyed by all the others.",
+            "parameters": {"allowed": {"type": "bool", "default": True}},
+            "outcomes": {"others": "success", "preempted": "failure"},
+        },
+    ),
+}
+"""Key -> class and manifest of leaves of GRIP's own."""
 
 First = Mapping[str, tuple[str, str]]
 
 
 @dataclass(frozen=True)
 class LeafSpec:
-    """One kind of leaf; `cls` is its class in `leaves.py`, empty for one of GRIP's own.
-
-    `source` is what its `make` returns. `first`: input -> its variable, and
-    the source of its value while that is unwritten.
-    """
+    """One kind of leaf: its class in `leaves.py`, if any, what its `make` returns, input -> (variable, first value)."""
 
     manifest: Manifest
     cls: str
@@ -94,10 +111,7 @@ class Leaves:
     ) -> LeafSpec:
         """Return the leaf of a state; states that are made alike share one.
 
-        Args:
-            label: after which a state of a class of smach's own is called.
-            keys: its input and output keys.
-            first: values of unwritten inputs.
+        One of a class of smach's own is called after `label`; `keys` are its input and output keys.
         """
         source = self.source(found)
         inputs, outputs = (tuple(dict.fromkeys(k)) for k in keys)
@@ -117,58 +131,27 @@ class Leaves:
             self.specs[key] = LeafSpec(manifest, cls, source, first)
         return self.specs[key]
 
-    def next_item(self) -> LeafSpec:
-        """Return the leaf that hands out the items of an iteration."""
-        parameters = {"items": Parameter(type="list"), "leaves_by": Parameter(type="str", default="")}
-        means: dict[str, Meaning] = {"item": "success", "exhausted": "failure", "preempted": "failure"}
-        ports = {"position": OutputPort(type="int", on=tuple(means)), "item": OutputPort(type="Any", on=("item",))}
-        return self._ours(
-            (NEXT_ITEM,),
-            "NextItem",
-            "The next item of an iteration.",
-            parameters,
-            means,
-            {"position": InputPort(type="int")},
-            ports,
-        )
-
-    def obeyed(self) -> LeafSpec:
-        """Return the leaf that ends a Concurrence which was preempted."""
-        doc, allowed = "Whether a preempt request was obeyed by all the others.", Parameter(type="bool", default=True)
-        means: dict[str, Meaning] = {"others": "success", "preempted": "failure"}
-        return self._ours((OBEYED,), "Obeyed", doc, {"allowed": allowed}, means)
+    def ours(self, key: str) -> LeafSpec:
+        """Return a leaf whose class is GRIP's: `next_item` hands out items, `preempt_obeyed` ends a Concurrence."""
+        cls, keys = _OURS[key]
+        return self._add_ours((key,), f"smach/{self.stem}/{key}", cls, keys)
 
     def copy(self, names: list[str]) -> LeafSpec:
-        """Return the leaf that copies these keys into a container."""
-        doc = f"Copy {', '.join(names)} into or out of a container."
-        parameters = {"unwritten": Parameter(type="list[str]", default=[])}
-        inputs = {k: InputPort(type="Any", required=False) for k in names}
-        outputs = {k: OutputPort(type="Any", on=("done",)) for k in names}
-        return self._ours((COPY, *names), "CopyKeys", doc, parameters, {"done": "success"}, inputs, outputs)
+        """Return the leaf that copies these keys into or out of a container."""
+        number = sum(isinstance(key, tuple) and key[0] == COPY for key in self.specs) + 1
+        keys = {
+            "doc": f"Copy {', '.join(names)} into or out of a container.",
+            "parameters": {"unwritten": {"type": "list[str]", "default": []}},
+            "inputs": {name: {"type": "Any", "required": False} for name in names},
+            "outputs": {name: {"type": "Any", "on": ["done"]} for name in names},
+            "outcomes": {"done": "success"},
+        }
+        return self._add_ours((COPY, *names), f"smach/{self.stem}/{COPY}_{number}", "CopyKeys", keys)
 
-    def _ours(
-        self,
-        key: tuple[str, ...],
-        cls: str,
-        doc: str,
-        parameters: Mapping[str, Parameter],
-        outcomes: Mapping[str, Meaning],
-        inputs: Mapping[str, InputPort] = FrozenDict(),
-        outputs: Mapping[str, OutputPort] = FrozenDict(),
-    ) -> LeafSpec:
-        """Return a leaf whose class is GRIP's; keys that are copied make a leaf each."""
+    def _add_ours(self, key: tuple[str, ...], id: str, cls: str, keys: Mapping[str, object]) -> LeafSpec:
         if key not in self.specs:
-            number = sum(isinstance(k, tuple) and k[0] == COPY for k in self.specs) + 1
-            manifest = Manifest(
-                id=f"smach/{self.stem}/{key[0]}" + (f"_{number}" if key[0] == COPY else ""),
-                doc=doc,
-                implementation=f"grip_bt.nodes.smach_leaf:{cls}",
-                parameters=FrozenDict(parameters),
-                inputs=FrozenDict(inputs),
-                outputs=FrozenDict(outputs),
-                outcomes=FrozenDict(outcomes),
-            )
-            self.specs[key] = LeafSpec(manifest, "")
+            said = {"id": id, "implementation": f"grip_bt.nodes.smach_leaf:{cls}", **keys}
+            self.specs[key] = LeafSpec(Manifest.model_validate(said), "")
         return self.specs[key]
 
     def _free(self, name: str) -> str:
@@ -212,9 +195,7 @@ class Leaves:
             "from pathlib import Path",
             "",
             *(["from grip_bt.nodes.smach_construction import built_in, run_as_main"] if self.ways else []),
-            "from grip_bt.nodes.smach_leaf import SmachLeaf, argument"
-            if self.ways
-            else "from grip_bt.nodes.smach_leaf import SmachLeaf",
+            f"from grip_bt.nodes.smach_leaf import SmachLeaf{', argument' if self.ways else ''}",
             "from grip_bt.nodes.smach_source import load_legacy",
             "",
             "HERE = Path(__file__).resolve().parent",

@@ -13,10 +13,8 @@ from typing import Any
 
 from grip_bt.base.interpreter import python_command
 
-from .facts import StateFacts, found_from
-from .found import ContainerInfo, Span, Way
+from .found import Built, ContainerInfo, Job, Record, Run, Span, Told, Way
 from .preview import Place, places_of
-from .record import Built, Job, Record, Run, Told
 
 Given = Mapping[str, Mapping[str, Any]]
 """Class or function, or empty for all -> parameter -> value."""
@@ -40,7 +38,7 @@ class Recorder:
     def _start(seed: str) -> subprocess.Popen[str]:
         path = os.pathsep.join(filter(None, sys.path))
         environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": seed}
-        command = python_command("-m", f"{__package__}.recording")
+        command = python_command("-c", f"from {__package__}.recorder import main; main()")
         pipe = subprocess.PIPE
         return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, env=environment)
 
@@ -52,14 +50,10 @@ class Recorder:
             assert process.stdin is not None, "it is a pipe"
             process.stdin.write(job + "\n")
             process.stdin.flush()
-        first, second = (self._answer(process) for process in self._processes)
+        lines = [process.stdout.readline() for process in self._processes if process.stdout is not None]
+        ended = Record(error="the recording process ended")
+        first, second = (Record.model_validate_json(line) if line else ended for line in lines)
         return first, second
-
-    @staticmethod
-    def _answer(process: subprocess.Popen[str]) -> Record:
-        assert process.stdout is not None, "it is a pipe"
-        line = process.stdout.readline()
-        return Record.model_validate_json(line) if line else Record(error="the recording process ended")
 
 
 def recorded_containers(file: Path, records: tuple[Record, Record], given: Given) -> list[ContainerInfo]:
@@ -102,8 +96,7 @@ def _rank(seen: Seen) -> tuple[Any, ...]:
     return open_, len(run.missing), not (machine.returned or machine.variable), run.builder == "__main__", run.builder
 
 
-def _shape(state: StateFacts) -> str:
-    """Return what a machine is, wherever it is made."""
+def _shape(state: ContainerInfo) -> str:
     return re.sub(r'"file":"[^"]*"|"line":\d+', "", state.model_dump_json())
 
 
@@ -113,21 +106,20 @@ def _variants(seen: Seen) -> int:
 
 def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given: Given) -> ContainerInfo:
     run, machine = seen[0]
-    made = found_from(machine.state, file)
-    assert isinstance(made, ContainerInfo), "a machine is one"
+    doubts, made = list(_doubts(seen, again, record)), machine.state
     arguments = {**given.get("", {}), **given.get(run.builder, {})} if machine.returned else {}
     builder = machine.variable if machine.variable and run.builder == "import" else run.builder
     made.way = Way(
         "__main__" if builder == "import" else builder,
         file,
-        machine.state.line,
+        made.span.line,
         tuple(arguments.items()),
         tuple(run.missing),
         machine.returned or builder == machine.variable,
         builder != machine.variable,
         machine.number,
     )
-    for text, place in _doubts(seen, again, record):
+    for text, place in doubts:
         made.problem("partial", text, place)
     if run.missing:
         names = ", ".join(f"`{name}`" for name in run.missing)
@@ -139,17 +131,14 @@ def _container(file: Path, seen: Seen, again: Seen | None, record: Record, given
 
 def _doubts(seen: Seen, again: Seen | None, record: Record) -> Iterator[tuple[str, Span | None]]:
     told = {(t.what, t.file, t.line): t for run, _ in seen for t in run.told}
-    for number, each in enumerate(told.values()):
-        if number == _MOST_REASONS:
-            yield f"and {len(told) - number} more like these", None
-            break
+    for each in list(told.values())[:_MOST_REASONS]:
         if each.value is not None:
-            yield (
-                f"goes by `{each.what}`, taken as {each.value}: with another value it may be another machine",
-                _span(each),
-            )
+            taken = f"taken as {each.value}: with another value it may be another machine"
+            yield f"goes by `{each.what}`, {taken}", _span(each)
         else:
             yield f"goes by `{each.what}`, known only in a run", _span(each)
+    if len(told) > _MOST_REASONS:
+        yield f"and {len(told) - _MOST_REASONS} more like these", None
     if _variants(seen) > 1:
         asked = {(t.what, t.file, t.line): t for run, _ in seen for t in run.asked}
         for each in list(asked.values())[:_MOST_REASONS]:
@@ -169,13 +158,12 @@ def _span(told: Told) -> Span | None:
 
 
 def _not_built(file: Path, found: list[ContainerInfo], record: Record) -> Iterator[ContainerInfo]:
-    """Yield what the text makes and no run has built, with why."""
     for place in places_of(file):
         lines = range(place.line, place.end_line + 1)
         here = (c for c in found if c.span.file == file and c.span.line in lines)
         if any(c.cls == place.cls for c in found) if place.cls else any(here):
             continue
-        made = ContainerInfo(place.kind, place.cls or place.kind, Span(file, place.line))
+        made = ContainerInfo(kind=place.kind, cls=place.cls or place.kind, span=Span(file, place.line), added={})
         made.problem("failed", _why(place, record))
         yield made
 
@@ -186,13 +174,8 @@ def _why(place: Place, record: Record) -> str:
     imported = next((r for r in record.runs if r.builder == "import"), None)
     if imported is not None and imported.error:
         return f"wasn't built, since importing the file raises {imported.error}"
-    errors = [
-        (r.builder, r.error) for r in record.runs if r.error and r.builder.split(".")[0] in (place.around, place.cls)
-    ]
-    if errors:
-        return f"wasn't built: {errors[0][0]}: {errors[0][1]}"
-    if not place.around and not place.cls:
-        errors = [(r.builder, r.error) for r in record.runs if r.error and r.builder == "__main__"]
-        if errors:
-            return f"wasn't built: the program: {errors[0][1]}"
+    names = (place.around, place.cls) if place.around or place.cls else ("__main__",)
+    for run in record.runs:
+        if run.error and run.builder.split(".")[0] in names:
+            return f"wasn't built: {'the program' if run.builder == '__main__' else run.builder}: {run.error}"
     return "wasn't built by anything that was called"

@@ -1,11 +1,7 @@
 """The recording process: runs the construction of legacy machines, executes none, and tells what was built.
 
-`python -m grip_bt.formats.smach.recording` reads jobs from stdin, one a line, and answers each with a line. A file is
-imported in a child of this process, and each of its builders is called in a child of that one, so that nothing that one
-does reaches another. What a builder asks of stand-ins is answered in every way, one after the other.
-
-The code runs, so that it has to be trusted. Writing files, starting programs and the network are refused, and time and
-memory are limited: a module that does more than build machines fails instead of doing it.
+A file is imported in a child of this process, and each of its builders is called in a child of that one. What it asks
+of stand-ins is answered in every way, one after the other. The code has to be trusted: what else it does is refused.
 """
 
 from __future__ import annotations
@@ -36,7 +32,7 @@ from grip_bt.nodes.stand_ins import StandIn, StandInFinder, name_of, stand_in, s
 
 from . import tracked_code
 from .facts import facts_of, unwrapped
-from .record import Built, Job, Record, Run, Told
+from .found import Built, Job, Record, Run, Told
 from .surroundings import guard, ros_stand_ins, surround
 
 MOST_ANSWERS, MOST_IMPORTS = 48, 6
@@ -138,13 +134,10 @@ class Recording(Construction):
             yield Built(
                 key=f"{place[0]}:{place[1]}#{number}",
                 number=number,
-                state=facts_of(container, self),
+                state=facts_of(container, Path(file), self),
                 returned=container is result,
                 variable=variables.get(id(container), ""),
             )
-
-
-# --- processes -------------------------------------------------------------------------------------------------------
 
 
 def in_child(work: Callable[[], BaseModel], otherwise: Callable[[str], BaseModel], patience: int) -> str:
@@ -197,9 +190,6 @@ def answered(first: Callable[[list[bool]], Run], most: int) -> list[Run]:
     return runs
 
 
-# --- a file ----------------------------------------------------------------------------------------------------------
-
-
 _compiled: dict[Path, None] = {}
 
 
@@ -235,7 +225,7 @@ class FileRecorder:
             for builder, call in (("__main__", self._main), *self._builders(module)):
                 self.record.runs += answered(partial(self._built, builder, call), MOST_ANSWERS)
         self.record.compiled = list(_compiled)
-        self.record.packages, self.record.read = self.finder.packages, sorted(self.read)
+        self.record.read = sorted(self.read)
         return self.record
 
     def _prepare(self) -> None:
@@ -334,21 +324,19 @@ class FileRecorder:
         return self._call(getattr(made, method), f"{name}.{method}")
 
     def _call(self, function: Callable[..., object], name: str) -> Any:
-        """Call with what was given, defaults, and stand-ins."""
         given = {**self.given.get("", {}), **self.given.get(name, {})}
-        arguments: dict[str, object] = {}
-        for parameter in inspect.signature(function).parameters.values():
+        signature = inspect.signature(function)
+        bound = signature.bind_partial()
+        for name, parameter in signature.parameters.items():
             if parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL):
                 continue
-            if parameter.name in given:
-                arguments[parameter.name] = given[parameter.name]
+            if name in given:
+                bound.arguments[name] = given[name]
             elif parameter.default is parameter.empty:
-                arguments[parameter.name] = _argument(parameter)
-                if parameter.name not in self._missing:
-                    self._missing.append(parameter.name)
-        positional = [n for n, p in inspect.signature(function).parameters.items() if p.kind is p.POSITIONAL_ONLY]
-        first = [arguments.pop(n) for n in positional if n in arguments]
-        return function(*first, **arguments)
+                bound.arguments[name] = _argument(parameter)
+                if name not in self._missing:
+                    self._missing.append(name)
+        return function(*bound.args, **bound.kwargs)
 
 
 def _argument(parameter: inspect.Parameter) -> Any:
@@ -365,7 +353,6 @@ def _argument(parameter: inspect.Parameter) -> Any:
 
 
 def _builds(code: CodeType, builders: set[str]) -> bool:
-    """Whether a function mentions a container, or something that builds one."""
     if builders & {*code.co_names, *code.co_varnames, *code.co_freevars}:
         return True
     return any(isinstance(c, CodeType) and _builds(c, builders) for c in code.co_consts)
@@ -443,7 +430,7 @@ def record(job: Job) -> Record:
         text = in_child(lambda: FileRecorder(job, given).recorded(), lambda words: Record(error=words), PATIENCE)
         told = Record.model_validate_json(text)
         whole.error = whole.error or told.error
-        whole.packages, whole.read = told.packages or whole.packages, told.read or whole.read
+        whole.read = told.read or whole.read
         first = next(iter(told.runs), Run(builder="import", stopped=True))
         for run in told.runs[1:]:  # what the import went by, each machine goes by too
             run.told = first.told + run.told
@@ -462,7 +449,3 @@ def main() -> None:
     for line in sys.stdin:
         sys.stdout.write(record(Job.model_validate_json(line)).model_dump_json(exclude_defaults=True) + "\n")
         sys.stdout.flush()
-
-
-if __name__ == "__main__":
-    main()

@@ -7,11 +7,9 @@ parameter, the default), so that nothing hangs on them unseen. Files of the work
 from __future__ import annotations
 
 import argparse
-import builtins
 import datetime
 import getpass
 import inspect
-import math
 import os
 import platform
 import random
@@ -32,7 +30,7 @@ from grip_bt.smach_compat import State
 from grip_bt.smach_compat import smach_ros as real
 
 from .found import FIXED_OUTCOMES
-from .tracked_code import caller, is_tracked
+from .tracked_code import SPECIAL, caller, is_tracked
 
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 _REFUSED = (
@@ -80,30 +78,28 @@ def surround(file: Path, workspace: Workspace) -> None:
     """Put what stands for the surroundings in their place, for good."""
     for module, names in _SEEN.items():
         for name in names:
-            there = getattr(module, name, None)
-            if there is not None:
-                setattr(module, name, _as_seen(there, f"{module.__name__}.{name}()"))
+            if (there := getattr(module, name, None)) is not None:
+                SPECIAL[there] = partial(lifted, there, f"{getattr(module, '__name__', '')}.{name}()")
     for name in ("shuffle", "choice", "sample", "choices"):
-        setattr(random, name, _by_chance(getattr(random, name), f"random.{name}()"))
-    for name, function in vars(math).items():
-        if callable(function):
-            setattr(math, name, _lifting(function))
+        SPECIAL[getattr(random, name)] = partial(_by_chance, getattr(random, name), f"random.{name}()")
     for name in ("exists", "isfile", "isdir"):
-        setattr(os.path, name, _outside(getattr(os.path, name), name, workspace.root))
+        there = getattr(os.path, name)
+        SPECIAL[there] = partial(_outside, there, name, str(workspace.root))
+    SPECIAL[os.getenv] = lambda key, default=None: stand_in(f"${key}", os.getenv(key, default))
+    SPECIAL[input] = lambda *given: stand_in("input()")
+    SPECIAL[time.sleep] = lambda seconds: None
     setattr(os, "environ", _Environment(os.environ))  # noqa: B010 - the process is ours
-    setattr(os, "getenv", _as_seen_of(os.getenv))  # noqa: B010
     sys.argv = stand_in("sys.argv", [str(file)])  # type: ignore[assignment]
     sys.stdin = stand_in("sys.stdin")
-    builtins.input = lambda *given: stand_in("input()")  # type: ignore[assignment]
     argparse.ArgumentParser.parse_args = _parsed  # type: ignore[method-assign,assignment]
     argparse.ArgumentParser.parse_known_args = lambda *given: (_parsed(*given), [])  # type: ignore[method-assign,assignment]
-    time.sleep = lambda seconds: None
-    _datetime()
 
 
-_SEEN: dict[ModuleType, tuple[str, ...]] = {
+_SEEN: dict[Any, tuple[str, ...]] = {
     random: ("random", "randint", "uniform", "gauss", "randrange", "getrandbits", "normalvariate"),
     time: ("time", "monotonic", "perf_counter", "localtime", "gmtime", "strftime", "ctime", "time_ns"),
+    datetime.datetime: ("now", "utcnow", "today"),
+    datetime.date: ("today",),
     uuid: ("uuid1", "uuid4"),
     socket: ("gethostname", "getfqdn"),
     platform: ("node", "system", "machine", "platform"),
@@ -112,63 +108,29 @@ _SEEN: dict[ModuleType, tuple[str, ...]] = {
 }
 
 
-def _as_seen(function: Callable[..., Any], name: str) -> Callable[..., Any]:
-    def seen(*arguments: Any, **named: Any) -> Any:
-        if not is_tracked(_legacy_caller()):
-            return function(*arguments, **named)
-        return lifted(function, name, *arguments, **named) if arguments or named else stand_in(name, function())
-
-    return seen
+def _by_chance(function: Callable[..., Any], name: str, *arguments: Any, **named: Any) -> Any:
+    stand_ins.judge.note(name)
+    return function(*arguments, **named)
 
 
-def _as_seen_of(getenv: Callable[..., Any]) -> Callable[..., Any]:
-    def seen(key: str, default: Any = None) -> Any:
-        value = getenv(key, default)
-        return stand_in(f"${key}", value) if is_tracked(_legacy_caller()) else value
+def _outside(function: Callable[[Any], bool], name: str, root: str, path: Any) -> Any:
+    if stands_in(path):
+        return lifted(function, name_of(path), path)
+    there = function(path)
+    return there if os.path.abspath(path).startswith(root) else stand_in(f"os.path.{name}({str(path)!r})", there)
 
-    return seen
 
-
-def _legacy_caller() -> Any:
-    """Return the frame that calls one of these functions: legacy code, or the call that was compiled into it."""
+def _is_legacy_caller() -> bool:
+    """Whether legacy code asks the environment: by a subscript, or by a call that was compiled into it."""
     frame = sys._getframe(2)
-    return frame.f_back if frame.f_code.co_name == "_call" else frame
-
-
-def _by_chance(function: Callable[..., Any], name: str) -> Callable[..., Any]:
-    def noted(*arguments: Any, **named: Any) -> Any:
-        if is_tracked(_legacy_caller()):
-            stand_ins.judge.note(name)
-        return function(*arguments, **named)
-
-    return noted
-
-
-def _lifting(function: Callable[..., Any]) -> Callable[..., Any]:
-    def lifting(*arguments: Any) -> Any:
-        about = next((a for a in arguments if stands_in(a)), None)
-        return function(*arguments) if about is None else lifted(function, name_of(about), *arguments)
-
-    return lifting
-
-
-def _outside(function: Callable[..., bool], name: str, root: Path) -> Callable[..., Any]:
-    def looked(path: Any) -> Any:
-        if stands_in(path):
-            return lifted(looked, name_of(path), path)
-        there = function(path)
-        if not is_tracked(_legacy_caller()) or os.path.abspath(path).startswith(str(root)):
-            return there
-        return stand_in(f"os.path.{name}({str(path)!r})", there)
-
-    return looked
+    return is_tracked(frame.f_back if frame.f_code.co_name == "_call" else frame)
 
 
 class _Environment(dict[str, str]):
     """The environment; legacy code gets it as stand-ins."""
 
     def __getitem__(self, key: str) -> Any:
-        if not is_tracked(_legacy_caller()):
+        if not _is_legacy_caller():
             return super().__getitem__(key)
         if key in dict.keys(self):
             return stand_in(f"${key}", super().__getitem__(key))
@@ -178,15 +140,15 @@ class _Environment(dict[str, str]):
 
     def get(self, key: str, default: Any = None) -> Any:
         value = super().get(key, default)
-        return stand_in(f"${key}", value) if is_tracked(_legacy_caller()) else value
+        return stand_in(f"${key}", value) if _is_legacy_caller() else value
 
     def __contains__(self, key: object) -> bool:
-        if is_tracked(_legacy_caller()):
+        if _is_legacy_caller():
             return stand_ins.judge.decide(f"${key}", super().__contains__(key))
         return super().__contains__(key)
 
     def __iter__(self) -> Any:
-        if is_tracked(_legacy_caller()):
+        if _is_legacy_caller():
             stand_ins.judge.note("the environment")
         return super().__iter__()
 
@@ -200,23 +162,6 @@ def _parsed(parser: argparse.ArgumentParser, *given: Any) -> argparse.Namespace:
             needed = action.required or not action.option_strings
             setattr(found, action.dest, stand_in(name) if needed else stand_in(name, action.default))
     return found
-
-
-def _datetime() -> None:
-    real = datetime.datetime
-
-    class Moments(type):
-        def __instancecheck__(cls, instance: object) -> bool:
-            return isinstance(instance, real)
-
-    def now(name: str) -> Any:
-        return staticmethod(lambda *zone: stand_in(f"datetime.{name}()", getattr(real, name)(*zone)))
-
-    names = {name: now(name) for name in ("now", "utcnow", "today")}
-    datetime.datetime = Moments("datetime", (real,), names)  # type: ignore[misc,assignment]
-
-
-# --- packages of ROS -------------------------------------------------------------------------------------------------
 
 
 def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
@@ -243,7 +188,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
     def smach_ros(module: ModuleType) -> None:
         for name in FIXED_OUTCOMES:
             setattr(module, name, _ros_state(name))
-        module.RosState = _RosState  # type: ignore[attr-defined]
+        module.RosState = real.RosState  # type: ignore[attr-defined]
 
     def rospkg(module: ModuleType) -> None:
         module.RosPack = type("RosPack", (), {"get_path": lambda self, name: folder(name)})  # type: ignore[attr-defined]
@@ -254,19 +199,7 @@ def ros_stand_ins(finder: StandInFinder, workspace: Workspace) -> None:
         ("ament_index_python.packages", "get_package_share_directory"),
         ("ament_index_python", "get_package_share_directory"),
     ):
-        finder.made[name] = partial(_give, function, folder)
-
-
-class _RosState(State):
-    """ROS 2's: a state with a node."""
-
-    def __init__(self, node: Any, *arguments: Any, **named: Any):
-        State.__init__(self, *arguments, **named)
-        self.node = node
-
-
-def _give(name: str, value: object, module: ModuleType) -> None:
-    setattr(module, name, value)
+        finder.made[name] = lambda module, function=function: setattr(module, function, folder)  # type: ignore[misc]
 
 
 def _ros_state(kind: str) -> type:
@@ -274,33 +207,22 @@ def _ros_state(kind: str) -> type:
     parameters = list(inspect.signature(getattr(real, kind).__init__).parameters)[1:]
 
     def __init__(self: State, *arguments: Any, **named: Any) -> None:
-        if (
-            arguments
-            and not isinstance(arguments[0], str)
-            and kind in ("SimpleActionState", "ServiceState", "MonitorState")
-        ):
+        if arguments and not isinstance(arguments[0], str) and kind != "ConditionState":
             arguments = arguments[1:]  # ROS 2's node
         given = dict(zip(parameters, arguments, strict=False)) | named
         keys = {k: list(given.get(k) or []) for k in ("input_keys", "output_keys", "io_keys")}
         State.__init__(self, [*FIXED_OUTCOMES[kind], *(given.get("outcomes") or [])], **keys)
-        for side, register in (
-            (("goal", "request"), self.register_input_keys),
-            (("result", "response"), self.register_output_keys),
-        ):
-            for word in side:
-                register([k for k in (given.get(f"{word}_key"),) if isinstance(k, str)])
-                register([k for k in given.get(f"{word}_slots") or [] if isinstance(k, str)])
+        for word in ("goal", "request", "result", "response"):
+            said = (given.get(f"{word}_key"), *(given.get(f"{word}_slots") or []))
+            register = self.register_input_keys if word in ("goal", "request") else self.register_output_keys
+            register([key for key in said if isinstance(key, str)])
         for name in ("goal_cb", "result_cb", "request_cb", "response_cb", "cond_cb"):
-            _interface(self, name, given.get(name))
+            callback = given.get(name)
+            if callback is None or stands_in(callback) or not hasattr(callback, "get_registered_outcomes"):
+                continue
+            if name in ("result_cb", "response_cb"):
+                self.register_outcomes(callback.get_registered_outcomes())
+            self.register_input_keys(callback.get_registered_input_keys())
+            self.register_output_keys(callback.get_registered_output_keys())
 
     return type(kind, (State,), {"__init__": __init__, "__module__": "smach_ros"})
-
-
-def _interface(state: State, name: str, callback: Any) -> None:
-    """Add what `cb_interface` declares on a callback."""
-    if callback is None or stands_in(callback) or not hasattr(callback, "get_registered_outcomes"):
-        return
-    if name in ("result_cb", "response_cb"):
-        state.register_outcomes(callback.get_registered_outcomes())
-    state.register_input_keys(callback.get_registered_input_keys())
-    state.register_output_keys(callback.get_registered_output_keys())

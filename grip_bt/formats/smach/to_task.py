@@ -16,17 +16,14 @@ from .containers import (
     RefusedError,
     Rules,
     check,
-    declare,
     iteration_of,
     labelled,
-    led_to,
     meanings,
     parallel_rules,
     source_of,
-    steps_before,
 )
 from .found import Child, ContainerInfo
-from .leaves import Leaves
+from .leaves import NEXT_ITEM, OBEYED, Leaves
 from .userdata import (
     Keys,
     Variables,
@@ -69,7 +66,7 @@ class TaskMaker:
                 return None
             self.root.problem("partial", f"imported as one leaf that runs the original container: {error}")
             self.variables, self.sharing, self.leaves.specs = Variables(), VariableSharing(), specs
-            whole = Child(self.name, self.root, {}, {}, self.root.span)
+            whole = Child(label=self.name, state=self.root, transitions={}, remapping={}, span=self.root.span)
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
         self.sharing.check(self._initial())
         outcomes = meanings(self.root, self.leaves.meanings)
@@ -91,14 +88,8 @@ class TaskMaker:
     def _initial(self) -> set[str]:
         return {*self.variables.values, *self.variables.first}
 
-    # --- nodes ---
-
     def container(self, found: ContainerInfo, keys: Keys) -> tuple[Any, Ends]:
-        """Return a container as a node, and what its outcomes stand for.
-
-        Raises:
-            RefusedError: it has no equivalent.
-        """
+        """Return a container as a node, and what its outcomes stand for; refuse one that has no equivalent."""
         check(found)
         keys.begin(found)
         if found.kind == "Concurrence":
@@ -106,29 +97,26 @@ class TaskMaker:
         ends = {task_name(o): o for o in found.outcomes or ()}
         if found.kind == "Iterator":
             return self._iterator(found, keys, meanings(found, self.leaves.meanings)), ends
-        declare(found, keys, self.variables)
         names: dict[str, str] = {}
         for label in found.added:  # one that is also an outcome gets another name, since SMACH prefers the state
             names[label] = free(task_name(label), {*ends, *names.values()})
-        steps, entries = steps_before(found, keys, names, {*names.values(), *ends})
         children: dict[str, AnyNode] = {}
         for label, added in found.added.items():
             node, child_ends = self.child(found, added, keys)
             on = {here: self._target(found, added, there, names) for here, there in child_ends.items()}
-            children[names[label]] = led_to(node.model_copy(update={"on": FrozenDict(on)}), entries, names)
-        self.sharing.wrote({name for step in steps.values() for name in step.out.values()})  # type: ignore[union-attr]
+            children[names[label]] = node.model_copy(update={"on": FrozenDict(on)})
         machine = StateMachine(
             kind="state_machine",
-            initial=entries[found.initial or ""],
+            initial=names[found.initial or ""],
             outcomes=meanings(found, self.leaves.meanings),
-            children={**steps, **children},
+            children=children,
             x=source_of(found),
         )
         return machine, ends
 
     def _iterator(self, found: ContainerInfo, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
         plan = iteration_of(found)
-        spec = self.leaves.next_item()
+        spec = self.leaves.ours(NEXT_ITEM)
         added = next(iter(found.added.values()))
         name = free(task_name(added.label), {*means, "next"})
         node, ends = self.child(found, added, keys, raw=True)
@@ -169,7 +157,7 @@ class TaskMaker:
         ends = {"success": default, "failure": default} | {label: o for o, label in labels.items()}
         asked = free("asked", children)
         allowed = "preempted" in labels
-        spec = self.leaves.obeyed()
+        spec = self.leaves.ours(OBEYED)
         children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
         rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
         for outcome, wanted in given:
@@ -249,8 +237,6 @@ class TaskMaker:
         live = self.leaves.source(where)
         return f"{live}.userdata[{key!r}]" if live else ""
 
-    # --- edges ---
-
     def _target(self, found: ContainerInfo, added: Child, outcome: str, names: Mapping[str, str]) -> str:
         target = added.transitions.get(outcome)
         if target is not None and target in names:
@@ -259,8 +245,6 @@ class TaskMaker:
         if target not in (found.outcomes or ()):
             raise RefusedError(f"{outcome!r} of {added.label!r} leads to {target!r}, which isn't there")
         return task_name(target)
-
-    # --- the whole ---
 
     def _checked(self, node: AnyNode, outcomes: Mapping[str, Meaning]) -> Task:
         catalog = Catalog.builtin().with_manifests(spec.manifest for spec in self.leaves.specs.values())
@@ -299,7 +283,6 @@ def _outcomes(added: Child) -> list[str]:
 
 
 def _read_too_early(task: Task, catalog: Catalog) -> set[str]:
-    """Return the variables that a leaf may read before anything has written them."""
     nodes = dict(model.walk(task.root))
     early = [issue for issue in validate(task, catalog).issues if issue.code == "read-before-write"]
     return {str(nodes[issue.path].in_[str(issue.key[1])]) for issue in early}  # type: ignore[union-attr]  # of leaves

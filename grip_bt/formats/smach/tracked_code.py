@@ -11,7 +11,7 @@ import builtins
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from types import FrameType
+from types import BuiltinFunctionType, FrameType, FunctionType, MethodType
 from typing import Any
 
 from grip_bt.nodes import stand_ins
@@ -23,7 +23,6 @@ _DIRECT = ("super", "locals", "globals", "vars", "dir", "eval", "exec")
 
 class _Tracking(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> ast.expr:
-        """Have a call seen; those that look at their own frame stay as they are."""
         self.generic_visit(node)
         if isinstance(node.func, ast.Name) and node.func.id in _DIRECT:
             return node
@@ -33,7 +32,6 @@ class _Tracking(ast.NodeTransformer):
         return _calling(CALL, node, node.func, *node.args, keywords=node.keywords)
 
     def visit_Compare(self, node: ast.Compare) -> ast.expr:
-        """Have `is` seen."""
         self.generic_visit(node)
         if len(node.ops) != 1 or not isinstance(node.ops[0], (ast.Is, ast.IsNot)):
             return node
@@ -47,12 +45,10 @@ class _Tracking(ast.NodeTransformer):
     visit_Set = visit_SetComp = _set
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        """Have `"..." % x` seen."""
         self.generic_visit(node)
         return _calling(MOD, node, node.left, node.right) if isinstance(node.op, ast.Mod) else node
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.expr:
-        """Have the values of a text seen."""
         self.generic_visit(node)
         parts: list[ast.expr] = []
         for part in node.values:
@@ -93,9 +89,6 @@ def caller() -> FrameType | None:
     while frame is not None and not is_tracked(frame):
         frame = frame.f_back
     return frame
-
-
-# --- what compiled code calls ----------------------------------------------------------------------------------------
 
 
 def _is(left: object, right: object) -> bool:
@@ -241,6 +234,9 @@ _CONTAINERS = (list, dict, set, deque, tuple)
 _KEEPING = ("grip_bt.", "smach", "functools", "threading", "collections", "enum", "abc", "typing", "contextlib")
 
 
+_FUNCTIONS = (FunctionType, BuiltinFunctionType, MethodType)
+
+
 class _Spread:
     """Arguments of which nobody knows how many they are."""
 
@@ -252,7 +248,13 @@ def _star(value: Any) -> Any:
     return [_Spread(value)] if stands_in(value) and held_by(value) is stand_ins.UNKNOWN else value
 
 
+def _as_seen(value: Any) -> Any:
+    """Return what stands for a function that is handed on, such as `map(os.getenv, names)`."""
+    return SPECIAL.get(value, value) if isinstance(value, _FUNCTIONS) else value
+
+
 def _call(function: Any, *arguments: Any, **named: Any) -> Any:
+    arguments, named = tuple(map(_as_seen, arguments)), {key: _as_seen(value) for key, value in named.items()}
     if any(type(a) is _Spread for a in arguments):
         kept = _is_stand_in(function)
         each = [([a.value] if kept else list(a.value)) if type(a) is _Spread else [a] for a in arguments]

@@ -14,7 +14,7 @@ from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
 
-from .found import ContainerInfo, Unresolved
+from .found import ContainerInfo, Value
 from .leaves import Leaves
 
 _LARGEST = 2**63
@@ -22,11 +22,7 @@ _LARGEST = 2**63
 
 @dataclass
 class Variables:
-    """The variables of a task.
-
-    Their values at first, and `first` for those that a task can't hold: the key, and the container that has it in its
-    userdata at run time.
-    """
+    """Values at first; `first` has those that no task can hold: the key, and the container that has it then."""
 
     names: dict[str, None] = field(default_factory=dict)
     values: dict[str, object] = field(default_factory=dict)
@@ -76,21 +72,17 @@ class Keys:
                 self._variables.first[name] = (key, found)
 
 
-def plain_literal(value: object) -> object:
-    """Return a value as a task can hold it; a tuple becomes a list.
-
-    Raises:
-        ValueError: a task can't hold it; the message is its source.
-    """
-    if value is None or isinstance(value, (bool, float, str)):
-        return value
-    if isinstance(value, int) and abs(value) < _LARGEST:
-        return value
-    if isinstance(value, (list, range)):
-        return [plain_literal(item) for item in value]
-    if isinstance(value, dict) and all(isinstance(key, str) for key in value):
-        return {key: plain_literal(item) for key, item in value.items()}
-    raise ValueError(value.text if isinstance(value, Unresolved) else getattr(value, "cls", repr(value)))
+def plain_literal(value: Value) -> object:
+    """Return a value as a task can hold it, or raise ValueError with its source."""
+    if value.opaque is not None:
+        raise ValueError(value.opaque)
+    todo: list[object] = [value.value]
+    while todo:
+        each = todo.pop()
+        if isinstance(each, int) and abs(each) >= _LARGEST:
+            raise ValueError(repr(each))
+        todo += each if isinstance(each, list) else each.values() if isinstance(each, dict) else ()
+    return value.value
 
 
 @dataclass
@@ -156,7 +148,6 @@ def copied_in(found: ContainerInfo) -> list[str]:
 
 
 def _inside(found: ContainerInfo) -> tuple[set[str], set[str]]:
-    """Return the keys of a container that its children read and write."""
     reads: set[str] = set()
     writes: set[str] = set()
     for added in found.added.values():

@@ -9,18 +9,12 @@ from grip_bt.compilers.machine_table import AGAIN, chooses, counts, state_labels
 from grip_bt.compilers.resolve import Part
 from grip_bt.formats.python_source import Bracketed, Raw, call
 from grip_bt.formats.smach_export.forms import (
-    constants_before,
-    is_next_item,
     is_obeyed,
     legacy_state,
-    names_inside,
-    reads,
-    writes,
 )
-from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model
 
-from .forms import outcome_function, outcome_map, smach_form
+from .forms import outcome_map, smach_form
 from .states import SourceBuilder, keys_of, legacy, tree
 
 Made = Bracketed | Raw
@@ -47,20 +41,10 @@ def machine(
 ) -> str:
     """Write a StateMachine of children that run one after the other, and return its name.
 
-    Args:
-        needed: (outcome, code) pairs for which its parent has an edge.
-        ends: its outcomes -> what they are called, where that differs.
-        outcomes: what they are called, all of them.
-        then: writes what comes between its object and its states.
+    `ends` and `outcomes` are what its outcomes are called, `then` writes what comes between its object and its states.
     """
     table, names, ends = table_of(part, needed), state_labels(part), ends or {}
-    before = constants_before(part)
-    children = [child for child in part.children if child.name not in before]
-    led = {names[step]: names[target] for step, (target, _) in before.items()}
-    constants: dict[str, dict[str, object]] = {}
-    for target, given in before.values():
-        constants[target] = {**given, **constants.get(target, {})}
-    states = {child.name: state(builder, child, table.refined[child.name]) for child in children}
+    states = {child.name: state(builder, child, table.refined[child.name]) for child in part.children}
     name = name or builder.take(part)
     keys = {} if outcomes else keys_of(part)
     builder.begin(name, call("smach.StateMachine", outcomes=outcomes or labels(part.meaning, needed), **keys), part)
@@ -78,42 +62,30 @@ def machine(
         ask = _choice(builder, part, needed, name)
         leads = {f"do {child.name}": names[child.name] for child in part.children}
         leads |= {end: ends.get(end, end) for end in labels(("success", "failure"), _failures(needed))}
-        if isinstance(part.node, model.Switch):  # a child without a case is never next
-            cased = {*(child for child, _ in part.node.literals()), part.node.default}
-            leads = {end: to for end, to in leads.items() if end[:3] != "do " or end[3:] in cased}
     if ask:
         builder.write(call(f"{name}.register_start_cb", Raw(f"{ask}.begin")))
     builder.body.append(f"    with {name}:")
-    for child in children:
-        row = {label: led.get(to, to) for label, to in table.rows[names[child.name]].items()}
-        ways = {label: ends.get(to, to) for label, to in row.items()}
-        more = {"constants": constants[child.name]} if child.name in constants else {}
-        add(builder, names[child.name], states[child.name], child, table.refined[child.name], ways, **more)
+    for child in part.children:
+        ways = {label: ends.get(to, to) for label, to in table.rows[names[child.name]].items()}
+        add(builder, names[child.name], states[child.name], child, table.refined[child.name], ways)
     if ask:
         builder.write(call("smach.StateMachine.add", AGAIN, Raw(ask), transitions=leads), "", 8)
-    initial = led.get(table.initial, table.initial)
-    if initial != names[children[0].name]:
-        builder.write(call(f"{name}.set_initial_state", [initial]), "", 4)
+    if table.initial != names[part.children[0].name]:
+        builder.write(call(f"{name}.set_initial_state", [table.initial]), "", 4)
     return name
 
 
+_OUTSIDE = {"on", "x", "doc", "data", "exits", "child", "children"}
+"""What of a switch or a loop isn't asked of its kind."""
+
+
 def _choice(builder: SourceBuilder, part: Part, needed: Refined, name: str) -> str:
-    """Write the state that asks a rule, and return its name."""
-    builder.classes["Choose"] = None
+    builder.parts.add("Choose")
     more: dict[str, object] = {"place": part.path}
     if failures := _failures(needed):
         more["codes"] = [f"{outcome}.{code}" for outcome, code in sorted(failures)]
-    if isinstance(part.node, model.Switch):
-        cases: dict[str, list[object]] = {}
-        for child, literal in part.node.literals():
-            cases.setdefault(child, []).append(literal)
-        default = {"default": part.node.default} if part.node.default else {}
-        made = call("Choose.case", Raw("run"), part.node.on_value, cases, **default, **more)
-    else:
-        assert isinstance(part.node, model.Loop), "the others are no machines"
-        said = {"condition": part.node.while_, "times": part.node.times}
-        given = {key: value for key, value in said.items() if value not in ("", None)}
-        made = call("Choose.loop", Raw("run"), part.children[0].name, **given, **more)
+    node = part.node.model_dump(by_alias=True, exclude_unset=True, mode="json", exclude=_OUTSIDE)
+    made = call("Choose", Raw("run"), node, [child.name for child in part.children], **more)
     choice = builder.identifiers.take(f"choice_of_{name}")
     builder.write(made, choice)
     return choice
@@ -130,7 +102,6 @@ def add(
     part: Part,
     refined: Refined,
     leads: Mapping[str, str] | None,
-    **more: object,
 ) -> None:
     """Write what adds a state to a StateMachine, or without transitions to a Concurrence."""
     given: dict[str, object] = {}
@@ -141,117 +112,18 @@ def add(
         given["transitions"] = dict(leads)
     if known is not None and known.remapping:
         given["remapping"] = known.remapping
-    if smach_form(part, refined) == "items":
-        if renamed := {key: variable for variable, key in _names(part).items() if key != variable}:
-            given["remapping"] = renamed
-    builder.write(
-        call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given, **more), "", 8
-    )
-
-
-def _iterator(builder: SourceBuilder, part: Part, needed: Refined) -> str:
-    """Write a for_each over a variable, which is looked at when it begins."""
-    assert isinstance(part.node, model.ForEach), "only these iterate over a variable"
-    (child,) = part.children
-    table = table_of(part, needed)
-    made = state(builder, child, table.refined[child.name])
-    name, keys = builder.take(part), {"input_keys": [], "output_keys": [], **keys_of(part)}
-    outcomes = labels(part.meaning, needed)
-    own = _own(builder, part, "Each", "smach.Iterator")
-    run = [Raw("run")] if own == "Each" else []
-    builder.begin(name, call(own, *run, outcomes=outcomes, **keys, exhausted_outcome="success"), part)
-    items, item = part.node.items, part.node.item
-    given = f"lambda userdata, states: {name}.set_iteritems(list(userdata[{items!r}]), {item!r})"
-    builder.write(call(f"{name}.register_start_cb", Raw(given)))
-    (row,) = table.rows.values()
-    _contained(builder, name, child, made, row, {AGAIN}, {})
-    return name
-
-
-def _items(builder: SourceBuilder, part: Part, needed: Refined) -> str:
-    """Write what an import had made of an Iterator as one."""
-    assert isinstance(part.node, model.StateMachine), "it is a machine of these"
-    first = next(child for child in part.children if child.name == part.node.initial)
-    other = next(child for child in part.children if not is_next_item(child))
-    table = table_of(part, needed)
-    made = state(builder, other, table.refined[other.name])
-    assert isinstance(first.node, model.Leaf), "it hands out items"
-    names = _names(part)
-    given = {
-        "input_keys": list(names.values()),
-        "output_keys": list(names.values()),
-        "it": first.node.with_["items"],
-        "it_label": names[first.node.out["item"]],
-        "exhausted_outcome": first.node.on["exhausted"],
-    }
-    name = builder.take(part)
-    builder.body.append("")
-    own = _own(builder, part, "Each", "smach.Iterator")
-    run = [Raw("run")] if own == "Each" else []
-    builder.write(call(own, *run, outcomes=labels(part.meaning, needed), **given), name)
-    again = {child.name for child in part.children if is_next_item(child)}
-    mapped: dict[str, str] = {}
-    for step in part.children:
-        node = step.node
-        if is_next_item(step) and isinstance(node, model.Leaf) and not node.with_.get("leaves_by"):
-            into = [label for label, to in table.rows[other.name].items() if to == step.name]
-            mapped |= {label: node.on.get("preempted", label) for label in into}
-    _contained(builder, name, other, made, table.rows[other.name], again, mapped)
-    return name
-
-
-def _names(part: Part) -> dict[str, str]:
-    """Return variable -> key of what was an Iterator."""
-    other = next(child for child in part.children if not is_next_item(child))
-    return names_inside(legacy_state(other), {**reads(part), **writes(part)}) or {}
-
-
-def _contained(
-    builder: SourceBuilder,
-    name: str,
-    child: Part,
-    made: Made,
-    row: Mapping[str, str],
-    again: set[str],
-    loops_to: Mapping[str, str],
-) -> None:
-    """Write the state of an Iterator; `loops_to`: what it ends with when it is preempted after these outcomes."""
-    row = {label: to for label, to in row.items() if legacy_state(child) is None or "." not in label}
-    leaving = {label: to for label, to in row.items() if to not in again}
-    loops = [label for label in row if label not in leaving]
-    given: dict[str, object] = {"loop_outcomes": loops, "break_outcomes": list(leaving)}
-    ways = {**leaving, **{label: to for label, to in loops_to.items() if label in loops}}
-    if mapped := {label: to for label, to in ways.items() if label != to}:
-        given["final_outcome_map"] = mapped
-    builder.body.append(f"    with {name}:")
-    builder.write(call("smach.Iterator.set_contained_state", child.name, made, **given), "", 8)
-
-
-def _own(builder: SourceBuilder, part: Part, ours: str, theirs: str) -> str:
-    """Return SMACH's own class where all that is below are legacy states, which it was once made for; else ours."""
-    for leaf in (below for below in part.walk() if not below.children):
-        once = leaf.node.x.get(MARK) == CONSTANT or is_next_item(leaf) or is_obeyed(leaf)
-        if not once and legacy_state(leaf) is None:
-            builder.classes[ours] = None
-            return ours
-    return theirs
+    builder.write(call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given), "", 8)
 
 
 def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
     names = state_labels(part)
     children = [child for child in part.children if not is_obeyed(child)]
     states = {child.name: state(builder, child, ()) for child in children}
-    name, default, given = builder.take(part), "failure", dict[str, object]()
-    own, said = _own(builder, part, "Joining", "smach.Concurrence"), outcome_map(part)
-    if said is not None and own == "smach.Concurrence":
-        mapped, default = said
-        given["outcome_map"] = {o: {names[c]: end for c, end in ends.items()} for o, ends in mapped.items()}
-    else:
-        function = builder.identifiers.take(f"outcome_of_{name}")
-        builder.functions.append(outcome_function(part, function, names))
-        given["outcome_cb"] = Raw(function)
-    outcomes = labels(part.meaning, needed)
-    made = call(own, outcomes=outcomes, default_outcome=default, **keys_of(part), **given)
+    name, said = builder.take(part), outcome_map(part)
+    assert said is not None, "this form is for those"
+    mapped = {o: {names[c]: end for c, end in ends.items()} for o, ends in said[0].items()}
+    outcomes, more = labels(part.meaning, needed), {"outcome_map": mapped}
+    made = call("smach.Concurrence", outcomes=outcomes, default_outcome=said[1], **keys_of(part), **more)
     builder.begin(name, made, part)
     builder.body.append(f"    with {name}:")
     for child in children:
@@ -261,7 +133,5 @@ def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
 
 _CONTAINERS: dict[str, Callable[[SourceBuilder, Part, Refined], str]] = {
     "machine": machine,
-    "iterator": _iterator,
-    "items": _items,
     "concurrence": _concurrence,
 }

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Literal
 
 from grip_bt.base.expression import parse_expression
-from grip_bt.base.python_literals import py
 from grip_bt.compilers.behaviour_state import Refined
-from grip_bt.compilers.machine_table import AGAIN, chooses, counts, interrupts, table_of
+from grip_bt.compilers.machine_table import chooses, counts, interrupts
 from grip_bt.compilers.resolve import Part
 from grip_bt.compilers.scopes import Cell, Scope
-from grip_bt.nodes.smach_asking import CONSTANT, MARK
 from grip_bt.task import model
 
 NEXT_ITEM = "grip_bt.nodes.smach_leaf:NextItem"
@@ -74,10 +72,7 @@ def _written(part: Part) -> Iterator[tuple[Scope, str]]:
 
 @dataclass(frozen=True)
 class LegacyState:
-    """How a legacy state is made: an expression in the names of modules and `self.built(...)`.
-
-    `remapping`: its key -> variable, `outcomes`: outcome of the leaf -> that of the state, where they differ.
-    """
+    """How a legacy state is made; its key -> variable, outcome of the leaf -> that of the state, where they differ."""
 
     source: ast.expr
     modules: dict[str, Path]
@@ -114,29 +109,6 @@ def is_obeyed(part: Part) -> bool:
     return part.manifest is not None and part.manifest.implementation == OBEYED
 
 
-def names_inside(state: LegacyState | None, variables: Iterable[str]) -> dict[str, str] | None:
-    """Return variable -> key of an Iterator around a state; None where two variables would be one key."""
-    keys = {variable: key for key, variable in state.remapping.items()} if state is not None else {}
-    names = {variable: keys.get(variable, variable) for variable in variables}
-    return names if len(set(names.values())) == len(names) else None
-
-
-def constants_before(part: Part) -> dict[str, tuple[str, dict[str, object]]]:
-    """Return, for each state of a machine that only sets constants, the state that they are for, and the constants."""
-    steps: dict[str, tuple[str, dict[str, object]]] = {}
-    for child in part.children:
-        node = child.node
-        if isinstance(node, model.Leaf) and node.x.get(MARK) == CONSTANT:
-            steps[child.name] = node.on["success"], {node.out["value"]: node.with_["value"]}
-    found = {}
-    for name, (target, constants) in steps.items():
-        while target in steps:
-            target, more = steps[target]
-            constants = {**constants, **more}
-        found[name] = target, constants
-    return found
-
-
 @cache
 def _classes(file: Path) -> dict[str, tuple[ast.expr, dict[str, Path]]]:
     """Return class -> what its `make` returns, and the legacy files that this names."""
@@ -163,7 +135,6 @@ def _classes(file: Path) -> dict[str, tuple[ast.expr, dict[str, Path]]]:
 
 
 def _made(body: list[ast.stmt]) -> ast.expr | None:
-    """Return what `make` returns, where that is all that the class says."""
     for statement in body:
         match statement:
             case ast.Expr(ast.Constant(str())):
@@ -174,68 +145,31 @@ def _made(body: list[ast.stmt]) -> ast.expr | None:
     return None
 
 
-SmachForm = Literal["state", "tree", "machine", "iterator", "items", "concurrence"]
-"""A legacy state; a tree in a state; containers: StateMachine, Iterator over a variable, over literals, Concurrence."""
-EXHAUSTED = "exhausted"
+SmachForm = Literal["state", "tree", "machine", "concurrence"]
+"""A legacy state; a tree in a state; a StateMachine; a Concurrence."""
 
 
 def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
-    """Return outcome -> {child: its outcome}, and the default outcome; None where no map says what the parallel does.
-
-    SMACH takes the entry with the most conditions that hold, the first of equals; a parallel looks at its exits first,
-    in its children's order.
-    """
+    """Return rules as outcome -> {child: its outcome}, and the outcome of the rest; None where no map says the same."""
     node = part.node
     assert isinstance(node, model.Parallel), "only these join"
-    if node.rules:
-        return _ruled(part, node)
-    if node.policy != "all":
-        return None
-    order = {child.name: number for number, child in enumerate(part.children)}
-    exits = sorted(part.exits, key=lambda exit: order[exit[0][0]])
-    mapped: dict[str, dict[str, str]] = {}
-    for (name, outcome, _), target in exits:
-        if target in mapped or target in ("success", "failure"):
-            return None
-        mapped[target] = {name: outcome}
-    wanted = {}
-    for child in part.children:
-        good = [outcome for outcome, meaning in child.meaning.items() if meaning == "success"]
-        if len(good) == len(child.meaning):
-            continue
-        if len(good) != 1 or {child.name: good[0]} in mapped.values():
-            return None
-        wanted[child.name] = good[0]
-    return ({**mapped, "success": wanted}, "failure") if wanted else (mapped, "success")
-
-
-def _ruled(part: Part, node: model.Parallel) -> tuple[dict[str, dict[str, str]], str] | None:
-    """Return rules as a map: each about one outcome of each child, the longer ones first, and one for the rest."""
     obeyed = {child.name for child in part.children if is_obeyed(child)}
-    *rules, rest = [rule for rule in node.rules if not set(rule.when) & obeyed]
+    rules = [rule for rule in node.rules if not set(rule.when) & obeyed]
+    plain = all(isinstance(said, str) for rule in rules for said in rule.when.values())
+    if not rules or part.exits or not plain or any(rule.at_least is not None for rule in node.rules):
+        return None
+    *rules, rest = rules
     mapped = {rule.then: {child: str(said) for child, said in rule.when.items()} for rule in rules}
     sizes = [len(rule.when) for rule in rules]
-    plain = all(isinstance(said, str) for rule in rules for said in rule.when.values())
-    counts = any(rule.at_least is not None for rule in node.rules)
-    if part.exits or not plain or counts or rest.when or len(mapped) < len(rules) or 0 in sizes:
+    if rest.when or len(mapped) < len(rules) or 0 in sizes or sizes != sorted(sizes, reverse=True):
         return None
-    return (mapped, rest.then) if sizes == sorted(sizes, reverse=True) else None
+    return mapped, rest.then
 
 
-def outcome_function(part: Part, name: str, labels: dict[str, str]) -> str:
-    """Return a function that says the outcome from those of the children."""
-    node = part.node
-    assert isinstance(node, model.Parallel), "only these join"
-    lines = [f"def {name}(ends):", f'    """Return the outcome of {part.name} from those of its children."""']
-    order = {child.name: number for number, child in enumerate(part.children)}
-    for (joined, outcome, _), target in sorted(part.exits, key=lambda exit: order[exit[0][0]]):
-        lines += [f"    if ends[{py(labels[joined])}] == {py(outcome)}:", f"        return {py(target)}"]
-    lines.append("    good = [")
-    for child in part.children:
-        ends = [outcome for outcome, meaning in child.meaning.items() if meaning == "success"]
-        lines.append(f"        ends[{py(labels[child.name])}] in {py(ends)},")
-    lines += ["    ]", f'    return "success" if {node.policy}(good) else "failure"']
-    return "\n".join(lines)
+def _is_legacy(part: Part) -> bool:
+    """Tell whether all that is below are legacy states, which SMACH's containers were once made for."""
+    leaves = (below for below in part.walk() if not below.children)
+    return all(is_obeyed(leaf) or legacy_state(leaf) is not None for leaf in leaves)
 
 
 def smach_form(part: Part, needed: Refined) -> SmachForm:
@@ -245,43 +179,12 @@ def smach_form(part: Part, needed: Refined) -> SmachForm:
         return "tree" if legacy_state(part) is None else "state"
     if isinstance(node, model.Foreign | model.Subtask) or node.precondition or interrupts(part):
         return "tree"
-    if chooses(part) and not isinstance(node, model.Switch | model.Loop | model.ForEach):
+    if chooses(part) and not isinstance(node, model.Switch | model.Loop):
         return "tree"
     if isinstance(node, model.Parallel):
-        ruled = bool(node.rules) and outcome_map(part) is None
         by_code = any(code is not None for (_, _, code), _ in part.exits)
-        return "tree" if needed or ruled or by_code or shares(part) else "concurrence"
-    if isinstance(node, model.ForEach):
-        return "iterator" if _iterates(part, needed) else "tree"
+        said = outcome_map(part) is not None and _is_legacy(part)
+        return "concurrence" if said and not needed and not by_code and not shares(part) else "tree"
     if counts(part) and needed:
         return "tree"
-    return "items" if _hands_out_items(part) else "machine"
-
-
-def _iterates(part: Part, needed: Refined) -> bool:
-    """Tell whether an Iterator can hold the child: it passes its own userdata on, under no other names."""
-    (child,) = part.children
-    state = legacy_state(child)
-    if state is not None and (state.remapping or state.outcomes):
-        return False
-    (row,) = table_of(part, needed).rows.values()
-    leaving = {label: target for label, target in row.items() if target != AGAIN}
-    return EXHAUSTED not in leaving and leaving.get("success", "success") == "success"
-
-
-def _hands_out_items(part: Part) -> bool:
-    """Tell whether a machine is what an import makes of an Iterator."""
-    if not isinstance(part.node, model.StateMachine):
-        return False
-    steps = {child.name: child.node.on for child in part.children if is_next_item(child)}
-    others = [child for child in part.children if not is_next_item(child)]
-    if len(others) != 1 or part.node.initial not in steps:
-        return False
-    (other,) = others
-    state = legacy_state(other)
-    named = names_inside(state, {**reads(part), **writes(part)}) is not None
-    plain = named and (state is None or not state.outcomes)
-    ended = steps[part.node.initial].get("exhausted", "")
-    alike = all(on.get("item") == other.name and on.get("exhausted") == ended for on in steps.values())
-    rest = {label: target for label, target in other.node.on.items() if target not in steps}
-    return plain and alike and rest.get(ended, ended) == ended
+    return "tree" if any(is_next_item(child) for child in part.children) else "machine"

@@ -14,11 +14,12 @@ from grip_bt.compilers.scopes import Cell
 from grip_bt.formats.names import Identifiers
 from grip_bt.formats.python_source import Bracketed, Raw, call, literal, statement
 from grip_bt.formats.smach_export.forms import legacy_state, reads, writes
+from grip_bt.nodes.smach_asking import MARK
 from grip_bt.task import model
 
 _TAKEN = (
     *("smach", "copy", "sys", "Path", "HERE", "NODES", "build", "run", "task", "load_legacy", "BehaviourTree"),
-    *("Choose", "Count", "Each", "Joining", "begin_anew", "tree_run", "userdata", "states", "ends"),
+    *("Choose", "Count", "begin_anew", "tree_run", "userdata", "states", "ends"),
 )
 _PLAIN = {"success": "success", "failure": "failure"}
 
@@ -27,11 +28,7 @@ _PLAIN = {"success": "success", "failure": "failure"}
 class SourceBuilder:
     """The file under construction: the body of `build`, the functions above it, and what these use.
 
-    Attributes:
-        built: source of what builds a legacy machine -> name of that machine in `build`.
-        trees: paths of containers that one state ticks -> kind.
-        nodes: catalogue ids of the leaves that are ticked.
-        classes: containers of ours that are used.
+    `built`: source of what builds a legacy machine -> its name; `trees`: paths of what one state ticks -> kind.
     """
 
     resolved: Resolved
@@ -43,7 +40,6 @@ class SourceBuilder:
     built: dict[str, str] = field(default_factory=dict)
     trees: dict[str, str] = field(default_factory=dict)
     nodes: dict[str, None] = field(default_factory=dict)
-    classes: dict[str, None] = field(default_factory=dict)
 
     def take(self, part: Part) -> str:
         """Return a name for the container of a node."""
@@ -92,7 +88,8 @@ def set_key(builder: SourceBuilder, userdata: str, name: str, value: object) -> 
 
 def tree(builder: SourceBuilder, part: Part, needed: Refined) -> Bracketed:
     """Return the state that ticks a node as GRIP does."""
-    document = _ordered(part.node.model_dump(by_alias=True, exclude_unset=True, mode="json", exclude={"on", "x"}))
+    left_out = {"on"} if MARK in part.node.x else {"on", "x"}  # what was an Iterator answers preempts as one
+    document = _ordered(part.node.model_dump(by_alias=True, exclude_unset=True, mode="json", exclude=left_out))
     used = {**reads(part), **writes(part)}
     more: dict[str, object] = {}
     if used:
@@ -135,7 +132,6 @@ class _Renaming(ast.NodeTransformer):
         self.builder, self.modules = builder, modules
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Name a module."""
         file = self.modules.get(node.id)
         if file is None:
             return node
@@ -144,7 +140,6 @@ class _Renaming(ast.NodeTransformer):
         return ast.Name(self.builder.modules[file], ast.Load())
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        """Name smach itself, which the file imports too."""
         match node.value:
             case ast.Attribute(ast.Name(module), "smach") if module in self.modules:
                 return ast.Attribute(ast.Name("smach", ast.Load()), node.attr, ast.Load())
@@ -152,7 +147,6 @@ class _Renaming(ast.NodeTransformer):
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
-        """Name what is built once."""
         self.generic_visit(node)
         match node:
             case ast.Call(ast.Attribute(ast.Name("self"), "built"), [factory, *arguments], keywords):

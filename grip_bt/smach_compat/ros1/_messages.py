@@ -9,10 +9,13 @@ from __future__ import annotations
 import functools
 import importlib
 import sys
+from dataclasses import dataclass
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
 from typing import Any
+
+from grip_bt.smach_compat.smach_ros._connection import ros
 
 _PARTS = ("Goal", "Result", "Feedback")
 
@@ -42,7 +45,6 @@ class Ros1Names(MetaPathFinder, Loader):
         """Have the usual kind of module made, for a package that has no messages but those of its actions."""
 
     def exec_module(self, module: ModuleType) -> None:
-        """Give it the names."""
         give_names(module)
 
 
@@ -56,7 +58,6 @@ def begin() -> None:
 
 
 def end() -> None:
-    """Give no more names; those that were given stay."""
     sys.meta_path[:] = [finder for finder in sys.meta_path if not isinstance(finder, Ros1Names)]
 
 
@@ -104,3 +105,105 @@ def _by_position(message: Any) -> Any:
 
     message.__init__ = init
     return message
+
+
+_SECOND = 10**9
+
+
+@dataclass
+class _Whole:
+    """Seconds and nanoseconds as in the messages: the latter are never negative."""
+
+    sec: int = 0
+    nanosec: int = 0
+
+
+class _Reckoned:
+    """What both have."""
+
+    sec: int
+    nanosec: int
+
+    def to_nsec(self) -> int:
+        return self.sec * _SECOND + self.nanosec
+
+    def to_sec(self) -> float:
+        return self.to_nsec() / _SECOND
+
+    def is_zero(self) -> bool:
+        return self.to_nsec() == 0
+
+    def __lt__(self, other: Any) -> bool:
+        if type(self) is not type(other):
+            raise TypeError(f"{type(self).__name__} and {type(other).__name__} can't be compared")
+        return bool(self.to_nsec() < other.to_nsec())
+
+    def __hash__(self) -> int:
+        return hash(self.to_nsec())
+
+
+class _TimeOfRos1(_Reckoned):
+    to_time = _Reckoned.to_sec
+
+    def __add__(self, duration: Any) -> Any:
+        return Time(0, self.to_nsec() + duration.to_nsec())
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        return (Duration if isinstance(other, Time) else Time)(0, self.to_nsec() - other.to_nsec())
+
+
+class _DurationOfRos1(_Reckoned):
+    def __add__(self, other: Any) -> Any:
+        return type(other)(0, self.to_nsec() + other.to_nsec())
+
+    def __sub__(self, other: Any) -> Any:
+        return Duration(0, self.to_nsec() - other.to_nsec())
+
+    def __mul__(self, factor: float) -> Any:
+        return Duration(0, round(self.to_nsec() * factor))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        return self.to_nsec() / other.to_nsec() if isinstance(other, Duration) else self * (1 / other)
+
+    def __neg__(self) -> Any:
+        return self * -1
+
+    def __abs__(self) -> Any:
+        return Duration(0, abs(self.to_nsec()))
+
+
+def _class(name: str, more: type) -> Any:
+    try:
+        made: Any = getattr(importlib.import_module("builtin_interfaces.msg"), name)
+    except ImportError:
+        made = type(name, (_Whole,), {})
+    begun = made.__init__
+
+    @functools.wraps(begun)
+    def init(self: Any, secs: float = 0, nsecs: int = 0, **fields: Any) -> None:
+        sec, nanosec = divmod(round(secs * _SECOND) + nsecs, _SECOND)
+        begun(self, **(fields or {"sec": sec, "nanosec": nanosec}))
+
+    for each in (_Reckoned, more):
+        for key, value in vars(each).items():
+            if key not in ("__dict__", "__weakref__", "__module__", "__doc__", "__annotations__"):
+                setattr(made, key, value)
+    made.__init__ = init
+    made.secs, made.nsecs = property(lambda self: self.sec), property(lambda self: self.nanosec)
+    made.from_sec = made.from_seconds = staticmethod(lambda seconds: made(seconds))
+    return functools.total_ordering(made)
+
+
+Time = _class("Time", _TimeOfRos1)
+Duration = _class("Duration", _DurationOfRos1)
+
+
+def now() -> Any:
+    return Time(ros().now())
+
+
+Time.now = staticmethod(now)

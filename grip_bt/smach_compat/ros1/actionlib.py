@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.smach_compat.smach_ros._connection import new_result, ros, seconds
+from grip_bt.smach_compat.smach_ros._connection import ros, seconds
 
 from .rospy import SLICE, is_shutdown, resolve_name
 
@@ -18,7 +18,6 @@ class GoalStatus:
 
     @classmethod
     def to_string(cls, status: int) -> str:
-        """Return a state's name."""
         return next((name for name, value in vars(cls).items() if value == status), f"UNKNOWN STATUS {status}")
 
 
@@ -53,7 +52,6 @@ class SimpleActionClient:
     def send_goal(
         self, goal: Any, done_cb: Any = None, active_cb: Any = None, feedback_cb: Callable[[Any], None] | None = None
     ) -> None:
-        """Send a goal; `done_cb(status, result)` is called at its end."""
         self._over = over = threading.Event()
         self._status, self._result = GoalStatus.ACTIVE, None
         self._goal += 1
@@ -62,7 +60,7 @@ class SimpleActionClient:
         def done(ending: str, status: int, result: object) -> None:
             status = _ENDINGS.get(ending, GoalStatus.LOST)
             if number == self._goal:
-                self._status, self._result = status, new_result(self._type) if result is None else result
+                self._status, self._result = status, self._type.Result() if result is None else result
             over.set()
             if done_cb is not None and number == self._goal:
                 done_cb(status, self._result)
@@ -92,25 +90,18 @@ class SimpleActionClient:
         return self.get_state()
 
     def get_result(self) -> Any:
-        """Return the result of the goal, or None."""
         return self._result
 
     def get_state(self) -> int:
         """Return how the goal stands, one of GoalStatus; LOST where none was sent."""
         return self._status
 
-    def get_goal_status_text(self) -> str:
-        """Return the state's name; ROS 2 has no texts."""
-        return GoalStatus.to_string(self._status)
-
     def cancel_goal(self) -> None:
-        """Ask the server to end the goal."""
         self._client.cancel()
 
     cancel_all_goals = cancel_goal
 
     def stop_tracking_goal(self) -> None:
-        """Hear no more of the goal."""
         self._goal += 1
 
 
@@ -128,7 +119,6 @@ class SimpleActionServer:
             self.start()
 
     def start(self) -> None:
-        """Take goals."""
         self._server.start()
 
     def register_goal_callback(self, cb: Callable[[], object]) -> None:
@@ -136,7 +126,6 @@ class SimpleActionServer:
         self._goal_cb = cb
 
     def register_preempt_callback(self, cb: Callable[[], object]) -> None:
-        """Have a function called when the goal is to end."""
         self._preempt_cb = cb
 
     def _execute(self, goal: Any) -> None:
@@ -159,37 +148,30 @@ class SimpleActionServer:
         return goal
 
     def is_new_goal_available(self) -> bool:
-        """Tell whether there is one that wasn't accepted."""
         return self._next is not None
 
     def is_active(self) -> bool:
-        """Tell whether there is one being worked on."""
         return self._active
 
     def is_preempt_requested(self) -> bool:
-        """Tell whether the goal is to end."""
         return self._asked
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Send feedback."""
         self._server.feedback(feedback)
 
     def _end(self, ending: str, result: Any) -> None:
         if not self._over.is_set():
             self._active = False
-            self._server.end(ending, new_result(self._type) if result is None else result)
+            self._server.end(ending, self._type.Result() if result is None else result)
             self._over.set()
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:
-        """End the goal well."""
         self._end("succeeded", result)
 
     def set_aborted(self, result: Any = None, text: str = "") -> None:
-        """End the goal badly."""
         self._end("aborted", result)
 
     def set_preempted(self, result: Any = None, text: str = "") -> None:
-        """End the goal as it was asked to."""
         self._end("preempted", result)
 
 

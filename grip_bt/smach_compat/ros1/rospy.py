@@ -21,9 +21,9 @@ from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.smach_ros._connection import fields, ros, seconds, stands_in
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
-from ._time import Duration as Duration
-from ._time import Time as Time
-from ._time import now as get_rostime
+from ._messages import Duration as Duration
+from ._messages import Time as Time
+from ._messages import now as get_rostime
 
 DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
 SLICE = 1.0
@@ -42,19 +42,8 @@ class ROSInitException(ROSException):
     """A node can't begin."""
 
 
-class ROSSerializationException(ROSException):
-    """A message can't be sent."""
-
-
 class ServiceException(Exception):
     """A service gave no answer."""
-
-
-class TransportException(ROSException):
-    """There is no connection."""
-
-
-# --- logs ---
 
 
 def _logger(name: str) -> Callable[..., None]:
@@ -67,36 +56,24 @@ def _logger(name: str) -> Callable[..., None]:
 _said: dict[Any, float] = {}
 
 
-def _now_and_then(log: Callable[..., None]) -> Callable[..., None]:
-    def throttled(period: float, msg: object, *args: object, **_: object) -> None:
+def _now_and_then(log: Callable[..., None], once: bool = False) -> Callable[..., None]:
+    def throttled(*given: Any, **_: object) -> None:
+        period, *message = (float("inf"), *given) if once else given
         caller = sys._getframe(1)
         place, time = (caller.f_code, caller.f_lineno), ros().now()
         if place not in _said or time - _said[place] >= period:
             _said[place] = time
-            log(msg, *args)
+            log(*message)
 
     return throttled
 
 
-def _once(log: Callable[..., None]) -> Callable[..., None]:
-    def once(msg: object, *args: object, **_: object) -> None:
-        caller = sys._getframe(1)
-        if _said.setdefault((caller.f_code, caller.f_lineno), -1.0) == -1.0:
-            _said[caller.f_code, caller.f_lineno] = 0.0
-            log(msg, *args)
-
-    return once
-
-
 logdebug, loginfo, logwarn, logerr = map(_logger, ("logdebug", "loginfo", "logwarn", "logerr"))
-logfatal = logout = logerr
+logfatal = logerr
 for _name in ("logdebug", "loginfo", "logwarn", "logerr", "logfatal"):
     globals()[f"{_name}_throttle"] = globals()[f"{_name}_throttle_identical"] = _now_and_then(globals()[_name])
-    globals()[f"{_name}_once"] = _once(globals()[_name])
+    globals()[f"{_name}_once"] = _now_and_then(globals()[_name], once=True)
 log_warning, logerror = logwarn, logerr
-
-
-# --- the node ---
 
 _node = SimpleNamespace(name="/unnamed", ready=False)
 
@@ -107,7 +84,6 @@ def init_node(name: str, argv: object = None, anonymous: bool = False, **_: obje
 
 
 def get_name() -> str:
-    """Return the node's name."""
     return str(_node.name)
 
 
@@ -126,52 +102,28 @@ def resolve_name(name: str, caller_id: str | None = None) -> str:
     return name if name.startswith("/") else f"/{name}"
 
 
-def remap_name(name: str) -> str:
-    """Return the name: nothing is remapped."""
-    return name
-
-
 def myargv(argv: list[str] | None = None) -> list[str]:
     """Return the arguments of the command line that aren't ROS's."""
     return [each for each in (sys.argv if argv is None else argv) if ":=" not in each]
 
 
 def is_shutdown() -> bool:
-    """Tell whether the program is being shut down."""
     return ros().is_shutdown()
 
 
-is_shutdown_requested = is_shutdown
-
-
 def signal_shutdown(reason: object = "") -> None:
-    """Shut the node down."""
     ros().shut_down(str(reason))
 
 
 def on_shutdown(h: Callable[[], None]) -> None:
-    """Have a function called at the shutdown."""
     ros().on_shutdown(h)
 
 
 def spin() -> None:
-    """Wait for the shutdown."""
     ros().spin()
 
 
-add_client_shutdown_hook = on_shutdown
-
-
-def add_preshutdown_hook(h: Callable[[str], None]) -> None:
-    """Have a function called at the shutdown with its reason."""
-    on_shutdown(lambda: h("shutdown"))
-
-
-add_shutdown_hook = add_preshutdown_hook
-
-
 def is_initialized() -> bool:
-    """Tell whether `init_node` was called."""
     return bool(_node.ready)
 
 
@@ -179,20 +131,11 @@ core = exceptions = rostime = service = sys.modules[__name__]
 """Its sub-modules are itself."""
 
 
-# --- time ---
-
-
 def get_time() -> float:
-    """Return ROS's time [s]."""
     return ros().now()
 
 
 def sleep(duration: Any) -> None:
-    """Wait.
-
-    Raises:
-        ROSInterruptException: the program is being shut down.
-    """
     ros().sleep(seconds(duration))
     if ros().is_shutdown():
         raise ROSInterruptException("ROS is being shut down")
@@ -206,11 +149,9 @@ class Rate:
         self._next: float | None = None
 
     def remaining(self, curr_time: Any = None) -> Any:
-        """Return how long the next `sleep` takes."""
         return Duration(0.0 if self._next is None else max(0.0, self._next - get_time()))
 
     def sleep(self) -> None:
-        """Wait until the period since the last call is over."""
         period, time = self.sleep_dur.to_sec(), get_time()
         due = time + period if self._next is None or time - self._next > period else self._next
         self._next = due + period
@@ -227,11 +168,9 @@ class Timer(threading.Thread):
         self.start()
 
     def shutdown(self) -> None:
-        """Call it no more."""
         self._over.set()
 
     def run(self) -> None:
-        """Wait and call."""
         last = None
         while not self._over.is_set():
             expected = get_rostime() + Duration(self._period)
@@ -246,8 +185,6 @@ class Timer(threading.Thread):
             if self._oneshot:
                 return
 
-
-# --- parameters ---
 
 _parameters: dict[str, Any] = {}
 _lock = threading.RLock()
@@ -270,11 +207,6 @@ _MISSING: Any = object()
 
 
 def get_param(param_name: str, default: Any = _MISSING) -> Any:
-    """Return a parameter.
-
-    Raises:
-        KeyError: it isn't set, and there is no default.
-    """
     with _lock:
         found: Any = _known()
         for part in _place(param_name):
@@ -290,7 +222,6 @@ get_param_cached = get_param
 
 
 def has_param(param_name: str) -> bool:
-    """Tell whether a parameter is set."""
     return get_param(param_name, _lock) is not _lock
 
 
@@ -305,36 +236,12 @@ def set_param(param_name: str, param_value: object) -> None:
 
 
 def delete_param(param_name: str) -> None:
-    """Forget a parameter.
-
-    Raises:
-        KeyError: it isn't set.
-    """
     with _lock:
         *above, last = _place(param_name)
         del (get_param("/" + "/".join(above)) if above else _known())[last]
 
 
-def search_param(param_name: str) -> str | None:
-    """Return the full name of a parameter, the node's own before that of all; None where neither is set."""
-    names = [resolve_name(f"~{param_name}"), resolve_name(param_name)]
-    return next((name for name in names if has_param(name)), None)
-
-
-def get_param_names() -> list[str]:
-    """Return the full names of all parameters."""
-
-    def below(at: dict[str, Any], path: str) -> list[str]:
-        return [n for k, v in at.items() for n in (below(v, f"{path}/{k}") if isinstance(v, dict) else [f"{path}/{k}"])]
-
-    return below(_known(), "")
-
-
-# --- topics and services ---
-
-
 def _message(type_: Any, values: tuple[Any, ...], named: dict[str, Any]) -> Any:
-    """Return what was given, which may be the message or its fields."""
     if len(values) == 1 and not named and (stands_in(values[0]) or isinstance(values[0], type_) or not fields(type_())):
         return values[0]
     return type_(*values, **named)
@@ -349,15 +256,12 @@ class Publisher:
         self._end = ros().advertise(self.name, data_class)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
-        """Send a message, or one of these fields."""
         self._end.publish(_message(self.data_class, args, kwds))
 
     def get_num_connections(self) -> int:
-        """Return how many there are who listen."""
         return self._end.listeners()
 
     def unregister(self) -> None:
-        """Leave the topic."""
         self._end.close()
 
 
@@ -381,16 +285,10 @@ class Subscriber:
             logerr(f"bad callback of {self.name}: {error!r}")
 
     def unregister(self) -> None:
-        """Leave the topic."""
         self._end.close()
 
 
 def wait_for_message(topic: str, topic_type: Any, timeout: Any = None) -> Any:
-    """Return the next message.
-
-    Raises:
-        ROSException: none came in time.
-    """
     came: queue.SimpleQueue[Any] = queue.SimpleQueue()
     end = ros().subscribe(resolve_name(topic), topic_type, came.put)
     heard: list[Any] = []
@@ -422,15 +320,10 @@ class ServiceProxy:
 
     def __init__(self, name: str, service_class: Any, *_: object, **__: object):
         self.resolved_name, self.service_class = resolve_name(name), service_class
-        self.request_class = request_of(service_class)
+        self.request_class = service_class.Request
         self._client = ros().service(self.resolved_name, service_class)
 
     def __call__(self, *args: Any, **kwds: Any) -> Any:
-        """Return the answer to a request, or to one of these fields.
-
-        Raises:
-            ServiceException: there is none.
-        """
         try:
             if not self._client.wait(0.0):
                 raise ServiceException(f"service [{self.resolved_name}] unavailable")
@@ -441,7 +334,6 @@ class ServiceProxy:
     call = __call__
 
     def wait_for_service(self, timeout: Any = None) -> None:
-        """Wait for a server; see `wait_for_service`."""
         _until(self._client.wait, timeout, f"timeout exceeded while waiting for service {self.resolved_name}")
 
     def close(self) -> None:
@@ -449,11 +341,7 @@ class ServiceProxy:
 
 
 def wait_for_service(service: str, timeout: Any = None) -> None:
-    """Wait until somebody serves a service, of whatever type.
-
-    Raises:
-        ROSException: nobody does, in time.
-    """
+    """Wait until somebody serves a service, of whatever type."""
     name = resolve_name(service)
     _until(
         lambda left: ros().wait_for_server(name, left), timeout, f"timeout exceeded while waiting for service {name}"
@@ -464,7 +352,7 @@ class Service:
     """Serves a service."""
 
     def __init__(self, name: str, service_class: Any, handler: Callable[[Any], Any], *_: object, **__: object):
-        self.resolved_name, self._response = resolve_name(name), response_of(service_class)
+        self.resolved_name, self._response = resolve_name(name), service_class.Response
         self._handler = handler
         self._end = ros().serve(self.resolved_name, service_class, self._answer)
 
@@ -475,24 +363,7 @@ class Service:
         return _message(self._response, tuple(answer) if isinstance(answer, (list, tuple)) else (answer,), {})
 
     def shutdown(self, reason: str = "") -> None:
-        """Serve it no more."""
         self._end.close()
 
     def spin(self) -> None:
-        """Wait for the shutdown."""
         spin()
-
-
-def request_of(service: Any) -> Any:
-    """Return the class of a service's requests."""
-    return service.Request if hasattr(service, "Request") else service._request_class
-
-
-def response_of(service: Any) -> Any:
-    """Return the class of a service's responses."""
-    return service.Response if hasattr(service, "Response") else service._response_class
-
-
-def get_published_topics(namespace: str = "/") -> list[list[str]]:
-    """Return the topics that somebody sends on, with their types."""
-    return [[name, type_] for name, type_ in ros().topics() if name.startswith(namespace)]

@@ -8,7 +8,7 @@ from grip_bt.smach_compat.smach_ros._connection import ros, seconds
 from grip_bt.smach_compat.smach_ros._port import NoFrameError
 
 from . import transformations as transformations
-from ._time import Duration, Time, now
+from ._messages import Duration, Time, now
 
 Frame = tuple[tuple[float, float, float], tuple[float, float, float, float]]
 
@@ -32,25 +32,14 @@ class TransformListener:
         """Take what ROS 1's takes, such as how long frames are kept."""
 
     def lookupTransform(self, target_frame: str, source_frame: str, time: Any = 0) -> Frame:
-        """Return where a frame is in another: x, y, z [m], and x, y, z, w.
-
-        Raises:
-            LookupException: it isn't known.
-        """
         return self._look(target_frame, source_frame, time, 0.0)
 
     def waitForTransform(
         self, target_frame: str, source_frame: str, time: Any, timeout: Any, polling_sleep_duration: Any = None
     ) -> None:
-        """Wait until a frame is known.
-
-        Raises:
-            LookupException: it isn't, after `timeout`.
-        """
         self._look(target_frame, source_frame, time, seconds(timeout))
 
     def canTransform(self, target_frame: str, source_frame: str, time: Any = 0) -> bool:
-        """Tell whether a frame is known."""
         try:
             self._look(target_frame, source_frame, time, 0.0)
         except LookupException:
@@ -75,7 +64,6 @@ class TransformListener:
         )
 
     def transformPoint(self, target_frame: str, ps: Any) -> Any:
-        """Return a PointStamped in another frame."""
         moved = self._in(target_frame, ps) @ (ps.point.x, ps.point.y, ps.point.z, 1.0)
         made = type(ps)()
         made.header.frame_id, made.header.stamp = target_frame, ps.header.stamp
@@ -83,7 +71,6 @@ class TransformListener:
         return made
 
     def transformPose(self, target_frame: str, ps: Any) -> Any:
-        """Return a PoseStamped in another frame."""
         there, here = self._in(target_frame, ps), ps.pose
         place = transformations.translation_matrix((here.position.x, here.position.y, here.position.z))
         turn = (here.orientation.x, here.orientation.y, here.orientation.z, here.orientation.w)
@@ -101,7 +88,6 @@ class TransformBroadcaster:
     """Tells others where frames are."""
 
     def sendTransform(self, translation: Any, rotation: Any, time: Any, child: str, parent: str) -> None:
-        """Tell where a frame is in another."""
         ros().broadcast(parent.strip("/"), child.strip("/"), tuple(translation), tuple(rotation), seconds(time))
 
 

@@ -28,22 +28,18 @@ def euler_from_quaternion(quaternion: _Array, axes: str = "sxyz") -> tuple[float
 
 
 def quaternion_matrix(quaternion: _Array) -> _Array:
-    """Return the matrix of a quaternion."""
     return _matrix(rotation=Rotation.from_quat(quaternion).as_matrix())
 
 
 def quaternion_from_matrix(matrix: _Array) -> _Array:
-    """Return the quaternion of a matrix's rotation."""
     return Rotation.from_matrix(np.asarray(matrix, float)[:3, :3]).as_quat()
 
 
 def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> _Array:
-    """Return the matrix of three angles [rad]."""
     return quaternion_matrix(quaternion_from_euler(ai, aj, ak, axes))
 
 
 def euler_from_matrix(matrix: _Array, axes: str = "sxyz") -> tuple[float, ...]:
-    """Return the angles of a matrix's rotation [rad]."""
     return euler_from_quaternion(quaternion_from_matrix(matrix), axes)
 
 
@@ -55,12 +51,10 @@ def quaternion_multiply(quaternion1: _Array, quaternion0: _Array) -> _Array:
 
 
 def quaternion_conjugate(quaternion: _Array) -> _Array:
-    """Return the rotation back, of a quaternion of length 1."""
     return np.array(quaternion, float) * (-1, -1, -1, 1)
 
 
 def quaternion_inverse(quaternion: _Array) -> _Array:
-    """Return the inverse."""
     return quaternion_conjugate(quaternion) / np.dot(quaternion, quaternion)
 
 
@@ -76,27 +70,22 @@ def rotation_matrix(angle: float, direction: _Array) -> _Array:
 
 
 def translation_matrix(direction: _Array) -> _Array:
-    """Return the matrix of a translation."""
     return _matrix(translation=direction)
 
 
 def translation_from_matrix(matrix: _Array) -> _Array:
-    """Return a matrix's translation."""
     return np.array(matrix, float)[:3, 3]
 
 
 def concatenate_matrices(*matrices: _Array) -> _Array:
-    """Return the product."""
     return np.linalg.multi_dot([np.eye(4), np.eye(4), *matrices])
 
 
 def inverse_matrix(matrix: _Array) -> _Array:
-    """Return the inverse."""
     return np.linalg.inv(matrix)
 
 
 def identity_matrix() -> _Array:
-    """Return the matrix of no motion."""
     return np.eye(4)
 
 

@@ -5,14 +5,17 @@ It is what was given, else rclpy. The first state or server that needs it connec
 
 from __future__ import annotations
 
-import copy
 import functools
 import importlib
+import sys
 import threading
 from collections.abc import Callable
+from functools import partial
+from types import FrameType, ModuleType
 from typing import Any
 
 from grip_bt.smach_compat import _settings
+from grip_bt.smach_compat._provided import Provided
 from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.log import set_loggers
 from grip_bt.smach_compat.util import set_shutdown_check
@@ -81,26 +84,6 @@ def seconds(duration: Any) -> float:
     return float(duration)
 
 
-def new_goal(action: Any) -> Any:
-    """Return an empty goal of an action's type."""
-    return action.Goal() if hasattr(action, "Goal") else copy.copy(action().action_goal.goal)
-
-
-def new_result(action: Any) -> Any:
-    """Return an empty result of an action's type."""
-    return action.Result() if hasattr(action, "Result") else copy.copy(action().action_result.result)
-
-
-def new_feedback(action: Any) -> Any:
-    """Return an empty feedback of an action's type."""
-    return action.Feedback() if hasattr(action, "Feedback") else copy.copy(action().action_feedback.feedback)
-
-
-def new_request(service: Any) -> Any:
-    """Return an empty request of a service's type."""
-    return service.Request() if hasattr(service, "Request") else service._request_class()
-
-
 def status_of(ending: str, status: int) -> int:
     """Return the number of a goal's end: that of ROS 1 where the process has its modules."""
     return STATUS[ending] if settings.rospy else status
@@ -112,14 +95,10 @@ def stands_in(value: object) -> bool:
 
 
 def fields(message: Any) -> tuple[str, ...]:
-    """Return the names of a message's fields."""
-    if hasattr(message, "get_fields_and_field_types"):
-        return tuple(message.get_fields_and_field_types())
-    return tuple(message.__slots__)
+    return tuple(message.get_fields_and_field_types())
 
 
 def is_node(thing: object) -> bool:
-    """Tell whether something is a node, of rclpy or a stand-in."""
     return hasattr(thing, "create_publisher") and hasattr(thing, "get_name")
 
 
@@ -135,3 +114,37 @@ def with_optional_node(init: Callable[..., None]) -> Callable[..., None]:
         init(self, *args, **kwargs)
 
     return taking
+
+
+_MESSAGES = {
+    "SmachContainerStatus": "Status",
+    "SmachContainerStructure": "Structure",
+    "SmachContainerInitialStatusCmd": "Command",
+}
+
+
+class _Messages(ModuleType):
+    __path__: list[str] = []
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "__all__":
+            return sorted(_MESSAGES.keys() & _used_by(sys._getframe(1)))
+        if name in _MESSAGES:
+            return getattr(ros().introspection(), _MESSAGES[name])
+        raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+
+
+def _used_by(frame: FrameType | None) -> set[str]:
+    """Return the names in the code of the module that imports; so a star import of nothing used builds nothing."""
+    while frame is not None and (frame.f_code.co_name != "<module>" or frame.f_globals["__name__"] == __name__):
+        frame = frame.f_back
+    todo, names = [] if frame is None else [frame.f_code], set[str]()
+    while todo:
+        code = todo.pop()
+        names.update(code.co_names)
+        todo += [each for each in code.co_consts if hasattr(each, "co_names")]
+    return names
+
+
+PROVIDED = Provided({name: partial(_Messages, name) for name in ("smach_msgs", "smach_msgs.msg")})
+"""Ends before the messages themselves are loaded."""

@@ -10,6 +10,7 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from types import SimpleNamespace
 from typing import Any
@@ -27,17 +28,13 @@ class NoFrameError(Exception):
     """A frame isn't known."""
 
 
+@dataclass
 class End:
     """One end of a topic, or a server: what somebody has and gives back."""
 
-    def __init__(self, close: Callable[[], Any], publish: Callback | None = None, listeners: Callable[[], int] = int):
-        self._close = close
-        self.publish = publish or (lambda message: None)
-        self.listeners = listeners
-
-    def close(self) -> None:
-        """Leave."""
-        self._close()
+    close: Callable[[], Any]
+    publish: Callback = lambda message: None
+    listeners: Callable[[], int] = int
 
 
 class Service:
@@ -47,18 +44,12 @@ class Service:
         self._ros, self._name, self._type = ros, name, type_
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return self._ros.wait_for_server(self._name, timeout)
 
     def call(self, request: Any) -> Any:
-        """Return the answer.
-
-        Raises:
-            ServiceFailedError: there is none.
-        """
         serve = self._ros.services.get(self._name)
         if serve is None:
-            return self._ros.made_up(f"service {self._name}", response_of(self._type))
+            return self._ros.made_up(f"service {self._name}", self._type.Response)
         try:
             answer = serve(request)
         except Exception as error:
@@ -79,7 +70,6 @@ class Goal:
         """Be worked on from now on."""
 
     def end(self, ending: str, result: object) -> None:
-        """End; nothing when it has."""
         if not self.over:
             self.over = True
             self._done(ending, STATUS[ending], result)
@@ -97,24 +87,19 @@ class ActionClient:
         self._goal: Goal | None = None
 
     def wait(self, timeout: float) -> bool:
-        """Tell whether there is a server within `timeout` [s]."""
         return self._ros.wait_for_server(self._name, timeout)
 
     def send(self, goal: Any, done: Callable[[str, int, Any], None], feedback: Callback) -> None:
-        """Send a goal and return at once; `done(ending, status, result)` is called once.
-
-        `ending` is `succeeded`, `aborted`, `preempted`, `rejected` or `lost`, `status` this ROS's number for it.
-        """
+        """Send a goal; `done(ending, status, result)` is called once; endings are those of `STATUS`."""
         self._goal = sent = Goal(goal, done, feedback)
         server = self._ros.actions.get(self._name)
         if server is not None:
             server.take(sent)
             return
-        result = self._ros.made_up(f"action {self._name}", result_of(self._type))
+        result = self._ros.made_up(f"action {self._name}", self._type.Result)
         threading.Thread(target=sent.end, args=("succeeded", result), daemon=True).start()
 
     def cancel(self) -> None:
-        """Ask the server to end the goal; harmless when there is none."""
         server = self._ros.actions.get(self._name)
         if self._goal is not None and not self._goal.over and server is not None:
             self._goal.canceled = True
@@ -122,10 +107,9 @@ class ActionClient:
 
 
 class ActionServer:
-    """A server of one action, one goal at a time: a new goal preempts the one that is being worked on.
+    """Serves one action, one goal at a time: a new goal preempts the one that is being worked on.
 
-    It calls `execute` with each goal on a thread of its own, which has to call `end`; and `preempt` when the goal being
-    worked on was canceled or another one came.
+    It calls `execute` with each goal on a thread of its own, which has to call `end`.
     """
 
     def __init__(self, ros: Ros, name: str, execute: Callback, preempt: Callable[[], None]):
@@ -135,7 +119,6 @@ class ActionServer:
         self._lock = threading.Lock()
 
     def start(self) -> None:
-        """Take goals from now on."""
         self._ros.actions[self._name] = self
         threading.Thread(target=self._work, name=f"smach-server {self._name}", daemon=True).start()
 
@@ -149,7 +132,6 @@ class ActionServer:
             self._ask()
 
     def canceled(self, goal: Goal) -> None:
-        """Ask for the end of a goal."""
         with self._lock:
             current = goal is self._current
         if current:
@@ -174,12 +156,10 @@ class ActionServer:
                 self.end("aborted")  # nothing when it was ended, as it should be
 
     def feedback(self, message: object) -> None:
-        """Send feedback on the goal being worked on; nothing when there is none."""
         if self._current is not None and not self._current.over:
             self._current.feedback(message)
 
     def end(self, ending: str, result: object = None) -> None:
-        """End the goal being worked on as `succeeded`, `aborted` or `preempted`."""
         if self._current is not None:
             self._current.end(ending, result)
 
@@ -187,12 +167,8 @@ class ActionServer:
 class Ros:
     """ROS within one process: what the program offers it finds, and what nobody does isn't there.
 
-    For a dry run, `stand_in` gives values that stand for what isn't there: then services answer, actions succeed,
-    topics speak, parameters are set, and waiting takes no time.
-
-    Args:
-        stand_in: returns a stand-in of a name; None for no dry run.
-        tell: told of each service, action, topic, parameter and frame that was stood in for.
+    For a dry run, `stand_in` gives values for what isn't there, of which `tell` is told: then services answer, actions
+    succeed, topics speak, parameters are set, and waiting takes no time.
     """
 
     def __init__(self, stand_in: Callable[[str], Any] | None = None, tell: Callable[[str], object] = lambda text: None):
@@ -209,11 +185,7 @@ class Ros:
         """Where info, warnings, debugging and errors go, in the order of `smach.set_loggers`; empty for nowhere new."""
 
     def made_up(self, what: str, type_: Any) -> Any:
-        """Return a value that stands for what nobody gives, and tell of it; what it says of truth is yes.
-
-        Raises:
-            ServiceFailedError: it is no dry run.
-        """
+        """Return a value that stands for what nobody gives, and tell of it; what it says of truth is yes."""
         if self._stand_in is None:
             raise ServiceFailedError(f"there is no {what}")
         if what not in self._told:
@@ -226,18 +198,13 @@ class Ros:
                 setattr(made, name, True)
         return made
 
-    # --- the program ---
-
     def is_shutdown(self) -> bool:
-        """Tell whether ROS is being shut down."""
         return self._over.is_set()
 
     def on_shutdown(self, hook: Callable[[], None]) -> None:
-        """Call `hook()` when a shutdown was asked for, while ROS still works."""
         self._hooks.append(hook)
 
     def shut_down(self, reason: str = "") -> None:
-        """Shut ROS down."""
         for hook in self._hooks:
             hook()
         self._over.set()
@@ -248,11 +215,9 @@ class Ros:
             self._over.wait()
 
     def close(self) -> None:
-        """Leave ROS."""
         self._over.set()
 
     def now(self) -> float:
-        """Return the time [s]."""
         return time.time() + self._ahead
 
     def sleep(self, seconds: float) -> None:
@@ -264,11 +229,7 @@ class Ros:
             time.sleep(_MOMENT)  # others have their turn
 
     def parameter(self, name: str) -> Any:
-        """Return a parameter that isn't set.
-
-        Raises:
-            KeyError: it is no dry run.
-        """
+        """Return a parameter that isn't set, in a dry run."""
         if self._stand_in is None:
             raise KeyError(f"{name}: set it, or give a file by GRIP_ROS_PARAMETERS or configure(parameters=...)")
         return self.made_up(f"parameter {name}", None)
@@ -277,10 +238,7 @@ class Ros:
         """Return the full name of a topic, service or action as a node of the user's would have it."""
         return name if name.startswith("/") else f"/{name}"
 
-    # --- topics ---
-
     def subscribe(self, topic: str, type_: Any, callback: Callback) -> End:
-        """Call `callback(message)` for each message."""
         name, heard = self.name_of(topic, None), queue.SimpleQueue[Any]()
         over = threading.Event()
         patience = None if self._stand_in is None or type_ in vars(_MESSAGES).values() else _PERIOD
@@ -307,7 +265,6 @@ class Ros:
         return End(close)
 
     def advertise(self, topic: str, type_: Any) -> End:
-        """Return a publisher."""
         name = self.name_of(topic, None)
         self._publishers[name].append(type_)
 
@@ -321,17 +278,9 @@ class Ros:
         return End(lambda: self._publishers[name].remove(type_), publish, listeners)
 
     def topics_of(self, type_: Any) -> list[str]:
-        """Return the names of the topics that somebody sends messages of a type on."""
         return [name for name, types in list(self._publishers.items()) if type_ in types]
 
-    def topics(self) -> list[tuple[str, str]]:
-        """Return the topics that somebody sends on, with a type."""
-        return [(name, getattr(types[0], "__name__", "")) for name, types in list(self._publishers.items()) if types]
-
-    # --- services and actions ---
-
     def wait_for_server(self, name: str, timeout: float) -> bool:
-        """Tell whether somebody serves a service or an action of this name within `timeout` [s]."""
         end = time.monotonic() + timeout
         while name not in self.services and name not in self.actions and self._stand_in is None:
             if time.monotonic() >= end or self._over.wait(_PERIOD / 10):
@@ -339,36 +288,23 @@ class Ros:
         return True
 
     def service(self, name: str, type_: Any) -> Service:
-        """Return a client."""
         return Service(self, self.name_of(name, None), type_)
 
     def serve(self, name: str, type_: Any, answer: Callable[[Any], Any]) -> End:
-        """Answer requests by a function."""
         full = self.name_of(name, None)
         self.services[full] = answer
         return End(partial(self.services.pop, full, None))
 
     def action_client(self, name: str, type_: Any) -> ActionClient:
-        """Return a client."""
         return ActionClient(self, self.name_of(name, None), type_)
 
     def action_server(self, name: str, type_: Any, execute: Callback, preempt: Callable[[], None]) -> ActionServer:
-        """Return a server, not started."""
         return ActionServer(self, self.name_of(name, None), execute, preempt)
-
-    # --- frames and smach_msgs ---
 
     def transform(
         self, target: str, source: str, at: float | None, timeout: float
     ) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
-        """Return where a frame is in another: x, y, z [m], and x, y, z, w.
-
-        Args:
-            at: a time [s] of the frames' stamps; None for the last ones.
-
-        Raises:
-            NoFrameError: it isn't known within `timeout` [s].
-        """
+        """Return where a frame is in another, at a time [s] or last: x, y, z [m], and x, y, z, w; see NoFrameError."""
         if self._stand_in is None:
             raise NoFrameError(f"{source!r} isn't known in {target!r}")
         self.made_up(f"frame {source}", None)
@@ -382,8 +318,7 @@ class Ros:
     def introspection(self) -> SimpleNamespace:
         """Return the messages of smach_msgs as this ROS has them.
 
-        `Status`, `Structure`, `Command` are classes; `header()` is a header with the time; `packed` and `unpacked` turn
-        bytes into what the field `local_data` has, and back.
+        `packed` and `unpacked` turn bytes into what the field `local_data` has, and back.
         """
         return _MESSAGES
 
@@ -400,13 +335,3 @@ _MESSAGES = SimpleNamespace(
     packed=bytes,
     unpacked=bytes,
 )
-
-
-def response_of(service: Any) -> Any:
-    """Return the class of a service's responses."""
-    return service.Response if hasattr(service, "Response") else service._response_class
-
-
-def result_of(action: Any) -> Any:
-    """Return what makes an action's result."""
-    return action.Result if hasattr(action, "Result") else lambda: action().action_result.result

@@ -10,27 +10,18 @@ from typing import Any
 from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.user_data import NOTHING, Remapper, UserData
 
-from ._connection import fields, new_feedback, new_goal, new_result, ros, with_optional_node
+from ._connection import fields, ros, with_optional_node
 
 __all__ = ["ActionServerWrapper"]
 
 
 class ActionServerWrapper:
-    """Executes a container for each goal; its outcome decides how the goal ends.
+    """Executes a container for each goal; its outcome decides how the goal ends: `aborted`, where it is in no list.
 
     The container finds the goal, the result to fill and the feedback in its userdata under `goal_key`, `result_key` and
-    `feedback_key`, if it registers them as input keys (profile `ros2` registers them itself).
-
-    Args:
-        succeeded_outcomes: its outcomes that mean success.
-        aborted_outcomes: those that mean failure, as all do that aren't listed.
-        preempted_outcomes: those that mean that it stopped when it was told to.
-        feedback_key: userdata whose value is sent as feedback at each transition.
-        goal_slots_map: field of the goal -> userdata.
-        feedback_slots_map: has no effect, as upstream.
-        result_slots_map: field of the result -> userdata.
-        expand_goal_slots: put all fields of the goal in userdata of the same names.
-        pack_result_slots: take all fields of the result from userdata of the same names, where there is some.
+    `feedback_key`, if it registers them as input keys (profile `ros2` registers them itself). `..._slots_map` are field
+    -> userdata; that of the feedback has no effect, as upstream. `expand_goal_slots` and `pack_result_slots` take all
+    fields, for userdata of the same names.
     """
 
     @with_optional_node
@@ -57,11 +48,10 @@ class ActionServerWrapper:
         self.userdata = UserData()
         self._goal_key, self._feedback_key, self._result_key = goal_key, feedback_key, result_key
         self._goal_slots_map, self._result_slots_map = goal_slots_map or {}, result_slots_map or {}
-        self._feedback_slots_map = feedback_slots_map or {}
         self._expand_goal_slots, self._pack_result_slots = expand_goal_slots, pack_result_slots
-        self.userdata[goal_key] = new_goal(action_spec)
-        self.userdata[result_key] = new_result(action_spec)
-        self.userdata[feedback_key] = new_feedback(action_spec)
+        self.userdata[goal_key] = action_spec.Goal()
+        self.userdata[result_key] = action_spec.Result()
+        self.userdata[feedback_key] = action_spec.Feedback()
         self._server_name, self._action_spec = server_name, action_spec
         self._succeeded_outcomes, self._aborted_outcomes = set(succeeded_outcomes), set(aborted_outcomes)
         self._preempted_outcomes = set(preempted_outcomes)
@@ -86,14 +76,10 @@ class ActionServerWrapper:
         self._action_server.start()
         hooks.loginfo(f"A state machine serves the action {self._server_name!r}")
 
-    # --- the container's callbacks ---
-
     def transition_cb(self, userdata: object, active_states: list[str]) -> None:
-        """Send feedback at a transition."""
         self.publish_feedback(userdata)
 
     def termination_cb(self, userdata: object, terminal_states: object, container_outcome: str) -> None:
-        """Note that the container has ended."""
         hooks.logdebug(f"The wrapped container ended in {terminal_states} with {container_outcome!r}")
 
     def publish_feedback(self, userdata: Any) -> None:
@@ -101,10 +87,7 @@ class ActionServerWrapper:
         if self._feedback_key in userdata:  # upstream raises, and its container logs that at each transition
             self._action_server.feedback(userdata[self._feedback_key])
 
-    # --- the server's callbacks ---
-
     def execute_cb(self, goal: Any) -> None:
-        """Execute the container for one goal, and end the goal."""
         if self._expand_goal_slots:
             for slot in fields(goal):
                 self.userdata[slot] = getattr(goal, slot)
@@ -136,6 +119,5 @@ class ActionServerWrapper:
         return result
 
     def preempt_cb(self) -> None:
-        """Ask the container to stop: its goal was canceled, or another one came."""
         hooks.loginfo(f"Preempt of the state machine behind {self._server_name!r} requested")
         self.wrapped_container.request_preempt()

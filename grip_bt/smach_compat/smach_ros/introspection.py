@@ -41,17 +41,7 @@ _REFUSED = (
 )
 
 
-class _NodeInRos2:
-    """In profile `ros2`, a program that has called `rclpy.init` gets what is a node of rclpy too."""
-
-    def __new__(cls, *_: object, **__: object) -> Any:
-        rclpy = sys.modules.get("rclpy")
-        if settings.ros2 and cls.__module__ == __name__ and rclpy is not None and rclpy.ok():
-            cls = getattr(importlib.import_module("grip_bt.ros.smach_rclpy"), f"{cls.__name__}Node")
-        return super().__new__(cls)
-
-
-class IntrospectionClient(_NodeInRos2):
+class IntrospectionClient:
     """Finds servers and sets where their containers begin. A node's name or a node is accepted and not needed."""
 
     def __init__(self, *_names: object, **_options: object):
@@ -72,11 +62,8 @@ class IntrospectionClient(_NodeInRos2):
     ) -> bool | None:
         """Let a container begin at these states, with this userdata.
 
-        Args:
-            timeout: how long to wait for the server to confirm (a duration or [s]); None: don't wait.
-
         Returns:
-            Whether the server has confirmed in time; None without `timeout`.
+            Whether the server has confirmed within `timeout` (a duration or [s]); None without.
 
         Raises:
             GripError: userdata can't be confirmed, since that means to read the server's pickle.
@@ -132,11 +119,9 @@ class ContainerProxy:
         container.register_transition_cb(self._transition_cb)
 
     def start(self) -> None:
-        """Send structure and status now and then."""
         self._beat.start()
 
     def stop(self) -> None:
-        """Leave the network."""
         self._stopped.set()
         for end in (self._init, self._structure, self._status):
             end.close()
@@ -204,8 +189,17 @@ class ContainerProxy:
         self._publish_status("REMOTE_INIT")
 
 
-class IntrospectionServer(_NodeInRos2):
-    """Puts a container, and those inside it, on the network."""
+class IntrospectionServer:
+    """Puts a container, and those inside it, on the network.
+
+    In profile `ros2`, a program that has called `rclpy.init` gets one that is a node of rclpy too.
+    """
+
+    def __new__(cls, *_: object, **__: object) -> Any:
+        rclpy = sys.modules.get("rclpy")
+        if settings.ros2 and cls.__module__ == __name__ and rclpy is not None and rclpy.ok():
+            cls = importlib.import_module("grip_bt.ros.smach_rclpy").IntrospectionServerNode
+        return super().__new__(cls)
 
     @with_optional_node
     def __init__(self, server_name: str, state: object, path: str):
@@ -213,17 +207,14 @@ class IntrospectionServer(_NodeInRos2):
         self._proxies: list[ContainerProxy] = []
 
     def start(self) -> None:
-        """Be seen from now on."""
         name = ros().name_of(self._server_name, self._node)  # type: ignore[attr-defined]  # set by with_optional_node
         self.construct(name, self._state, self._path)
 
     def stop(self) -> None:
-        """Be seen no more."""
         for proxy in self._proxies:
             proxy.stop()
 
     def construct(self, server_name: str, state: Any, path: str) -> None:
-        """Put a container and those inside it on the network."""
         proxy = ContainerProxy(server_name, state, path)
         inner = "" if path == "/" else path
         for label, child in state.get_children().items():
@@ -234,7 +225,6 @@ class IntrospectionServer(_NodeInRos2):
         self._proxies.append(proxy)
 
     def clear(self) -> None:
-        """Forget all containers."""
         self._proxies = []
 
 

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from grip_bt.smach_compat._settings import hooks
-from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
-from grip_bt.smach_compat.util import has_smach_interface
 
-from ._connection import new_request, ros, with_optional_node
+from ._connection import ros, with_optional_node
 from ._port import ServiceFailedError
-from ._user_code import BadAnswerError, answer_of, user_code
-from .ros_state import RosState
+from .ros_state import AskingState, BadAnswerError
 
 __all__ = ["ServiceState"]
 
@@ -22,7 +18,7 @@ SLICE = 1.0
 """How long to wait for the server before looking at requests to stop [s]."""
 
 
-class ServiceState(RosState):
+class ServiceState(AskingState):
     """Calls a service: `succeeded`, `aborted` or `preempted`, or what the response's callback returns.
 
     The request is `request`, or what is under `request_key`; then its fields `request_slots` are taken from userdata;
@@ -51,45 +47,29 @@ class ServiceState(RosState):
         output_keys: list[str] = NOTHING,
         outcomes: list[str] = NOTHING,
     ):
-        State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
+        self._take(
+            ("request callback", "response callback"),
+            (request_key, request_slots, request_cb, request_cb_args, request_cb_kwargs),
+            (response_key, response_slots, response_cb, response_cb_args, response_cb_kwargs),
+            (input_keys, output_keys),
+            outcomes,
+        )
         self._service_name, self._service_spec = service_name, service_spec
-        self._request = new_request(service_spec) if request is None else request
-        self._request_key, self._request_slots = request_key, request_slots
-        self._response_key, self._response_slots = response_key, response_slots
-        self._response: Any = None
+        self._request = service_spec.Request() if request is None else request
         self._proxy: Any = None
 
-        keys = (input_keys, output_keys)
-        self._request_cb = user_code(
-            self, "request callback", request_cb, request_cb_args, request_cb_kwargs or {}, keys
-        )
-        self._response_cb = user_code(
-            self, "response callback", response_cb, response_cb_args, response_cb_kwargs or {}, keys
-        )
-        if has_smach_interface(response_cb):
-            self.register_outcomes(response_cb.get_registered_outcomes())  # type: ignore[union-attr]
-        self.register_input_keys([*([request_key] if request_key is not None else []), *request_slots, *input_keys])
-        self.register_output_keys(
-            [*output_keys, *([response_key] if response_key is not None else []), *response_slots]
-        )
-        self.register_outcomes(outcomes)
-
     def execute(self, ud: Any) -> str:
-        """Wait for the server, call, hand over the response."""
         early = self._connect()
         if early is not None:
             return early
         try:
-            self._fill_request(ud)
-        except _NoRequest as error:
-            hooks.logerr(f"No request for service {self._service_name!r}: {error}")
+            self._request = self._made(ud, self._request)
+            response = self._proxy.call(self._request)
+            what = f"response callback of {self._service_name!r}"
+            return self._hand_over(what, ud, response, response) or "succeeded"
+        except (BadAnswerError, KeyError, ServiceFailedError) as error:
+            hooks.logerr(f"Calling service {self._service_name!r} failed: {error!r}")
             return "aborted"
-        try:
-            self._response = self._proxy.call(self._request)
-        except ServiceFailedError as error:
-            hooks.logerr(f"Calling service {self._service_name!r} failed: {error}")
-            return "aborted"
-        return self._hand_over(ud)
 
     def _connect(self) -> str | None:
         """Wait for the server, in slices; return the outcome when there is none to be called."""
@@ -114,40 +94,3 @@ class ServiceState(RosState):
         hooks.loginfo(f"Preempted {when} service {self._service_name!r}.")
         self.service_preempt()
         return True
-
-    def _fill_request(self, ud: object) -> None:
-        if self._request_key is not None:
-            self._request = _present(ud, self._request_key)
-        for key in self._request_slots:
-            setattr(self._request, key, _present(ud, key))
-        try:
-            changed = self._request_cb(ud, self._request)
-        except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
-            raise _NoRequest(f"its callback raised: {traceback.format_exc()}") from None
-        if changed is not None:
-            self._request = changed
-        if self._request is None:
-            raise _NoRequest("it is None")
-
-    def _hand_over(self, ud: Any) -> str:
-        try:
-            what = f"response callback of {self._service_name!r}"
-            outcome = answer_of(self, what, self._response_cb, ud, self._response)
-        except BadAnswerError as error:
-            hooks.logerr(str(error))
-            return "aborted"
-        if self._response_key is not None:
-            ud[self._response_key] = self._response
-        for key in self._response_slots:
-            ud[key] = getattr(self._response, key)
-        return "succeeded" if outcome is None else outcome
-
-
-class _NoRequest(Exception):
-    """There is nothing to send, and why."""
-
-
-def _present(ud: Any, key: str) -> Any:
-    if key not in ud:
-        raise _NoRequest(f"userdata has no {key!r}; it has {ud.keys()}")
-    return ud[key]

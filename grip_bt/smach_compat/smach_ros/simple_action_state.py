@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import threading
-import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.exceptions import InvalidStateError
-from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING
-from grip_bt.smach_compat.util import has_smach_interface
 
-from ._connection import fields, new_goal, new_result, ros, seconds, stands_in, status_of, with_optional_node
-from ._user_code import BadAnswerError, answer_of, user_code
-from .ros_state import RosState
+from ._connection import fields, ros, seconds, stands_in, status_of, with_optional_node
+from .ros_state import AskingState, BadAnswerError, user_code
 
 __all__ = ["SimpleActionState"]
 
@@ -25,22 +21,14 @@ WATCH = 0.1
 """How often time-outs are looked at [s]."""
 
 
-class SimpleActionState(RosState):
+class SimpleActionState(AskingState):
     """Sends one goal: `succeeded`, `aborted`, `preempted`, or what the result's callback returns.
 
     The goal is `goal` (kept, and changed by what follows) or what is under `goal_key`; then its fields `goal_slots` are
     taken from userdata; then `goal_cb(userdata, goal, ...)` may change it or return another. The result goes to
     `result_cb(userdata, status, result)`, then under `result_key`, then its fields `result_slots` to userdata.
-
-    Args:
-        goal: the goal, if it is always the same.
-        result_cb: see above. `result_cb_args` and `result_cb_kwargs` have no effect, as upstream.
-        outcomes: further outcomes, that `result_cb` may return.
-        exec_timeout: cancel the goal after this time (a duration or [s]); the outcome is `aborted`.
-        preempt_timeout: how long to wait for the end of a goal that was canceled; only with the setting
-            `honour_preempt_timeout` or profile `ros2`, since noetic waits for ever.
-        server_wait_timeout: how long to wait for the server; then `aborted`.
-        feedback_cb: called with feedback as `feedback_cb(userdata, feedback, ...)`.
+    Times are durations or [s]; noetic waits for ever for the end of a goal that was canceled, so that `preempt_timeout`
+    needs the setting `honour_preempt_timeout`.
     """
 
     WAITING_FOR_SERVER, INACTIVE, ACTIVE, PREEMPTING, COMPLETED = range(5)
@@ -71,28 +59,23 @@ class SimpleActionState(RosState):
         feedback_cb_args: Any = NOTHING,
         feedback_cb_kwargs: Mapping[str, Any] | None = None,
     ):
-        State.__init__(self, outcomes=["succeeded", "aborted", "preempted"])
-        self._action_name, self._action_spec = action_name, action_spec
         if goal is not None and callable(goal) and not stands_in(goal):
             raise InvalidStateError(f"The goal of {action_name!r} is a function; give it as goal_cb")
-        _check_slots("goal", goal_slots, new_goal(action_spec))
-        _check_slots("result", result_slots, new_result(action_spec))
-        self._goal = new_goal(action_spec) if goal is None else goal
-        self._goal_key, self._goal_slots = goal_key, goal_slots
-        self._result_key, self._result_slots = result_key, result_slots
-
+        _check_slots("goal", goal_slots, action_spec.Goal())
+        _check_slots("result", result_slots, action_spec.Result())
+        self._action_name, self._action_spec = action_name, action_spec
+        self._goal = action_spec.Goal() if goal is None else goal
         keys = (input_keys, output_keys)
-        self._goal_cb = user_code(self, "goal callback", goal_cb, goal_cb_args, goal_cb_kwargs or {}, keys)
+        self._take(
+            ("goal callback", "result callback"),
+            (goal_key, goal_slots, goal_cb, goal_cb_args, goal_cb_kwargs),
+            (result_key, result_slots, result_cb, (), {}),
+            keys,
+            outcomes,
+        )
         self._feedback_cb = user_code(
             self, "feedback callback", feedback_cb, feedback_cb_args, feedback_cb_kwargs or {}, keys
         )
-        self._result_cb = user_code(self, "result callback", result_cb, (), {}, keys)
-        if has_smach_interface(result_cb):
-            self.register_outcomes(result_cb.get_registered_outcomes())  # type: ignore[union-attr]
-        self.register_input_keys([*([goal_key] if goal_key is not None else []), *goal_slots, *input_keys])
-        self.register_output_keys([*([result_key] if result_key is not None else []), *result_slots, *output_keys])
-        self.register_outcomes(outcomes)
-
         self._exec_timeout = exec_timeout
         self._preempt_timeout = preempt_timeout
         self._server_wait_timeout = server_wait_timeout
@@ -106,14 +89,7 @@ class SimpleActionState(RosState):
         # noetic looks for the server from here on, in a thread: its time runs from the construction.
         self._server_deadline = ros().now() + seconds(server_wait_timeout)
 
-    # --- the server ---
-
     def execute(self, ud: Any) -> str:
-        """Send the goal and wait until it has ended.
-
-        Raises:
-            KeyError: `goal_key` or one of `goal_slots` isn't in userdata.
-        """
         ready = self._wait_for_server()
         if self.preempt_requested():
             hooks.loginfo(f"Preempted before sending a goal to {self._action_name!r}.")
@@ -123,7 +99,10 @@ class SimpleActionState(RosState):
             hooks.logerr(f"There is no server of the action {self._action_name!r}.")
             return "aborted"
         self._status = self.INACTIVE
-        if not self._make_goal(ud):
+        try:
+            self._goal = self._made(ud, self._goal)
+        except BadAnswerError as error:
+            hooks.logerr(f"No goal for the action {self._action_name!r}: {error}")
             return "aborted"
         self._run_goal(ud)
         return self._conclude(ud)
@@ -143,25 +122,6 @@ class SimpleActionState(RosState):
                 hooks.logwarn(f"Still waiting for the action server {self._action_name!r}; is it running?")
                 begin = clock.now()
         return False
-
-    def _make_goal(self, ud: Any) -> bool:
-        if self._goal_key is not None:
-            self._goal = ud[self._goal_key]
-        for key in self._goal_slots:
-            setattr(self._goal, key, ud[key])
-        try:
-            changed = self._goal_cb(ud, self._goal)
-        except Exception:  # noqa: BLE001 - upstream: the state ends as aborted
-            hooks.logerr(f"The goal callback of {self._action_name!r} raised: {traceback.format_exc()}")
-            return False
-        if changed is not None:
-            self._goal = changed
-        if self._goal is None:
-            hooks.logerr(f"The action {self._action_name!r} has no goal: give goal, goal_key, goal_slots or goal_cb")
-            return False
-        return True
-
-    # --- the goal under way ---
 
     def _run_goal(self, ud: object) -> None:
         clock = ros()
@@ -220,20 +180,13 @@ class SimpleActionState(RosState):
                 with self._done_cond:
                     self._done_cond.notify_all()  # from now on there is a time to be looked at
 
-    # --- its end ---
-
     def _conclude(self, ud: Any) -> str:
         try:
             what = f"result callback of {self._action_name!r}"
-            chosen = answer_of(self, what, self._result_cb, ud, self._goal_status, self._goal_result)
+            chosen = self._hand_over(what, ud, self._goal_result, self._goal_status, self._goal_result)
         except BadAnswerError as error:
             hooks.logerr(str(error))
             return "aborted"
-        if self._result_key is not None:
-            ud[self._result_key] = self._goal_result
-        if self._goal_result is not None:
-            for key in self._result_slots:
-                ud[key] = getattr(self._goal_result, key)
         outcome = self._outcome()
         return outcome if chosen is None else chosen
 

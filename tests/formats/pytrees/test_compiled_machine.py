@@ -1,4 +1,4 @@
-"""Machine -> graph: the same document, with what was changed on the machine since."""
+"""Machine -> graph: the same document, or a refusal where the machine was changed since."""
 
 from __future__ import annotations
 
@@ -47,51 +47,33 @@ def expect_back(case: dict[str, Any]) -> None:
     assert dumps(again) == dumps(task)
 
 
-@settings(max_examples=TASKS // 2, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=TASKS // 4, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.randoms(use_true_random=False), st.integers(0, 14))
 def test_a_compiled_machine_gives_its_document_back(random: Random, flavour: int) -> None:
     expect_back(make_case(flavour, random=random))
 
 
-@settings(max_examples=TASKS // 2, deadline=None)
+@settings(max_examples=TASKS // 4, deadline=None)
 @given(st.integers(FIRST, FIRST + 10**6))
 def test_a_compiled_machine_of_any_edges_gives_its_document_back(seed: int) -> None:
     expect_back(make_flow(seed))
 
 
-def test_an_edge_that_was_changed_on_the_machine_is_an_edge_of_the_task() -> None:
+def test_a_machine_that_was_changed_since_is_refused_with_its_place() -> None:
     made = machine()
     made.by_path["/"]._transitions["b"]["success"] = "a"
-    made.by_path["/"].set_initial_state(["b"])
-    root: Any = to_task(made).root
-    assert root.initial == "b"
-    assert dict(root.children["b"].on) == {"success": "a"}
-    assert dict(root.children["a"].on) == {"success": "b"}
-
-
-def test_an_end_that_was_changed_on_the_machine_is_an_end_of_the_task() -> None:
+    with pytest.raises(ImportRefusedError, match="/: its states or edges were changed since"):
+        to_task(made)
     made = machine()
     made.machine._transitions["t"]["success"] = "failure"
-    assert dict(to_task(made).root.on) == {"success": "failure"}
-
-
-def test_a_state_that_was_taken_out_is_no_node_of_the_task() -> None:
-    made = machine()
-    root = made.by_path["/"]
-    del root._states["a"], root._transitions["a"]
-    root.set_initial_state(["b"])
-    assert list(to_task(made).root.children) == ["b"]
-
-
-def test_what_no_task_says_is_refused_with_its_place() -> None:
-    made = compiled({"kind": "sequence", "children": {"a": step(), "b": step()}})
-    made.by_path["/"]._transitions["b"]["success"] = "a"
-    with pytest.raises(
-        ImportRefusedError, match="/: the transitions of 'b' were changed, and a sequence has fixed ones"
-    ):
+    with pytest.raises(ImportRefusedError, match="/: its states"):
         to_task(made)
     made = machine()
     with made.by_path["/"]:
         made.by_path["/"].add("mine", State(["success"]), {"success": "success"})
-    with pytest.raises(ImportRefusedError, match="/: the state 'mine' was added"):
+    with pytest.raises(ImportRefusedError, match="/: its states"):
+        to_task(made)
+    made = machine()
+    made.by_path["/"].set_initial_state(["b"])
+    with pytest.raises(ImportRefusedError, match="/: its states"):
         to_task(made)

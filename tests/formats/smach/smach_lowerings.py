@@ -281,7 +281,7 @@ class Draw:
                 steps = {child["outcomes"][step] for step in child["script"]}
                 if len(steps) > 1:  # ... but a state that has two ends in its script may go back by one of them
                     table[child["outcomes"][child["script"][0]]] = self.random.choice(labels[: number + 1])
-            states.append([label, child, table, self.remapping(child["in"]), self.constants()])
+            states.append([label, child, table, self.remapping(child["in"])])
         return {
             "kind": "sm",
             "outcomes": outcomes,
@@ -294,11 +294,6 @@ class Draw:
     def keys(self):
         keys = self.some(self.KEYS, 0, 3)
         return {"in": keys, "out": keys}
-
-    def constants(self):
-        """Return userdata that is set before each execution of a state."""
-        some = self.random.random() < 0.2
-        return {key: self.random.randint(10, 19) for key in self.some((*self.KEYS, "e"), 1, 2)} if some else {}
 
     def remapping(self, keys):
         return (

@@ -53,6 +53,8 @@ WORLDLY = [
     "names = names * int(rospy.get_param('~count', 1)) if False else names[:rospy.get_param('~count', 2)]",
     "random.shuffle(names)",
     "names.append(random.choice(['X', 'Y', 'Z']))",
+    "names += [x or 'UNSET' for x in map(os.getenv, ['GRIP_FUZZ'])]",
+    "names.sort(key=lambda name: random.random())",
     "names.append('N%d' % random.randint(0, 5))",
     "if random.random() > 0.5:\n        names.append('CHANCE')",
     "names += list({'S1', 'S2', 'S3', 'S4', 'S5', 'S6'})",

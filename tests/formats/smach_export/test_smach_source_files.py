@@ -70,12 +70,9 @@ root:
 def test_containers_of_smach_are_used_where_there_are_some_and_the_rest_is_named():
     text = export(loads(WORDS), Catalog.builtin())
     for piece in (
-        "Each(",
-        "each.set_iteritems(list(userdata['names']), 'name')",
-        "Joining(",
         "Count(3)",
         'transitions={"again": "fails", "enough": "failure"}',
-        "has no equivalent for: limited (timeout).",
+        "has no equivalent for: each (for_each), both (parallel), limited (timeout).",
         'task.userdata.names = ["a", "b"]',
     ):
         assert piece in " ".join(text.split()), piece
