@@ -12,7 +12,7 @@ from grip_bt.base.failures import ConstraintBrokenError, NoIkError, TimeOutError
 from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.base.values.solids import Box
 from grip_bt.commanders.kinematics.collision import CollisionChecker
-from grip_bt.commanders.kinematics.target import Target
+from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, excess, interpolated, kept

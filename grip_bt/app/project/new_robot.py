@@ -186,10 +186,8 @@ def _grip_text(robot: RobotDescription, lines: list[str], parts: _Parts, inspect
     if named:
         text.append("sensors:  # of sensors_3d.yaml; a task gives what they see to scene/add_cloud")
         for name, sensor in named.items():
-            kind = "DepthImage" if "DepthImage" in sensor.plugin else "PointCloud"
-            text.append(
-                f"  {name}: {{topics: {{seen: {{topic: {_flow(sensor.topic)}, type: {kind}}}}}, given_in: world}}"
-            )
+            topics = {"seen": {"topic": sensor.topic, "type": sensor.message}}
+            text.append(f"  {name}: {_flow({'topics': topics, 'given_in': 'world'})}")
     return "\n".join([*text, f"world: {world}", ""])
 
 

@@ -15,7 +15,7 @@ from grip_bt.base.values import JointState
 from .check_urdf import BALL, INERTIA, NO_EFFORT, NO_SPEED, principal_moments
 from .config import RobotConfig
 from .files import errors
-from .moveit_files import JointLimits
+from .moveit_package import JointLimits
 from .packages import Packages
 from .robot import Drive, EndEffector, RobotDescription
 from .roles import frame_of, roles

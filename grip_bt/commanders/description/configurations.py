@@ -18,7 +18,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, MissingPartError
 
 from .expansion import Declared, declared, read_robot
-from .files import Reading, read_yaml
+from .files import mapping_of, read_yaml
 from .launch_hints import Hints, hints_of
 from .packages import MANIFEST, Packages, packages_below, surroundings
 
@@ -268,7 +268,7 @@ def _assistant(folder: Path) -> Mapping[str, object]:
 
 def _part(assistant: Mapping[str, object], name: str, folder: Path) -> Mapping[str, object]:
     """ROS 1 writes `URDF:` and `SRDF:`, ROS 2 `urdf:` and `srdf:`."""
-    return Reading(folder / ASSISTANT).mapping(assistant.get(name) or assistant.get(name.upper()), name)
+    return mapping_of(assistant.get(name) or assistant.get(name.upper()), name, folder / ASSISTANT)
 
 
 def _stem(path: Path) -> str:

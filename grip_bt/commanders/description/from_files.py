@@ -18,8 +18,7 @@ from .expansion import declared, read_robot
 from .files import Finding, errors, finding_of
 from .guessed import with_groups, with_postures
 from .mjcf import excluded_pairs, urdf_of_mjcf
-from .moveit_files import JointLimits
-from .moveit_package import MoveItPackage, preferences_of, read_package
+from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
 from .packages import Packages
 from .robot import RobotDescription
 from .srdf import Srdf, check_srdf, read_srdf, with_known_names

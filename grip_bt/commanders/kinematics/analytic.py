@@ -18,8 +18,8 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnfitSolverError
 
 from . import damped_least_squares
+from .damped_least_squares import Target
 from .model import Chain
-from .target import Target
 from .trac_ik import axis_of, kept_with_chain, moved_by
 
 _TURN = 2 * np.pi

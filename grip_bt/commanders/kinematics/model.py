@@ -121,14 +121,12 @@ class RobotModel:
         return q
 
     def grasp_pose(self, *states: JointState, group: str = "") -> Pose:
-        """Return the grasp frame of an arm's group, or the robot's only one, in world."""
         frame = self.model.getFrameId(self.grasp_frame_of(group))
         with self._lock:  # leaves, callbacks and the scene ask from several threads
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
             return Pose.from_matrix(self.data.oMf[frame].homogeneous)
 
     def named_states_of(self, group: str) -> Mapping[str, JointState]:
-        """Return the named states of a group, as the robot's description has them."""
         return self.description.named_states.get(group, {})
 
     def hulls(self, *states: JointState) -> list[Array]:
@@ -150,7 +148,6 @@ class RobotModel:
         return self.limits_of(self.description.group(group))
 
     def limits_of(self, names: tuple[str, ...]) -> Limits:
-        """Return the limits of joints, in this order."""
         q = [self._columns[n] for n in names]
         jerks = np.array([self.description.jerk_limits.get(n, np.inf) for n in names])
         return Limits(

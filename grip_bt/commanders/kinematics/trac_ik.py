@@ -19,8 +19,8 @@ import pinocchio as pin
 from grip_bt.base.arrays import Array
 
 from . import damped_least_squares
+from .damped_least_squares import Target
 from .model import Chain
-from .target import Target
 
 BASE, TIP = "base", "tip"
 _AXES = {"RX": 0, "RY": 1, "RZ": 2, "PX": 0, "PY": 1, "PZ": 2}

@@ -20,9 +20,9 @@ from grip_bt.base.failures import (
 from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
 from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.kinematics.ik import solver
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
-from grip_bt.commanders.kinematics.target import Target
 from grip_bt.commanders.planning.continuous import continuously_free, trajectory_free
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, kept
 from grip_bt.commanders.planning.requests import PlanTo, Situation

@@ -14,9 +14,9 @@ from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.base.values.pose import check_frame
 
 from ..kinematics.collision import CollisionChecker
+from ..kinematics.damped_least_squares import Target
 from ..kinematics.ik import solver
 from ..kinematics.model import Chain, RobotModel
-from ..kinematics.target import Target
 from ..scene_state import SceneSnapshot
 from .budget import Budget
 from .paths import interpolated

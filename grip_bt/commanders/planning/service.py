@@ -69,11 +69,6 @@ class PlanningProcess(Closing):
         return self._ready.is_set()
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
-        """Send a request; see `PlanningService`.
-
-        Raises:
-            RuntimeError: it was closed.
-        """
         with self._lock:
             if self._closed:
                 raise RuntimeError("the planning process was closed")

@@ -20,9 +20,8 @@ from grip_bt.base.values import Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
 
 from ..kinematics.collision import CollisionChecker
-from ..kinematics.damped_least_squares import solve_from
+from ..kinematics.damped_least_squares import Target, solve_from
 from ..kinematics.model import Chain, RobotModel
-from ..kinematics.target import Target
 from ..settings import PlanningSettings
 from ..trajectory.splines import joined
 from .checks import chain_and_checker, drawn_in, refuse_collisions, timed_free
