@@ -4,7 +4,7 @@ import pytest
 from robot_files import LIMITS, SRDF, urdf
 
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.launch_hints import hints_of
+from grip_bt.commanders.description.hints import hints_of
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages, packages_below, surroundings
 

@@ -70,7 +70,7 @@ class MotionFinder:
         home: Mapping[str, float] = {}
         if known is None or known not in free or not self.checker.free(start):
             start = next((q for q in (start, *free.values(), *self._drawn()) if self.checker.free(q)), start)
-            home = dict(zip(self.chain.joints, map(float, start), strict=True))
+            home = dict(zip(self.chain.joints, start.round(6).tolist(), strict=True))
             touching.pop("home", None)  # it has another one now
         states = tuple(dict.fromkeys([*(["home"] if home else []), *free]))
         last = start if states in ((), ("home",)) else free[states[-1]]  # where the task is before the pose

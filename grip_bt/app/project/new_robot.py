@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
 from grip_bt.commanders.description.config import RobotConfig
@@ -158,16 +161,8 @@ def _key(group: str) -> str:
 
 def _flow(value: object) -> str:
     """Return a value as YAML on one line."""
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_flow(k)}: {_flow(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_flow, value)) + "]"
-    if isinstance(value, str) and re.fullmatch(r"[A-Za-z_.~/][\w.~/ -]*", value) and value not in _WORDS:
-        return value
-    return json.dumps(round(value, 6) if isinstance(value, float) else value, ensure_ascii=False)
-
-
-_WORDS = frozenset(("true", "false", "yes", "no", "on", "off", "null", "True", "False", "Yes", "No", "On", "Off", "~"))
+    text = yaml.safe_dump(value, default_flow_style=True, width=math.inf, sort_keys=False, allow_unicode=True)
+    return str(text).removesuffix("...\n").rstrip()
 
 
 def _grip_text(robot: RobotDescription, lines: list[str], parts: _Parts, inspected: Inspected, world: str) -> str:

@@ -17,10 +17,10 @@ from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, MissingPartError
 
-from .expansion import Declared, declared, read_robot
 from .files import mapping_of, read_yaml
-from .launch_hints import Hints, hints_of
+from .hints import Declared, Hints, declared, hints_of
 from .packages import MANIFEST, Packages, packages_below, surroundings
+from .xml import read_robot
 
 ASSISTANT = ".setup_assistant"
 TRIES = 10

@@ -7,22 +7,23 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, UnknownNameError, listing, nearest
+from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.commanders.settings import PLANNERS
 
 from .build import build, normal, with_config, with_states
 from .check_urdf import check_urdf
 from .config import RobotConfig
 from .configurations import Alternative, Configurations, Fitted
-from .expansion import declared, read_robot
 from .files import Finding, errors, finding_of
 from .guessed import with_groups, with_postures
+from .hints import declared
 from .mjcf import excluded_pairs, urdf_of_mjcf
 from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
 from .packages import Packages
 from .robot import RobotDescription
-from .srdf import Srdf, check_srdf, read_srdf, with_known_names
+from .srdf import Srdf, read_srdf, with_known_names
 from .tree import Tree
+from .xml import read_robot
 
 
 @dataclass(frozen=True)
@@ -119,15 +120,10 @@ class _Single:
         self.findings += told
         srdf, guess = with_groups(with_config(known, self.config), tree)
         self.findings += filter(None, [guess])
-        self.findings += check_srdf(srdf, tree)
+        added, told = with_states(srdf, self.config, tree)
+        self.findings += told
         if self._wrong():
             return None
-        try:
-            added = with_states(srdf, self.config, tree)
-        except (DocumentError, UnknownNameError) as error:
-            self.findings.append(Finding("error", "bad-state", getattr(error, "message", str(error))))
-            return None
-        self.findings += [f for f in check_srdf(added, tree) if f not in self.findings]
         limits = self.moveit.limits if self.moveit is not None else {}
         initial = self.moveit.initial_positions if self.moveit is not None else {}
         self.findings += _check_names(self.config, tree, added, limits, initial)

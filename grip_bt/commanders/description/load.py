@@ -16,7 +16,7 @@ from grip_bt.base.yaml.models import check_model, document_error, read_model
 from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
 from grip_bt.commanders.description.packages import EXTRAS, ROBOTS
 
-from .compose import Placed, in_one_world, namespaced, on_arm
+from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
 from .files import Finding, errors, finding_of, note
 from .from_files import Inspected, load_single
@@ -123,15 +123,9 @@ def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
 
 def _several(config: RobotConfig, folder: Path) -> Inspected:
     parts = {name: inspect_robot(placed.robot, folder) for name, placed in config.robots.items()}
-    placed = {
-        name: Placed(part.description, config.robots[name].xyz, config.robots[name].rpy)
-        for name, part in parts.items()
-        if part.description is not None
-    }
-    whole = len(placed) == len(parts)
-    return _together(
-        parts.values(), in_one_world(placed, config.name or "_and_".join(parts), config) if whole else None
-    )
+    robots = {name: part.description for name, part in parts.items() if part.description is not None}
+    whole = in_one_world(robots, config.name or "_and_".join(parts), config) if len(robots) == len(parts) else None
+    return _together(parts.values(), whole)
 
 
 def _together(parts: Iterable[Inspected], description: RobotDescription | None) -> Inspected:

@@ -1,18 +1,23 @@
-"""XML files of robots: read with line numbers, without entities, and never so deep that a recursion would end.
+"""XML files of robots: read with line numbers, without entities, never so deep that a recursion would end; and xacro.
 
 `xml.etree` forgets lines; the same expat parser feeds its tree builder here, and each element knows its line.
 """
 
 from __future__ import annotations
 
+import json
 import math
+import subprocess
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from pathlib import Path
 from xml.parsers import expat
 
 from grip_bt.base.errors import DocumentError, listing
+from grip_bt.base.interpreter import python_command
 
 from .files import note
+from .packages import Packages
 
 DEEPEST = 200
 LARGEST = 64 * 1024 * 1024
@@ -139,3 +144,56 @@ class _Builder:
 
     def _refuse(self, message: str) -> None:
         raise DocumentError(message, self.source, self.parser.CurrentLineNumber)
+
+
+TIME = 30.0
+"""After so long a file won't end any more [s]; large robots take one or two."""
+MODULE = "grip_bt.commanders.description.xacro_process"
+
+
+def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> tuple[str, tuple[str, ...]]:
+    """Return a xacro file's XML, and what was left out of it since packages that it includes from aren't here.
+
+    Args:
+        arguments: values for its `<xacro:arg>`s; those that it doesn't declare are passed too, for files it includes.
+        packages: for `$(find NAME)`.
+
+    Raises:
+        DocumentError: it can't be expanded; the message is xacro's own.
+    """
+    if not path.is_file():
+        raise DocumentError("there is no such file", str(path))
+    request = {
+        "file": str(path.absolute()),
+        "arguments": {
+            name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in arguments.items()
+        },
+        "packages": {name: str(folder) for name, folder in packages.given.items()},
+    }
+    try:
+        done = subprocess.run(
+            python_command("-m", MODULE), input=json.dumps(request), capture_output=True, text=True, timeout=TIME
+        )
+        reply = json.loads(done.stdout)
+    except subprocess.TimeoutExpired:
+        raise DocumentError(f"xacro doesn't end: it was stopped after {TIME:g} s", str(path)) from None
+    except json.JSONDecodeError:
+        raise DocumentError("xacro ended without a result: it took too much time or memory", str(path)) from None
+    if "error" in reply:
+        raise DocumentError(f"xacro: {reply['error']}", str(path))
+    note(*map(Path, reply["files"]))
+    return str(reply["text"]), tuple(reply["left"])
+
+
+def read_robot(path: Path, arguments: Mapping[str, object], packages: Packages) -> Element:
+    """Return a URDF or SRDF, or a xacro file of one, as its tree; lines are those of the expanded text.
+
+    Raises:
+        DocumentError: it can't be read or expanded, or is something else.
+    """
+    if path.suffix != ".xacro":
+        return read_xml(path, "robot")
+    text, left = expand(path, arguments, packages)
+    robot = parse_xml(text, "robot", str(path))
+    robot.left_out = left
+    return robot
