@@ -17,7 +17,7 @@ from .configurations import Alternative, Configurations, Fitted
 from .files import Finding, errors, finding_of
 from .guessed import with_groups, with_postures
 from .hints import declared
-from .mjcf import excluded_pairs, urdf_of_mjcf
+from .mjcf import urdf_of_mjcf
 from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
 from .packages import Packages
 from .robot import RobotDescription
@@ -70,6 +70,7 @@ class _Single:
         self.moveit: MoveItPackage | None = None
         self.chosen: Fitted | None = None
         self.others: tuple[str, ...] = ()
+        self.touching: frozenset[tuple[str, str]] = frozenset()
 
     def loaded(self) -> Inspected:
         if self.config.moveit is not None:
@@ -146,7 +147,8 @@ class _Single:
             return self.chosen.robot, self.chosen.urdf
         if config.mjcf is not None:
             path = self._path(config.mjcf)
-            return urdf_of_mjcf(path), path
+            robot, self.touching = urdf_of_mjcf(path)
+            return robot, path
         path = self._path(config.urdf or config.xacro or "")
         if config.urdf is not None and path.suffix != ".xacro":
             if config.arguments:
@@ -161,8 +163,7 @@ class _Single:
         if self.config.srdf is not None:
             path = self._path(self.config.srdf)
             return read_srdf(read_robot(path, self.config.arguments, self.packages), str(path))
-        mjcf = self.config.mjcf
-        return Srdf() if mjcf is None else Srdf(disabled=excluded_pairs(self._path(mjcf)))
+        return Srdf(disabled=self.touching)
 
     def _check_arguments(self, path: Path) -> None:
         known = tuple(declared(path, self.packages).arguments)
@@ -189,28 +190,26 @@ def _check_names(
     config: RobotConfig, tree: Tree, srdf: Srdf, limits: Mapping[str, JointLimits], initial: Mapping[str, float]
 ) -> Iterator[Finding]:
     """Yield what a configuration and a MoveIt package name that isn't there."""
-
-    def unknown(kind: str, name: str, allowed: object, where: str, severity: str = "error") -> Iterator[Finding]:
-        names = list(allowed)  # type: ignore[call-overload]
-        if name not in names:
-            message = f"{where}: there is no {kind} {name!r}{nearest(name, names)}"
-            yield Finding(severity, f"unknown-{kind}", message)  # type: ignore[arg-type]
-
-    for group, frame in config.grasp_frames.items():
-        yield from unknown("group", group, srdf.groups, "grasp_frames")
-        yield from unknown("link", frame.link, tree.links, f"grasp_frames/{group}")
-    for group, fingers in config.fingers.items():
-        yield from unknown("group", group, srdf.groups, "fingers")
-        for finger, links in fingers.items():
-            for link in links:
-                yield from unknown("link", link, tree.links, f"fingers/{group}/{finger}")
-    for group in config.drives:
-        yield from unknown("group", group, srdf.groups, "drives")
-    for name in config.accelerations:
-        yield from unknown("joint", name, [*srdf.groups, *tree.joints], "accelerations")
-    for where, joints in (("joint_limits.yaml", limits), ("initial_positions.yaml", initial)):
-        for name in joints:
-            yield from unknown("joint", name, tree.joints, where, "warning")
+    groups, links, joints = list(srdf.groups), list(tree.links), list(tree.joints)
+    named = [
+        *(("group", group, groups, "grasp_frames") for group in config.grasp_frames),
+        *(("link", frame.link, links, f"grasp_frames/{group}") for group, frame in config.grasp_frames.items()),
+        *(("group", group, groups, "fingers") for group in config.fingers),
+        *(
+            ("link", link, links, f"fingers/{group}/{finger}")
+            for group, fingers in config.fingers.items()
+            for finger, mine in fingers.items()
+            for link in mine
+        ),
+        *(("group", group, groups, "drives") for group in config.drives),
+        *(("joint", name, groups + joints, "accelerations") for name in config.accelerations),
+        *(("joint", name, joints, "joint_limits.yaml") for name in limits),
+        *(("joint", name, joints, "initial_positions.yaml") for name in initial),
+    ]
+    for kind, name, allowed, where in named:
+        if name not in allowed:
+            message = f"{where}: there is no {kind} {name!r}{nearest(name, allowed)}"
+            yield Finding("warning" if where.endswith(".yaml") else "error", f"unknown-{kind}", message)
 
 
 def _odd_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[tuple[str, Finding]]:
