@@ -64,15 +64,6 @@ class Synergies:
         return JointState(self.names, self.middle + given @ self.directions[: len(given)])
 
 
-def finger_posture(
-    opened: JointState, closed: JointState, fingers: Mapping[str, Sequence[str]], closing: Mapping[str, float]
-) -> JointState:
-    """Return the posture of the joints of some fingers, each between open (0) and closed (1)."""
-    start, end = opened.as_mapping(), closed.as_mapping()
-    part = {joint: share for finger, share in closing.items() for joint in fingers[finger]}
-    return JointState.from_mapping({j: start[j] + (end[j] - start[j]) * share for j, share in part.items()})
-
-
 Reach = Callable[[Mapping[str, Sequence[float]], JointState, str], JointState]
 """Targets, a posture to begin at, a frame (empty for the hand's grasp frame) -> posture."""
 OPENING_TIME = 0.8
@@ -165,7 +156,9 @@ class HandCommander:
                 raise UnknownNameError("finger", finger, self._fingers, where=f"hand {self._name!r}")
             if not 0 <= share <= 1:
                 raise ValueError(f"hand {self._name!r}: finger {finger!r} closes from 0 to 1, not {share}")
-        return finger_posture(self._postures["open"], self._postures["closed"], self._fingers, closing)
+        start, end = self._postures["open"].as_mapping(), self._postures["closed"].as_mapping()
+        part = {joint: share for finger, share in closing.items() for joint in self._fingers[finger]}
+        return JointState.from_mapping({j: start[j] + (end[j] - start[j]) * share for j, share in part.items()})
 
     def fingertip_posture(self, targets: Mapping[str, Sequence[float]], frame: str = "") -> JointState:
         for name, position in targets.items():

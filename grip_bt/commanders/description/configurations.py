@@ -1,9 +1,7 @@
 """Which configurations a MoveIt or description package holds, and which URDF goes with which SRDF.
 
-Packages keep an SRDF in `config/`, `srdf/` or elsewhere, one or a dozen of them, and leave it to launch files to say
-with which URDF and arguments they are used. `alternatives_in` lists what can be chosen; `fitted` tries the files that
-the package, its launch files and the packages that it depends on have, and takes the first in which everything is
-there that the SRDF names.
+Packages leave it to launch files to say which of their files go together: `fitted` tries those that the package, its
+launch files and the packages that it depends on have, and takes the first that has all that the SRDF names.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """MJCF hands and arms as URDF: bodies, hinges and slides, boxes, spheres, capsules, cylinders and meshes.
 
-What MuJoCo computes with beyond that (tendons, equalities, sites, actuators) has no place in a URDF and is left out.
-A capsule becomes a cylinder and two spheres. Orientations are quaternions, angles radians; a file that says otherwise
-is refused.
+The rest (tendons, equalities, sites, actuators) has no place in a URDF. A capsule becomes a cylinder and two spheres.
+Orientations are quaternions, angles radians; a file that says otherwise is refused.
 """
 
 from __future__ import annotations

@@ -65,9 +65,8 @@ def parse_xml(text: bytes | str, root: str, source: str = "") -> Element:
     Raises:
         DocumentError: likewise.
     """
-    builder = _Builder(source)
     try:
-        element = builder.parse(text if isinstance(text, bytes) else text.encode())
+        element = _parsed(text if isinstance(text, bytes) else text.encode(), source)
     except expat.ExpatError as error:
         raise DocumentError(
             f"isn't well-formed XML: {expat.errors.messages[error.code]}", source, error.lineno, error.offset + 1
@@ -113,37 +112,29 @@ def required(element: ET.Element, attribute: str, source: str = "") -> str:
     return value
 
 
-class _Builder:
-    def __init__(self, source: str):
-        self.source, self.depth = source, 0
-        self.builder = ET.TreeBuilder(element_factory=Element)
-        self.parser = expat.ParserCreate()
-        self.parser.buffer_text = True
-        self.parser.StartElementHandler = self._start
-        self.parser.EndElementHandler = self._end
-        self.parser.CharacterDataHandler = self.builder.data
-        self.parser.EntityDeclHandler = self._entity
+def _parsed(text: bytes, source: str) -> Element:
+    builder, parser, depth = ET.TreeBuilder(element_factory=Element), expat.ParserCreate(), 0
 
-    def parse(self, text: bytes) -> Element:
-        self.parser.Parse(text, True)
-        return self.builder.close()  # type: ignore[return-value]
+    def refuse(message: str) -> None:
+        raise DocumentError(message, source, parser.CurrentLineNumber)
 
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        self.depth += 1
-        if self.depth > DEEPEST:
-            self._refuse(f"elements are nested more than {DEEPEST} deep")
-        element = self.builder.start(tag, attributes)
-        element.line = self.parser.CurrentLineNumber  # type: ignore[attr-defined]
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            refuse(f"elements are nested more than {DEEPEST} deep")
+        builder.start(tag, attributes).line = parser.CurrentLineNumber  # type: ignore[attr-defined]
 
-    def _end(self, tag: str) -> None:
-        self.depth -= 1
-        self.builder.end(tag)
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
 
-    def _entity(self, *_: object) -> None:
-        self._refuse("it declares an entity; write out what it stands for")
-
-    def _refuse(self, message: str) -> None:
-        raise DocumentError(message, self.source, self.parser.CurrentLineNumber)
+    parser.buffer_text = True
+    parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = start, end, builder.data
+    parser.EntityDeclHandler = lambda *_: refuse("it declares an entity; write out what it stands for")
+    parser.Parse(text, True)
+    return builder.close()  # type: ignore[return-value]
 
 
 TIME = 30.0

@@ -1,8 +1,7 @@
 """A fake arm: a gantry whose six joints are the position and the rotation vector of its grasp frame.
 
-It reaches every pose and knows no obstacle, so that tasks can be run without models; everything else is
-`ArmCommander`. Joints of a robot, where it is told their names, go where joint goals say, but move no hand: that would
-take a model.
+It reaches every pose and knows no obstacle; everything else is `ArmCommander`. Joints of a robot go where joint goals
+say, but move no hand.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Inverse kinematics by TRAC-IK, and the serial chains that it and the analytic solver work on.
 
-Two of its threads race, a Newton descent and sequential quadratic programming, and the first one that arrives wins:
-it is robust, and doesn't repeat. What it returns is checked against our own forward kinematics. The wheel takes whole
-poses only, so partial targets are solved by damped least squares.
+It is robust, and doesn't repeat: two threads race. What it returns is checked against our own forward kinematics. The
+wheel takes whole poses only, so partial targets are solved by damped least squares.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Straight motions of the grasp frame: chains of nearby solutions of the inverse kinematics.
 
-A spline through configurations on a line is off the line between them, by the more the further they are apart. So
-what was timed is measured against its lines, and where it is off by too much, configurations are set closer. Where two
+What was timed is measured against its lines, and where it is off by too much, configurations are set closer. Where two
 lines meet at a corner no spline would stay on both of them: there the motion comes to rest.
 """
 

@@ -1,13 +1,8 @@
 """Motions through way points, as one: without a stop where a point has a blend radius (as MoveIt's Pilz sequences).
 
-A radius that doesn't fit is made smaller: no blend takes more than half of a segment, and a rounded corner that would
-touch something, or break a limit, is tried with a half, a quarter and an eighth of its radius. Where nothing fits, the
-arm comes to rest at the point. What came of each radius is told by the plan.
-
-Where the grasp frame comes into the ball about a way point the arm leaves the segment that leads there, and where the
-next segment leaves the ball it is on that one. In between it goes smoothly from one to the other, as both go on:
-(1 - a(s)) in(s) + a(s) out(s), with a quintic `a`, so that velocity and acceleration are continuous (as MoveIt's Pilz
-planner blends; there in time, here in joint space and along the path, which is timed afterwards).
+From where the grasp frame comes into the ball about a way point to where it leaves it, the arm goes smoothly from one
+segment to the next: (1 - a(s)) in(s) + a(s) out(s), with a quintic `a`, so that velocity and acceleration are
+continuous (as Pilz blends in time; here in joint space and along the path, which is timed afterwards).
 """
 
 from __future__ import annotations
