@@ -142,9 +142,8 @@ class _InParts(Generic[J]):
         self._port.stop()
 
     def _end(self) -> None:
-        motion = self._motion
-        if motion is not None:
-            motion.whole.cancel()
+        if self._motion is not None:
+            self._motion.whole.cancel()
 
     def pause(self) -> None:
         with self._lock:
@@ -219,8 +218,6 @@ class _InParts(Generic[J]):
             if motion.parted:
                 motion.job = self._rest(motion.job, motion.passed)
             self._start(motion)
-        except ExpectedError as error:
-            motion.whole.fail(error)
         except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
             motion.whole.fail(error)
 

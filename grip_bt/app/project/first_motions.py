@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -110,13 +110,8 @@ class MotionFinder:
         return reached, None
 
     def _at(self, q: Array) -> Situation:
-        names = self.chain.joints
-        mine = dict(zip(names, q, strict=True))
-        start = self.situation.start
-        moved = JointState(start.names, [mine.get(n, p) for n, p in start.as_mapping().items()])
-        return Situation(
-            self.situation.group, moved, self.situation.scene, self.situation.hand, self.situation.settings
-        )
+        start = self.situation.start.as_mapping() | dict(zip(self.chain.joints, q.tolist(), strict=True))
+        return replace(self.situation, start=JointState.from_mapping(start))
 
     def _straight(self, q: Array, begin: Pose, offset: tuple[float, float, float]) -> bool:
         try:

@@ -95,12 +95,12 @@ def _chosen(source: str, choose: Choose) -> dict[str, Any]:
         return {"moveit": str(path)}
     named = {each.name: each for each in reversed(every)}
     chosen = named[choose(f"{path.name} holds several configurations", list(reversed(named)))]
-    return {
-        "moveit": str(path),
-        **({"srdf": str(chosen.srdf)} if chosen.srdf and not chosen.arguments else {}),
-        **({"urdf": str(chosen.urdf)} if chosen.urdf else {}),
-        **({"arguments": dict(chosen.arguments)} if chosen.arguments else {}),
-    }
+    return _named(str(path), None if chosen.arguments else chosen.srdf, {"urdf": chosen.urdf}, chosen.arguments)
+
+
+def _named(moveit: str, srdf: Path | None, urdf: Mapping[str, Path | None], given: Mapping[str, Any]) -> dict[str, Any]:
+    files = {key: str(file) for key, file in {**urdf, "srdf": srdf}.items() if file}
+    return {"moveit": moveit, **files, **({"arguments": dict(given)} if given else {})}
 
 
 def _with_files(said: Mapping[str, Any], inspected: Inspected) -> dict[str, Any]:
@@ -108,10 +108,8 @@ def _with_files(said: Mapping[str, Any], inspected: Inspected) -> dict[str, Any]
     chosen = inspected.chosen
     if chosen is None:
         return dict(said)
-    found = {"urdf" if chosen.urdf.suffix == ".urdf" else "xacro": str(chosen.urdf)} if chosen.urdf else {}
-    more = {"srdf": str(chosen.srdf)} if chosen.srdf else {}
-    arguments = {"arguments": dict(chosen.arguments)} if chosen.arguments else {}
-    return {"moveit": said["moveit"], **found, **more, **arguments}
+    kind = "urdf" if chosen.urdf is not None and chosen.urdf.suffix == ".urdf" else "xacro"
+    return _named(said["moveit"], chosen.srdf, {kind: chosen.urdf}, chosen.arguments)
 
 
 def _robot_lines(source: str, said: Mapping[str, Any], folder: Path, motions: Mapping[str, FirstMotions]) -> list[str]:

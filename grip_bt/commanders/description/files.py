@@ -43,16 +43,6 @@ def note(*paths: Path) -> None:
         files.update(path.absolute() for path in paths)
 
 
-def stamps_of(files: Iterable[Path | str]) -> Stamps:
-    """Return what tells whether files are still as they were."""
-    return tuple(_stamp(str(file)) for file in sorted(map(str, files)))
-
-
-def as_they_were(stamps: Iterable[Iterable[object]]) -> bool:
-    """Tell whether no file has changed since its stamp was taken."""
-    return all(tuple(stamp) == _stamp(str(next(iter(stamp)))) for stamp in stamps)
-
-
 _MOST = 16
 """Things that are kept."""
 
@@ -65,13 +55,13 @@ class FileCache(Generic[K, T]):
 
     def get(self, key: K, make: Callable[[], T]) -> T:
         """Return what `make` makes of the files that it notes, see `note`."""
-        if key not in self._made or not as_they_were(self._made[key][0]):
+        if key not in self._made or any(stamp != _stamp(stamp[0]) for stamp in self._made[key][0]):
             with noting_files() as files:
                 made = make()
             self._made.pop(key, None)
             while len(self._made) >= _MOST:
                 self._made.pop(next(iter(self._made)))
-            self._made[key] = stamps_of(files), made
+            self._made[key] = tuple(_stamp(str(file)) for file in sorted(files)), made
         return self._made[key][1]
 
     def stamps(self, key: K) -> Stamps:

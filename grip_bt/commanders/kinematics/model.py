@@ -7,7 +7,7 @@ frozen in place. Planning and collision checks run on a chain: it has 6 or 7 joi
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from math import isfinite
@@ -83,7 +83,10 @@ class RobotModel:
         self._frames = self._add_grasp_frames()
         self.data = self.model.createData()
         self._lock = threading.Lock()
-        self.geometry = self._collision_shapes()
+        raw = pin.buildGeomFromUrdfString(self.model, description.urdf, pin.GeometryType.COLLISION)
+        self.geometry = pin.GeometryModel()
+        for shape in simplified(raw.geometryObjects):
+            self.geometry.addGeometryObject(shape)
         self._columns = {str(n): self.model.joints[k].idx_q for k, n in enumerate(self.model.names) if k}
         rest = {n: p for n, p in description.at_rest.items() if n in self._columns}
         middle = np.clip(pin.neutral(self.model), self.model.lowerPositionLimit, self.model.upperPositionLimit)
@@ -178,7 +181,11 @@ class RobotModel:
     def _reduced(self, group: str, names: tuple[str, ...], q: Array) -> Chain:
         frozen = [self.model.getJointId(n) for n in self.model.names if n not in (*names, "universe")]
         model, geometry = pin.buildReducedModel(self.model, self.geometry, frozen, q)
-        _drop_pairs_within_one_body(geometry)
+        shapes = geometry.geometryObjects  # what no joint moves apart tells nothing about a configuration
+        _keep_pairs(
+            geometry,
+            [shapes[p.first].parentJoint != shapes[p.second].parentJoint for p in geometry.collisionPairs],
+        )
         hands = frozenset(self.description.hand_links)
         return Chain(names, model, geometry, self.limits_of(names), hands, self.grasp_frame_of(group))
 
@@ -195,13 +202,6 @@ class RobotModel:
             placement = link.placement * pin.SE3(frame.pose.matrix())
             self.model.addFrame(pin.Frame(name, link.parentJoint, parent, placement, pin.OP_FRAME))
         return {group: f"{GRASP_FRAME}/{group}" for group in self.description.grasp_frames}
-
-    def _collision_shapes(self) -> pin.GeometryModel:
-        raw = pin.buildGeomFromUrdfString(self.model, self.description.urdf, pin.GeometryType.COLLISION)
-        geometry = pin.GeometryModel()
-        for shape in simplified(raw.geometryObjects):
-            geometry.addGeometryObject(shape)
-        return geometry
 
     def _drop_harmless_pairs(self) -> None:
         """Keep the pairs of shapes that are worth checking.
@@ -224,10 +224,7 @@ class RobotModel:
             if not harmless:
                 self.geometry.addCollisionPair(pin.CollisionPair(a, b))
         overlaps = self._overlap_rates()
-        kept = [p for p, rate in zip(self.geometry.collisionPairs, overlaps, strict=True) if rate <= _ALWAYS]
-        self.geometry.removeAllCollisionPairs()
-        for pair in kept:
-            self.geometry.addCollisionPair(pair)
+        _keep_pairs(self.geometry, overlaps <= _ALWAYS)
 
     def _overlap_rates(self) -> Array:
         rng = np.random.default_rng(0)
@@ -248,12 +245,10 @@ def link_of(model: pin.Model, shape: pin.GeometryObject) -> str:
     return str(model.frames[shape.parentFrame].name)
 
 
-def _drop_pairs_within_one_body(geometry: pin.GeometryModel) -> None:
-    """Drop pairs that no joint of the model moves apart: checking them would tell nothing about a configuration."""
-    shapes = geometry.geometryObjects
-    kept = [p for p in geometry.collisionPairs if shapes[p.first].parentJoint != shapes[p.second].parentJoint]
+def _keep_pairs(geometry: pin.GeometryModel, kept: Iterable[bool]) -> None:
+    pairs = [pair for pair, keep in zip(geometry.collisionPairs, kept, strict=True) if keep]
     geometry.removeAllCollisionPairs()
-    for pair in kept:
+    for pair in pairs:
         geometry.addCollisionPair(pair)
 
 

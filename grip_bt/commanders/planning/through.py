@@ -21,12 +21,12 @@ from grip_bt.commanders.kinematics.model import Chain, RobotModel
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
     chain_and_checker,
-    finely_free,
     free_start,
     goals_of,
     refuse_collisions,
     timed_free,
 )
+from grip_bt.commanders.planning.continuous import continuously_free
 from grip_bt.commanders.planning.paths import interpolated, kept
 from grip_bt.commanders.planning.requests import PlanThrough, PlanTo
 from grip_bt.commanders.planning.search import RESOLUTION, Search, first_success
@@ -216,7 +216,9 @@ def _fitting(
             break
         rows = corner(incoming, outgoing, radius)
         keeping = constraint is None or kept(constraint, chain, rows, ROUNDING)
-        if keeping and within(chain, point, rows, radius) and finely_free(checker, interpolated(rows, RESOLUTION)):
+        fine = interpolated(rows, RESOLUTION)
+        possible = keeping and within(chain, point, rows, radius) and chain.within_limits(fine, slack=1e-3)
+        if possible and continuously_free(checker, fine):
             return radius, rows
     return 0.0, None
 
