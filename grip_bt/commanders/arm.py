@@ -163,7 +163,7 @@ class ArmCommander:
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         situation = replace(self._situation(), settings=self._own_settings())
-        return self._submit(CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
+        return self._planner.submit(CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
 
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
@@ -206,7 +206,7 @@ class ArmCommander:
         return self._executor.execute(plan.trajectory).then(lambda measured: _verified(plan, measured))
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
-        return self._submit(ChooseGrasp(self._situation(), tuple(grasps))).then(self._remember)
+        return self._planner.submit(ChooseGrasp(self._situation(), tuple(grasps))).then(self._remember)
 
     def stop(self) -> None:
         self._executor.stop()
@@ -243,11 +243,8 @@ class ArmCommander:
         request = PlanServoStep(replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold)
         return self._ask(request).then(lambda plan: Operation.finished(plan.trajectory))
 
-    def _submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
-        return self._planner.submit(request)
-
     def _ask(self, request: Request) -> Operation[Plan]:
-        return self._submit(request)  # type: ignore[return-value]
+        return self._planner.submit(request)  # type: ignore[return-value]
 
     def _remember(self, chosen: Plan | ChosenGrasp | None) -> Operation[Grasp]:
         assert isinstance(chosen, ChosenGrasp)

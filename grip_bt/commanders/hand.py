@@ -39,7 +39,7 @@ class Synergies:
     directions: Array
 
     @classmethod
-    def of(cls, postures: Iterable[JointState], most: int | None = None) -> Synergies:
+    def of(cls, postures: Iterable[JointState]) -> Synergies:
         """Find the synergies of postures of the same joints."""
         rows = list(postures)
         names = rows[0].names
@@ -50,7 +50,7 @@ class Synergies:
         kept = reach > _NOTHING
         # The sign of an axis is arbitrary: a positive weight goes the way in which the joints flex altogether.
         signs = np.where(axes.sum(axis=1) < 0, -1.0, 1.0)
-        return cls(names, middle, (axes * (reach * signs)[:, None])[kept][:most])
+        return cls(names, middle, (axes * (reach * signs)[:, None])[kept])
 
     def posture(self, weights: Sequence[float]) -> JointState:
         """Return the posture of some weights; those that aren't given are 0.

@@ -35,14 +35,12 @@ class Inspected:
         description: the robot; None where a finding is an error.
         packages: the MoveIt configuration packages that it was read from.
         chosen: of a MoveIt configuration package, the configuration that was taken.
-        others: names of its other configurations.
     """
 
     findings: tuple[Finding, ...]
     description: RobotDescription | None = None
     packages: tuple[MoveItPackage, ...] = ()
     chosen: Fitted | None = None
-    others: tuple[str, ...] = ()
 
 
 def load_single(config: RobotConfig, folder: Path) -> Inspected:
@@ -67,9 +65,8 @@ class _Single:
         self.packages = Packages(given)
         files = (config.urdf, config.xacro, config.srdf, config.moveit and f"{config.moveit}/package.xml")
         self.packages = Packages(given, tuple(self._path(file) for file in files if file))
-        self.moveit: MoveItPackage | None = None
+        self.moveit = MoveItPackage(folder)  # of which nothing is said
         self.chosen: Fitted | None = None
-        self.others: tuple[str, ...] = ()
         self.touching: frozenset[tuple[str, str]] = frozenset()
 
     def loaded(self) -> Inspected:
@@ -80,9 +77,8 @@ class _Single:
             self._warn("missing-package", f"{left}; what would come from it is left out".replace(".;", ";"), source)
         self.findings += check_urdf(robot, str(source), self.packages)
         description = None if self._wrong() else self._described(robot, source)
-        packages = (self.moveit,) if self.moveit is not None else ()
-        described = None if self._wrong() else description
-        return Inspected(tuple(self.findings), described, packages, self.chosen, self.others)
+        packages = (self.moveit,) if self.chosen is not None else ()
+        return Inspected(tuple(self.findings), None if self._wrong() else description, packages, self.chosen)
 
     def _choose(self, folder: Path) -> None:
         """Take the configuration of a package that the description asks for, or its first, and say so."""
@@ -101,11 +97,10 @@ class _Single:
                 raise DocumentError("it holds no SRDF and no URDF, neither does a package that it names", str(folder))
             told = [each for each in every if each.arguments and each.arguments.items() <= asked.items()]
             choice = (told or every)[0]
-            self.others = tuple(each.name for each in every if each is not choice)
-            if self.others and not told:
+            others = [each.name for each in every if each is not choice]
+            if others and not told:
                 how = "arguments" if choice.arguments else "srdf" if choice.srdf else "urdf"
-                others = f"others, for `{how}:`, are {listing(self.others)}"
-                more = f"of several configurations {choice.name} is taken; {others}"
+                more = f"of several configurations {choice.name} is taken; others, for `{how}:`, are {listing(others)}"
                 self._warn("several-configurations", more, folder)
         choice = replace(choice, arguments={**choice.arguments, **asked}, urdf=urdf or choice.urdf)
         self.chosen = found.fitted(choice)
@@ -125,21 +120,19 @@ class _Single:
         self.findings += told
         if self._wrong():
             return None
-        limits = self.moveit.limits if self.moveit is not None else {}
-        initial = self.moveit.initial_positions if self.moveit is not None else {}
-        self.findings += _check_names(self.config, tree, added, limits, initial)
-        odd = dict(_odd_limits(limits, tree))
+        initial = self.moveit.initial_positions
+        self.findings += _check_names(self.config, tree, added, self.moveit.limits, initial)
+        odd = dict(_odd_limits(self.moveit.limits, tree))
         self.findings += odd.values()
-        limits = {joint: limit for joint, limit in limits.items() if joint not in odd}
+        limits = {joint: limit for joint, limit in self.moveit.limits.items() if joint not in odd}
         if self._wrong():
             return None
         name = self.config.name or robot.get("name") or "robot"
         urdf = normal(robot, name, source.parent, self.packages, limits)
         made = build(urdf, added, self.config, limits, initial)
-        preferences = {} if self.moveit is None else preferences_of(self.moveit, made.groups, PLANNERS)
         made, told = with_postures(made)
         self.findings += told
-        return replace(made, preferences=preferences)
+        return replace(made, preferences=preferences_of(self.moveit, made.groups, PLANNERS))
 
     def _urdf(self) -> tuple[ET.Element, Path]:
         config = self.config

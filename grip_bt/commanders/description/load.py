@@ -6,7 +6,6 @@ Ready-made robots are built on this machine from models that installed packages 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -95,15 +94,24 @@ def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Insp
 def _inspected(config: RobotConfig, folder: Path) -> Inspected:
     if config.ready is not None:
         return _ready_made(config.ready, config, folder)
-    if config.robots:
-        return _several(config, folder)
-    if config.arm is not None and config.hand is not None and config.mount is not None:
-        arm, hand = inspect_robot(config.arm, folder), inspect_robot(config.hand, folder)
-        if arm.description is None or hand.description is None:
-            return _together((arm, hand), None)
-        name = config.name or f"{arm.description.name}_{hand.description.name}"
-        return _together((arm, hand), on_arm(arm.description, hand.description, config.mount, name, config))
-    return load_single(config, folder)
+    if not config.robots and config.mount is None:
+        return load_single(config, folder)
+    written: dict[str, str | RobotConfig | None] = {name: placed.robot for name, placed in config.robots.items()}
+    written = written or {"arm": config.arm, "hand": config.hand}
+    parts = {name: inspect_robot(each, folder) for name, each in written.items() if each is not None}
+    robots = {name: part.description for name, part in parts.items() if part.description is not None}
+    whole = None
+    if len(robots) == len(parts) and config.mount is None:
+        whole = in_one_world(robots, config.name or "_and_".join(parts), config)
+    elif len(robots) == len(parts):
+        name = config.name or f"{robots['arm'].name}_{robots['hand'].name}"
+        assert config.mount is not None
+        whole = on_arm(robots["arm"], robots["hand"], config.mount, name, config)
+    return Inspected(
+        tuple(finding for part in parts.values() for finding in part.findings),
+        whole,
+        tuple(package for part in parts.values() for package in part.packages),
+    )
 
 
 def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
@@ -119,22 +127,6 @@ def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
         raise DocumentError(f"the ready-made robot {name!r} takes no arguments", str(folder))
     given = own.model_copy(update={"arguments": {**own.arguments, **config.arguments}})
     return _renamed(_inspected(given, place), given, name)
-
-
-def _several(config: RobotConfig, folder: Path) -> Inspected:
-    parts = {name: inspect_robot(placed.robot, folder) for name, placed in config.robots.items()}
-    robots = {name: part.description for name, part in parts.items() if part.description is not None}
-    whole = in_one_world(robots, config.name or "_and_".join(parts), config) if len(robots) == len(parts) else None
-    return _together(parts.values(), whole)
-
-
-def _together(parts: Iterable[Inspected], description: RobotDescription | None) -> Inspected:
-    parts = tuple(parts)
-    return Inspected(
-        tuple(finding for part in parts for finding in part.findings),
-        description,
-        tuple(package for part in parts for package in part.packages),
-    )
 
 
 def _renamed(inspected: Inspected, config: RobotConfig, file: str) -> Inspected:
