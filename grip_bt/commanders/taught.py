@@ -19,7 +19,7 @@ from pathlib import Path
 import yaml
 from pydantic import BaseModel, ConfigDict, RootModel, ValidationError
 
-from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.files import replace_text
 from grip_bt.base.values import JointState, Pose
@@ -70,17 +70,6 @@ class TaughtStates:
         """Return what was taught to a part: name -> joint state or pose."""
         with self._lock:
             return dict(self._parts.get(part, {}))
-
-    def get(self, part: str, name: str) -> JointState | Pose:
-        """Return one entry.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
-        known = self.of(part)
-        if name not in known:
-            raise UnknownNameError("taught name", name, known, where=part)
-        return known[name]
 
     def states(self, part: str) -> dict[str, JointState]:
         """Return the joint states that were taught to a part."""

@@ -176,7 +176,6 @@ def build(
         groups=groups,
         named_states=named_states_of(srdf, groups, tree),
         grasp_frame=known.grasp_frame,
-        hand_links=tuple(dict.fromkeys(link for links in known.hands.values() for link in links)),
         finger_links=known.fingers,
         drives={
             joint.name: given.get(joint.mimic.joint if joint.mimic else joint.name)

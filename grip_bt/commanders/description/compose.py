@@ -85,7 +85,6 @@ def namespaced(robot: RobotDescription, prefix: str, groups: bool = True) -> Rob
         urdf=ET.tostring(urdf, encoding="unicode"),
         base_link=named(robot.base_link),
         grasp_frame=frame(robot.grasp_frame),
-        hand_links=all_named(robot.hand_links),
         disabled_pairs=frozenset((min(p), max(p)) for p in map(all_named, robot.disabled_pairs)),
         end_effectors=tuple(ends),
         **keyed,
@@ -198,7 +197,6 @@ def without_below(robot: RobotDescription, link: str) -> RobotDescription:
         robot,
         urdf=ET.tostring(urdf, encoding="unicode"),
         grasp_frame=frame(robot.grasp_frame),
-        hand_links=tuple(x for x in robot.hand_links if x in links),
         disabled_pairs=frozenset(p for p in robot.disabled_pairs if links.issuperset(p)),
         end_effectors=tuple(
             e for e in robot.end_effectors if e.parent_link in links and (not e.group or e.group in groups)
@@ -216,7 +214,6 @@ def _sum(parts: Sequence[RobotDescription], urdf: ET.Element, base: str) -> Robo
         name=urdf.get("name", ""),
         urdf=ET.tostring(urdf, encoding="unicode"),
         base_link=base,
-        hand_links=tuple(link for part in parts for link in part.hand_links),
         disabled_pairs=frozenset(pair for part in parts for pair in part.disabled_pairs),
         end_effectors=tuple(end for part in parts for end in part.end_effectors),
         **keyed,

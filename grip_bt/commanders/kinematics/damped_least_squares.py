@@ -139,16 +139,16 @@ def atlas_of(chain: Chain) -> Atlas:
 TOLERANCE = 1e-4
 """Largest norm of the error: metres and radians together."""
 _DAMPING = 1e-4
-_MAX_STEP = 0.5
+_MAX_STEP, _STEPS = 0.5, 30
 _NEAR = 1.0
 """A seed whose grasp frame is further from the target [m + rad] is no better a start than one from the atlas."""
 
 
-def solve_from(chain: Chain, target: Target, start: Array, iterations: int = 30) -> Array | None:
+def solve_from(chain: Chain, target: Target, start: Array) -> Array | None:
     """Return the configuration, shape (n,), that the descent from `start` reaches, or None when it doesn't converge."""
     lower, upper = chain.limits.lower, chain.limits.upper
     q = np.clip(start, lower, upper)
-    for _ in range(iterations):
+    for _ in range(_STEPS):
         error, jacobian = target.error(chain, q)
         squared = float(error @ error)
         if squared < TOLERANCE**2:

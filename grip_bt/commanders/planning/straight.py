@@ -83,7 +83,7 @@ def _solved(chain: Chain, begin: pin.SE3, end: pin.SE3, part: float, guess: Arra
     """Return the configuration near `guess` that is a part of the way along a line."""
     turn, way = pin.log3(begin.rotation.T @ end.rotation), end.translation - begin.translation
     pose = pin.SE3(begin.rotation @ pin.exp3(turn * part), begin.translation + way * part)
-    return solve_from(chain, Target(pose), guess, iterations=30)
+    return solve_from(chain, Target(pose), guess)
 
 
 def line_to(chain: Chain, start: Array, goal: Pose, where: str) -> Path:
