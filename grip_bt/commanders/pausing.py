@@ -99,14 +99,7 @@ class _Motion(Generic[J]):
 
 
 class _InParts(Generic[J]):
-    """One motion at a time, done in parts; implements `grip_bt.base.ports.Pausable`.
-
-    Args:
-        port: what moves and can be stopped.
-        do: begins a part.
-        rest: what is left of a job after so long [s]; ends the motion where it raises an `ExpectedError`.
-        now: the time [s].
-    """
+    """One motion at a time, done in parts: `do` begins a part, `rest` is what is left of a job after so long [s]."""
 
     def __init__(
         self,

@@ -147,11 +147,7 @@ class PlanningScene:
             self._snapshot = replace(self._snapshot, allowed=pairs)
 
     def _stands_for(self, name: str) -> tuple[str, ...]:
-        """Return the names that a name means: a hand's links, a link, an object, everything.
-
-        Raises:
-            UnknownNameError: it is none of these; told only where the robot's links are known.
-        """
+        """Return the names that a name means: a hand's links, a link, an object, everything."""
         if name in self._links:
             return self._links[name]
         known = {ANYTHING, *self._snapshot.objects, *(link for links in self._links.values() for link in links)}

@@ -115,11 +115,7 @@ def _inspected(config: RobotConfig, folder: Path) -> Inspected:
 
 
 def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
-    """Return a ready-made robot, one with sizes of its own where arguments are given.
-
-    Raises:
-        DocumentError: this robot takes none.
-    """
+    """Return a ready-made robot, one with sizes of its own where arguments are given."""
     if not config.arguments:
         return inspect_robot(name, folder)
     own, place = config_of(str(ROBOTS[name]), folder) if name in ROBOTS else (None, folder)

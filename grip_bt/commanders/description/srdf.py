@@ -41,7 +41,6 @@ class VirtualJoint:
 
     name: str
     type: str
-    parent_frame: str
     child_link: str
 
 
@@ -51,7 +50,6 @@ class Srdf:
 
     Attributes:
         source: the file; empty for one that was made up.
-        name: of the robot.
         groups: name -> group.
         states: group -> name -> joint -> position [rad or m].
         end_effectors: in the file's order.
@@ -62,7 +60,6 @@ class Srdf:
     """
 
     source: str = ""
-    name: str = ""
     groups: Mapping[str, Group] = field(default_factory=dict)
     states: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
     end_effectors: tuple[EndEffector, ...] = ()
@@ -85,12 +82,11 @@ def read_srdf(robot: ET.Element, source: str = "") -> Srdf:
         if groups.setdefault(group.name, group) is not group:
             doubled.append(group.name)
     virtual = tuple(
-        VirtualJoint(e.get("name", ""), e.get("type", "fixed"), e.get("parent_frame", ""), e.get("child_link", ""))
+        VirtualJoint(e.get("name", ""), e.get("type", "fixed"), e.get("child_link", ""))
         for e in robot.findall("virtual_joint")
     )
     return Srdf(
         source,
-        robot.get("name", ""),
         groups,
         _states(robot, {joint.name for joint in virtual}, source),
         tuple(

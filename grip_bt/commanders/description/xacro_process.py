@@ -50,11 +50,7 @@ class UnsafeExpressionError(Exception):
 
 
 def _guard(xacro: Any) -> None:
-    """Have the `xacro` package refuse expressions that do something; for good, in this process.
-
-    Args:
-        xacro: the module.
-    """
+    """Have the `xacro` package refuse expressions that do something; for good, in this process."""
     inner, arguments = xacro.safe_eval, xacro.substitution_args
     evaluate = arguments._eval
 
@@ -124,11 +120,7 @@ NOWHERE = "/package-that-is-not-here"
 
 
 def _leave_out(xacro: Any, known: Packages) -> list[str]:
-    """Have the `xacro` package leave out what files include of packages that aren't here, and calls of macros in them.
-
-    Returns:
-        What is left out, which grows.
-    """
+    """Have `xacro` leave out what files include of packages that aren't here, and their macros; return it, it grows."""
     include, call, left = xacro.process_include, xacro.handle_macro_call, list[str]()
 
     def find(name: str) -> str:

@@ -141,10 +141,7 @@ def _hardest(trajectory: Trajectory, at: Array) -> Array:
 
 
 def _undecided(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> _Pieces | None:
-    """Return the pieces of a motion that touch something or may: what clearance and then fine samples don't decide.
-
-    None where it is free.
-    """
+    """Return the pieces that touch something or may, which clearance and then fine samples don't decide; None: free."""
     for level, need in enumerate(_NEEDS):
         halves = _halves(curve, pieces)
         if level:
