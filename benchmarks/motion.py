@@ -32,9 +32,9 @@ from grip_bt.base.values.solids import Box
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.kinematics.ik import SOLVERS, solver
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.kinematics.target import Target
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.requests import ChooseGrasp, PlanTo, Situation

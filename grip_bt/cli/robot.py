@@ -5,6 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -12,8 +15,11 @@ from typing import Any
 from grip_bt.base.errors import GripError
 from grip_bt.commanders.description.files import Finding
 from grip_bt.commanders.description.from_files import Inspected
+from grip_bt.commanders.description.moveit_package import MoveItPackage
 from grip_bt.commanders.description.packages import ROBOTS
-from grip_bt.commanders.description.summary import facts, told
+from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.description.tree import Joint, Tree
+from grip_bt.commanders.settings import PLANNERS, SOLVERS
 
 from .terminal import counted
 
@@ -27,9 +33,7 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
     verbs = parser.add_subparsers(title="what to do", metavar="WHAT", required=True)
     check = verbs.add_parser("check", help="everything that is wrong with robots' files; exit status 1 for errors")
-    show = verbs.add_parser(
-        "show", help="groups, joints, limits, end effectors, states, solvers, planners, controllers"
-    )
+    show = verbs.add_parser("show", help="groups, joints, limits, end effectors, states, solvers, planners")
     for each in (check, show):
         each.add_argument("robot", metavar="FILE|NAME|FOLDER", help=WHAT)
         each.add_argument("--srdf", metavar="FILE", help="the SRDF of a URDF or xacro file")
@@ -102,8 +106,8 @@ def _run_show(args: argparse.Namespace) -> int:
         for finding in inspected.findings:
             print(finding, file=sys.stderr)
         return 1
-    known = facts(inspected.description, inspected.packages)
-    print(json.dumps(known, indent=2) if args.json else told(known))
+    known = _facts(inspected.description, inspected.packages)
+    print(json.dumps(known, indent=2) if args.json else "\n".join(_lines(known)))
     return 0
 
 
@@ -149,3 +153,106 @@ def _pairs(args: argparse.Namespace, option: str) -> dict[str, str]:
             args.usage_error(f"--{option} takes NAME=VALUE, not {word!r}")
         pairs[name] = value
     return pairs
+
+
+def _facts(robot: RobotDescription, packages: Sequence[MoveItPackage]) -> dict[str, Any]:
+    """Return a robot's groups, joints, limits, end effectors, states, and what can plan for it, as JSON data."""
+    joints = Tree(ET.fromstring(robot.urdf)).joints
+    return {
+        "name": robot.name,
+        "base_link": robot.base_link,
+        "groups": dict(robot.groups),
+        "joints": {
+            name: {
+                **{key: getattr(joint, key) for key in ("type", "lower", "upper", "velocity", "effort")},
+                "acceleration": robot.acceleration_limits[name],
+                "follows": robot.mimics[name].joint if name in robot.mimics else None,
+            }
+            for name, joint in joints.items()
+            if joint.movable
+        },
+        "hands": dict(robot.hands),
+        "fingers": dict(robot.finger_links),
+        "end_effectors": [asdict(end) for end in robot.end_effectors],
+        "grasp_frames": {group: frame.link for group, frame in robot.grasp_frames.items()}
+        or {"": robot.grasp_frame.link},
+        "states": {
+            group: {name: state.as_mapping() for name, state in states.items()}
+            for group, states in robot.named_states.items()
+        },
+        "solvers": sorted(name for name in SOLVERS if name != "analytic" or _has_six_turning(robot, joints)),
+        "planners": sorted(PLANNERS),
+        "preferences": {
+            group: {field: asdict(preference) for field, preference in fields.items()}
+            for group, fields in robot.preferences.items()
+        },
+        "moveit": [asdict(package) | {"folder": str(package.folder)} for package in packages],
+    }
+
+
+def _has_six_turning(robot: RobotDescription, joints: Mapping[str, Joint]) -> bool:
+    """Tell whether a group may be an arm for the analytic solver, which then looks at its axes."""
+    kinds = [[joints[name].type for name in mine] for mine in robot.groups.values()]
+    return any(len(mine) == 6 and set(mine) <= {"revolute", "continuous"} for mine in kinds)
+
+
+def _lines(known: dict[str, Any]) -> Iterator[str]:
+    yield f"{known['name']}, standing on {known['base_link']}"
+    for group, joints in known["groups"].items():
+        frame = known["grasp_frames"].get(group)
+        plural = "" if len(joints) == 1 else "s"
+        yield f"\ngroup {group}: {len(joints)} joint{plural}{', grasp frame on ' + frame if frame else ''}"
+        for name in joints:
+            joint = known["joints"][name]
+            unit = "m" if joint["type"] == "prismatic" else "rad"
+            yield (
+                f"  {name}: {joint['lower']:.4g} ... {joint['upper']:.4g} {unit}, {joint['velocity']:.4g} {unit}/s, "
+                f"{joint['acceleration']:.4g} {unit}/s^2"
+            )
+        for name, state in known["states"].get(group, {}).items():
+            yield f"  state {name}: {', '.join(f'{q:g}' for q in state.values())}"
+    yield ""
+    for end in known["end_effectors"]:
+        yield f"end effector {end['name']}: {end['group'] or 'a tool'} on {end['parent_link']} of {end['parent_group']}"
+    for finger, links in known["fingers"].items():
+        yield f"finger {finger}: {', '.join(links)}"
+    grouped = {joint for joints in known["groups"].values() for joint in joints}
+    for name, joint in known["joints"].items():
+        if joint["follows"]:
+            yield f"joint {name} follows {joint['follows']}"
+        elif name not in grouped:
+            yield f"joint {name} belongs to no group"
+    yield f"solvers: {', '.join(known['solvers'])}"
+    yield f"planners: {', '.join(known['planners'])}"
+    for group, fields in known["preferences"].items():
+        words = [_preferred(field, preference) for field, preference in fields.items()]
+        yield f"in force for {group}, unless grip.yaml says otherwise: {'; '.join(words)}"
+    for package in known["moveit"]:
+        yield from _moveit(package)
+
+
+def _preferred(field: str, preference: dict[str, Any]) -> str:
+    source = preference["source"]
+    if preference["value"] is None:
+        return f"{field} as usual ({source} asks for {preference['unknown']}, which isn't here)"
+    parameters = preference["parameters"].get(preference["value"], {})
+    words = "".join(f", {name} {value:g}" for name, value in parameters.items())
+    return f"{field} {preference['value']}{words} (from {source})"
+
+
+def _moveit(package: dict[str, Any]) -> Iterator[str]:
+    yield f"\nMoveIt configuration: {package['folder']}"
+    for joint, limits in package["limits"].items():
+        said = ", ".join(f"{name} {value:g}" for name, value in limits.items() if value is not None)
+        yield f"  limits of {joint}, in place of the URDF's: {said or 'none'}"
+    if package["initial_positions"]:
+        at = ", ".join(f"{joint} {position:g}" for joint, position in package["initial_positions"].items())
+        yield f"  at rest: {at} (initial_positions.yaml)"
+    for group, plugin in package["kinematics"].items():
+        yield f"  kinematics of {group}: {plugin}"
+    for group, choice in package["planners"].items():
+        names = [name if name in PLANNERS else f"{name} (not here)" for name in choice["planners"].values()]
+        default = f", by default {choice['default']}" if choice["default"] else ""
+        yield f"  planners of {group}: {', '.join(names)}{default}"
+    for sensor in package["sensors"]:
+        yield f"  sensor {sensor['name']}: {sensor['plugin']} on {sensor['topic']}"

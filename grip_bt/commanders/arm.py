@@ -107,19 +107,15 @@ class ArmCommander:
 
     @property
     def name(self) -> str:
-        """The arm's name in the project."""
         return self._name
 
     def state(self) -> JointState:
-        """Return the measured state of the arm's joints."""
         return self._executor.state()
 
     def grasp_pose(self) -> Pose:
-        """Return the measured pose of the hand's grasp frame in world."""
         return self._model.grasp_pose(self._executor.state(), group=self._group)
 
     def named_states(self) -> Mapping[str, JointState]:
-        """Return the named states of the arm's group, taught ones included."""
         return {**self._taught.states(self._name), **self._described_states()}
 
     def plan(
@@ -145,7 +141,6 @@ class ArmCommander:
         return self._ask(PlanTo(self._situation(start), goal, hints, free, constraint))
 
     def plan_straight(self, goals: Sequence[Pose], *, start: JointState | None = None) -> Operation[Plan]:
-        """Plan straight lines of the grasp frame; see `ports.Arm`."""
         return self._ask(PlanStraight(self._situation(start), tuple(goals)))
 
     def plan_through(
@@ -155,51 +150,43 @@ class ArmCommander:
         start: JointState | None = None,
         constraint: PathConstraint | None = None,
     ) -> Operation[Plan]:
-        """Plan one motion through way points; see `ports.Arm`."""
         named = tuple(replace(point, goal=self._goal(point.goal)) for point in way_points)
         if not named:
             raise ValueError("at least one way point is needed")
         return self._ask(PlanThrough(self._situation(start), named, constraint))
 
     def plan_from_trajectory(self, trajectory: Trajectory, *, slow_down: bool = False) -> Operation[Plan]:
-        """Check a trajectory that was made elsewhere and make a plan of it; see `ports.Arm`."""
         require_joints(trajectory.names, self._executor.joint_names, self._name)
         return self._ask(
             CheckTrajectory(replace(self._situation(), settings=self._own_settings()), trajectory, slow_down)
         )
 
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
-        """Check that plans of several arms, begun at once, keep the arms apart; see `ports.Arm`."""
         situation = replace(self._situation(), settings=self._own_settings())
-        return self._submit(CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
+        return self._planner.submit(CheckTogether(situation, tuple(plans)))  # type: ignore[return-value]
 
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
     ) -> Operation[JointState]:
-        """Move the grasp frame with a bounded twist for a while; see `ports.Arm`."""
         goal, seconds = jogged(self.grasp_pose(), linear, angular, seconds)
         return self.plan_straight([goal]).then(lambda plan: self.execute(lasting(plan, seconds)))
 
     def steer(self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0)) -> Operation[JointState]:
-        """Move the grasp frame with a twist from now on; see `ports.Arm`."""
         bounded(linear, angular)
         return self._stream.steer(lambda _: (linear, angular))
 
     def steer_to(self, target: Pose, speed: float = 0.15) -> Operation[JointState]:
-        """Steer the grasp frame towards a pose; see `ports.Arm`."""
         return self._stream.steer(
             lambda there: approaching(self._model.grasp_pose(there, group=self._group), target, speed, HOLD)
         )
 
     def teach(self, name: str, *, pose: bool = False) -> JointState | Pose:
-        """Remember where the arm is now; see `ports.Arm`."""
         state = self._executor.state()
         value = self.grasp_pose() if pose else JointState(state.names, state.position)
         self._taught.put(self._name, name, value, self._described_states())
         return value
 
     def taught(self) -> Mapping[str, JointState | Pose]:
-        """Return what was taught; see `ports.Arm`."""
         return self._taught.of(self._name)
 
     def execute(self, plan: Plan) -> Operation[JointState]:
@@ -219,11 +206,9 @@ class ArmCommander:
         return self._executor.execute(plan.trajectory).then(lambda measured: _verified(plan, measured))
 
     def choose_grasp(self, grasps: Sequence[Grasp]) -> Operation[Grasp]:
-        """Return the first feasible grasp, by falling quality; see `planning.grasps.choose_grasp`."""
-        return self._submit(ChooseGrasp(self._situation(), tuple(grasps))).then(self._remember)
+        return self._planner.submit(ChooseGrasp(self._situation(), tuple(grasps))).then(self._remember)
 
     def stop(self) -> None:
-        """Hold where the arm is now and end a motion under way."""
         self._executor.stop()
 
     def _described_states(self) -> Mapping[str, JointState]:
@@ -258,11 +243,8 @@ class ArmCommander:
         request = PlanServoStep(replace(situation, start=begin, settings=self._own_settings()), linear, angular, hold)
         return self._ask(request).then(lambda plan: Operation.finished(plan.trajectory))
 
-    def _submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
-        return self._planner.submit(request)
-
     def _ask(self, request: Request) -> Operation[Plan]:
-        return self._submit(request)  # type: ignore[return-value]
+        return self._planner.submit(request)  # type: ignore[return-value]
 
     def _remember(self, chosen: Plan | ChosenGrasp | None) -> Operation[Grasp]:
         assert isinstance(chosen, ChosenGrasp)

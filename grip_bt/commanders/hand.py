@@ -39,7 +39,7 @@ class Synergies:
     directions: Array
 
     @classmethod
-    def of(cls, postures: Iterable[JointState], most: int | None = None) -> Synergies:
+    def of(cls, postures: Iterable[JointState]) -> Synergies:
         """Find the synergies of postures of the same joints."""
         rows = list(postures)
         names = rows[0].names
@@ -50,7 +50,7 @@ class Synergies:
         kept = reach > _NOTHING
         # The sign of an axis is arbitrary: a positive weight goes the way in which the joints flex altogether.
         signs = np.where(axes.sum(axis=1) < 0, -1.0, 1.0)
-        return cls(names, middle, (axes * (reach * signs)[:, None])[kept][:most])
+        return cls(names, middle, (axes * (reach * signs)[:, None])[kept])
 
     def posture(self, weights: Sequence[float]) -> JointState:
         """Return the posture of some weights; those that aren't given are 0.
@@ -62,15 +62,6 @@ class Synergies:
         if given.ndim != 1 or len(given) > len(self.directions) or not np.isfinite(given).all():
             raise ValueError(f"weights are at most {len(self.directions)} finite numbers, not {list(weights)}")
         return JointState(self.names, self.middle + given @ self.directions[: len(given)])
-
-
-def finger_posture(
-    opened: JointState, closed: JointState, fingers: Mapping[str, Sequence[str]], closing: Mapping[str, float]
-) -> JointState:
-    """Return the posture of the joints of some fingers, each between open (0) and closed (1)."""
-    start, end = opened.as_mapping(), closed.as_mapping()
-    part = {joint: share for finger, share in closing.items() for joint in fingers[finger]}
-    return JointState.from_mapping({j: start[j] + (end[j] - start[j]) * share for j, share in part.items()})
 
 
 Reach = Callable[[Mapping[str, Sequence[float]], JointState, str], JointState]
@@ -114,19 +105,15 @@ class HandCommander:
 
     @property
     def name(self) -> str:
-        """The hand's name in the project."""
         return self._name
 
     def state(self) -> JointState:
-        """Return the measured state of the hand's joints."""
         return self._port.state()
 
     def named_states(self) -> Mapping[str, JointState]:
-        """Return the hand's named postures, taught ones included."""
         return {**self._taught.states(self._name), **self._postures}
 
     def fingers(self) -> Mapping[str, tuple[str, ...]]:
-        """Return the hand's fingers: name -> joints."""
         return dict(self._fingers)
 
     def contacts(self) -> Mapping[str, float]:
@@ -134,37 +121,22 @@ class HandCommander:
         return {link: force for link, force in self._port.contacts().items() if force >= TOUCH}
 
     def open(self, posture: JointState | str = "open") -> Operation[JointState]:
-        """Open to a posture, given or named; joints that it doesn't name stay where they are.
-
-        Raises:
-            UnknownNameError: there is no such posture or joint.
-        """
         return self.move(posture, seconds=OPENING_TIME)
 
     def close(
         self, posture: JointState | str = "closed", torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
-        """Close towards a posture until the fingers stop, or press with a force [N]; the result is measured then.
-
-        Ends with NoContactError when no link of the hand touches anything.
-
-        Raises:
-            UnknownNameError: there is no such posture or joint.
-            ValueError: the torque limit or the force isn't positive, both are given, or the hand regulates no force.
-        """
         if torque_limit is not None and force is not None:
             raise ValueError(f"hand {self._name!r}: closes with at most a torque, or to a force, not with both")
         goal = self._posture(posture)
         return self._move(goal, torque_limit, CLOSING_TIME, force).then(lambda measured: self._held(goal, measured))
 
     def closing(self) -> Closing | None:
-        """Return what the hand did when it closed; see `ports.Hand`."""
         return self._closing
 
     def move(
         self, posture: JointState | str, torque_limit: float | None = None, seconds: float | None = None
     ) -> Operation[JointState]:
-        """Move the fingers towards a posture; see `ports.Hand`."""
         return self._move(posture, torque_limit, seconds, None)
 
     def _move(
@@ -179,16 +151,16 @@ class HandCommander:
         return self._port.move(goal, seconds or OPENING_TIME, torque_limit, force)
 
     def finger_posture(self, closing: Mapping[str, float]) -> JointState:
-        """Return the posture of some fingers; see `ports.Hand`."""
         for finger, share in closing.items():
             if finger not in self._fingers:
                 raise UnknownNameError("finger", finger, self._fingers, where=f"hand {self._name!r}")
             if not 0 <= share <= 1:
                 raise ValueError(f"hand {self._name!r}: finger {finger!r} closes from 0 to 1, not {share}")
-        return finger_posture(self._postures["open"], self._postures["closed"], self._fingers, closing)
+        start, end = self._postures["open"].as_mapping(), self._postures["closed"].as_mapping()
+        part = {joint: share for finger, share in closing.items() for joint in self._fingers[finger]}
+        return JointState.from_mapping({j: start[j] + (end[j] - start[j]) * share for j, share in part.items()})
 
     def fingertip_posture(self, targets: Mapping[str, Sequence[float]], frame: str = "") -> JointState:
-        """Return the posture that brings fingertips, or other links, to positions; see `ports.Hand`."""
         for name, position in targets.items():
             if len(position) != 3 or not np.isfinite(position).all():
                 raise ValueError(
@@ -199,7 +171,6 @@ class HandCommander:
         return self._reach(targets, self._port.state(), frame)
 
     def synergy(self, weights: Sequence[float]) -> JointState:
-        """Return the posture of weights of the synergies of the hand's named postures; see `ports.Hand`."""
         opened = self._postures["open"].as_mapping()  # what a posture doesn't name is as in `open`
         postures = [JointState.from_mapping(opened | posture.as_mapping()) for posture in self._postures.values()]
         made = Synergies.of(postures).posture(weights)
@@ -209,14 +180,12 @@ class HandCommander:
         return JointState(made.names, np.clip(made.position, low, high))
 
     def teach(self, name: str) -> JointState:
-        """Remember the present posture; see `ports.Hand`."""
         state = self._port.state()
         measured = JointState(state.names, state.position)
         self._taught.put(self._name, name, measured, self._postures)
         return measured
 
     def stop(self) -> None:
-        """Hold the fingers where they are."""
         self._port.stop()
 
     def _held(self, goal: JointState, measured: JointState) -> Operation[JointState]:

@@ -138,26 +138,18 @@ class JoinedExecutor:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints of all parts."""
         return self._names
 
     def state(self) -> JointState:
-        """Return the measured state of all joints; the time is that of the oldest measurement."""
         return _merged([part.state() for part in self._parts])
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory of all joints; see `ports.Executor`.
-
-        Raises:
-            ValueError: it names other joints.
-        """
         if set(trajectory.names) != set(self._names):
             raise ValueError(f"the trajectory moves {trajectory.names}, these executors {self._names}")
         starts = {k: _part_of(part, trajectory) for k, part in enumerate(self._parts)}
         return all_of(starts).then(lambda ends: Operation.finished(_merged([ends[k] for k in starts])))
 
     def stop(self) -> None:
-        """Hold where the joints are now."""
         for part in self._parts:
             part.stop()
 

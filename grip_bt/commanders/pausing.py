@@ -99,14 +99,7 @@ class _Motion(Generic[J]):
 
 
 class _InParts(Generic[J]):
-    """One motion at a time, done in parts; implements `grip_bt.base.ports.Pausable`.
-
-    Args:
-        port: what moves and can be stopped.
-        do: begins a part.
-        rest: what is left of a job after so long [s]; ends the motion where it raises an `ExpectedError`.
-        now: the time [s].
-    """
+    """One motion at a time, done in parts: `do` begins a part, `rest` is what is left of a job after so long [s]."""
 
     def __init__(
         self,
@@ -122,11 +115,9 @@ class _InParts(Generic[J]):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints that it moves."""
         return self._port.joint_names
 
     def state(self) -> JointState:
-        """Return the measured state of the joints."""
         return self._port.state()
 
     def _begin(self, job: J) -> Operation[JointState]:
@@ -140,17 +131,14 @@ class _InParts(Generic[J]):
         return motion.whole
 
     def stop(self) -> None:
-        """Hold where the joints are now and end a motion under way."""
         self._end()
         self._port.stop()
 
     def _end(self) -> None:
-        motion = self._motion
-        if motion is not None:
-            motion.whole.cancel()
+        if self._motion is not None:
+            self._motion.whole.cancel()
 
     def pause(self) -> None:
-        """Hold the joints where they are, and keep what is left of a motion."""
         with self._lock:
             self._paused = True
             motion = self._motion
@@ -158,7 +146,6 @@ class _InParts(Generic[J]):
             self._hold(motion)
 
     def resume(self) -> None:
-        """Go on with what is left, at once or as soon as the part before has ended."""
         with self._lock:
             self._paused = False
             motion = self._motion
@@ -224,8 +211,6 @@ class _InParts(Generic[J]):
             if motion.parted:
                 motion.job = self._rest(motion.job, motion.passed)
             self._start(motion)
-        except ExpectedError as error:
-            motion.whole.fail(error)
         except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
             motion.whole.fail(error)
 
@@ -263,22 +248,18 @@ class PausableExecutor(_InParts[Trajectory]):
         self._steered = executor if isinstance(executor, Steerable) and executor.steerable else None
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory, however often it is held; see `grip_bt.base.ports.Executor`."""
         return self._begin(trajectory)
 
     @property
     def steerable(self) -> bool:
-        """Whether the executor is."""
         return self._steered is not None
 
     def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed [s]; None where it can't be changed."""
         with self._lock:
             untouched = self._untouched() is not None
         return self._steered.passed() if self._steered is not None and untouched else None
 
     def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `grip_bt.base.ports.Steerable`."""
         with self._lock:
             motion = self._untouched()
             if self._steered is None or motion is None or not self._steered.amend(tail, at):
@@ -308,5 +289,4 @@ class PausableHand(_InParts[tuple[JointState, float, float | None, float | None]
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
-        """Move towards a posture, however often it is held; see `grip_bt.base.ports.HandPort`."""
         return self._begin((posture, duration, torque_limit, force))

@@ -61,16 +61,9 @@ class PlanningScene:
         self._snapshot = SceneSnapshot(objects, carriers=dict(carriers or {}))
 
     def snapshot(self) -> SceneSnapshot:
-        """Return the present state."""
         return self._snapshot
 
     def restore(self, snapshot: object) -> None:
-        """Go back to an earlier state: its objects, what hands hold, and allowed collisions.
-
-        Raises:
-            TypeError: it isn't a snapshot.
-            UnknownNameError: in it, something moves with a hand that isn't there.
-        """
         if not isinstance(snapshot, SceneSnapshot):
             raise TypeError(
                 f"a scene is restored from what `snapshot()` returned, not from a {type(snapshot).__name__}"
@@ -82,19 +75,15 @@ class PlanningScene:
             self._snapshot = snapshot
 
     def robot(self, at: JointState | None = None) -> Sequence[Array]:
-        """Return the points of the robot's shapes; see `ports.Scene`."""
         return () if self._robot is None else self._robot(at)
 
     def regions(self) -> Mapping[str, tuple[Sequence[float], Pose]]:
-        """Return the places to aim at; see `ports.Scene`."""
         return self._regions
 
     def put(self, name: str, solid: Solid, pose: Pose) -> None:
-        """Add or replace an object of any shape; see `ports.Scene`."""
         self._put(SceneObject(name, solid, _in_world(pose)))
 
     def load(self, file: str) -> tuple[str, ...]:
-        """Add the objects of a `.scene` file; see `ports.Scene`."""
         objects = load_scene(self._folder / file)
         for item in objects:
             self._refuse_fixed(item.name)
@@ -103,7 +92,6 @@ class PlanningScene:
         return tuple(item.name for item in objects)
 
     def mesh(self, file: str, scale: Sequence[float] = (1.0, 1.0, 1.0), hollow: bool = False) -> Mesh:
-        """Read a mesh file; see `ports.Scene`."""
         from .kinematics.shapes import load_mesh
 
         x, y, z = scale
@@ -111,25 +99,17 @@ class PlanningScene:
         return load_mesh(file, (x, y, z), hollow=hollow, packages=beside, folder=self._folder)
 
     def solid(self, name: str) -> tuple[Solid, Pose]:
-        """Return an object's shape and its present pose in world; see `ports.Scene`."""
         item = self._object(self._snapshot, name)
         return item.shape, self._hand(item.hand)() @ item.pose if item.hand else item.pose
 
     def fixed(self, name: str) -> bool:
-        """Tell whether an object belongs to the room; False too for a name that isn't there."""
         item = self._snapshot.objects.get(name)
         return item is not None and item.fixed
 
     def set_box(self, name: str, size: Sequence[float], pose: Pose) -> None:
-        """Add or replace a box; see `ports.Scene`."""
         self.put(name, Box(tuple(size)), pose)  # type: ignore[arg-type]
 
     def remove(self, name: str) -> None:
-        """Remove an object; nothing happens when it isn't there.
-
-        Raises:
-            ValueError: it is part of the room.
-        """
         with self._lock:
             item = self._snapshot.objects.get(name)
             if item is not None and item.fixed:
@@ -137,26 +117,17 @@ class PlanningScene:
             self._snapshot = self._snapshot.without([name])
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of all objects, those of the room included."""
         return tuple(self._snapshot.objects)
 
     def box(self, name: str) -> tuple[Array, Pose]:
-        """Return an object's edge lengths and its present pose in world; see `ports.Scene`."""
         solid, pose = self.solid(name)
         return np.array(solid.extents()), pose.moved(pose.rotation() @ solid.centre())
 
     def attached(self, hand: str) -> tuple[str, ...]:
-        """Return the names of the objects that move with the hand."""
         self._hand(hand)
         return tuple(o.name for o in self._snapshot.attached(hand))
 
     def attach(self, name: str, hand: str) -> None:
-        """From now on the object moves with the hand and may touch it.
-
-        Raises:
-            UnknownNameError: there is no such object or hand.
-            ValueError: the object is part of the room.
-        """
         grasp = self._hand(hand)()
         with self._lock:
             item = self._object(self._snapshot, name)
@@ -166,23 +137,17 @@ class PlanningScene:
                 self._snapshot = self._detached(self._snapshot, name).attaching(name, hand, grasp)
 
     def detach(self, name: str) -> None:
-        """The object stays where it is now; nothing happens when it isn't there or isn't attached."""
         with self._lock:
             self._snapshot = self._detached(self._snapshot, name)
 
     def allow(self, one: str, other: str, allowed: bool = True) -> None:
-        """Allow contact between two names, or forbid it again; see `ports.Scene`."""
         meant = {sorted_pair(a, b) for a in self._stands_for(one) for b in self._stands_for(other)}
         with self._lock:
             pairs = self._snapshot.allowed | meant if allowed else self._snapshot.allowed - meant
             self._snapshot = replace(self._snapshot, allowed=pairs)
 
     def _stands_for(self, name: str) -> tuple[str, ...]:
-        """Return the names that a name means: a hand's links, a link, an object, everything.
-
-        Raises:
-            UnknownNameError: it is none of these; told only where the robot's links are known.
-        """
+        """Return the names that a name means: a hand's links, a link, an object, everything."""
         if name in self._links:
             return self._links[name]
         known = {ANYTHING, *self._snapshot.objects, *(link for links in self._links.values() for link in links)}

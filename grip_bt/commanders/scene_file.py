@@ -1,4 +1,4 @@
-"""Scenes as `.scene` files, in the form that MoveIt writes now; `scene_file` reads them.
+"""Scenes as `.scene` files, in the form that MoveIt writes now and in its old one.
 
 (noname)+
     * table
@@ -13,7 +13,7 @@
     0                  how many subframes: new form only
     .
 
-Quaternions are x y z w there. The second line of the first object tells the form, as MoveIt's own reader does it.
+Quaternions are x y z w there.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Jogging: how far a bounded twist brings a grasp frame, and plans that are no quicker than was asked.
 
 A step goes on with the velocity of the one before, follows for `HOLD` the velocity that is wanted, and then comes to
-rest. The next step goes on where the coming to rest would begin, once it is known to be free; where it isn't, or is
-too late, the joints come to rest on what was checked before.
+rest; the next one goes on where the coming to rest would begin, once it is known to be free.
 """
 
 from __future__ import annotations

@@ -11,14 +11,15 @@ The first level names arms and hands as the project does; quaternions are w x y 
 
 from __future__ import annotations
 
-import json
+import math
 import threading
 from collections.abc import Mapping
 from pathlib import Path
 
+import yaml
 from pydantic import BaseModel, ConfigDict, RootModel, ValidationError
 
-from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.files import replace_text
 from grip_bt.base.values import JointState, Pose
@@ -70,17 +71,6 @@ class TaughtStates:
         with self._lock:
             return dict(self._parts.get(part, {}))
 
-    def get(self, part: str, name: str) -> JointState | Pose:
-        """Return one entry.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
-        known = self.of(part)
-        if name not in known:
-            raise UnknownNameError("taught name", name, known, where=part)
-        return known[name]
-
     def states(self, part: str) -> dict[str, JointState]:
         """Return the joint states that were taught to a part."""
         return {name: value for name, value in self.of(part).items() if isinstance(value, JointState)}
@@ -128,18 +118,13 @@ def _value(entry: _Entry, where: str, file: Path) -> JointState | Pose:
 
 def _write(file: Path, parts: Mapping[str, Mapping[str, JointState | Pose]]) -> None:
     """Write all of it in one go: a run that is killed leaves the old file or the new one."""
-    lines = ["# What was taught to arms and hands; see docs/commanders.md."]
-    for part, entries in parts.items():
-        lines.append(f"{part}:")
-        for name, value in entries.items():
-            lines.append(f"  {name}:")
-            lines.append(f"    {_line(value)}")
-    replace_text(file, "\n".join(lines) + "\n")
+    data = {part: {name: _entry(value) for name, value in entries.items()} for part, entries in parts.items()}
+    text = yaml.safe_dump(data, default_flow_style=None, width=math.inf, sort_keys=False, allow_unicode=True)
+    replace_text(file, f"# What was taught to arms and hands; see docs/commanders.md.\n{text}")
 
 
-def _line(value: JointState | Pose) -> str:
-    """Return an entry in YAML's flow form, which JSON is a part of."""
+def _entry(value: JointState | Pose) -> dict[str, object]:
     if isinstance(value, JointState):
-        return f"state: {json.dumps(value.as_mapping())}"
+        return {"state": value.as_mapping()}
     pose = {"position": value.position.tolist(), "quaternion": value.quaternion.tolist(), "frame": value.frame}
-    return f"pose: {json.dumps(pose)}"
+    return {"pose": pose}

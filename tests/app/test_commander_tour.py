@@ -84,7 +84,7 @@ def test_every_verb_does_its_work_and_the_refused_ones_say_why(task, robot):
     taught = task.with_name("taught.yaml")
     assert taught.exists() == (robot == "sim")  # what fakes are taught lasts for the run
     if robot == "sim":
-        assert TaughtStates(taught).get("right", "above") == above
+        assert TaughtStates(taught).of("right")["above"] == above
 
 
 SWING = """grip: 1

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from grip_bt.base.arrays import Configuration
+from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.kinematics.ik import solver
 from grip_bt.commanders.kinematics.model import Chain
-from grip_bt.commanders.kinematics.target import Target
 
 
 def solve(

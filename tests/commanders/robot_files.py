@@ -96,18 +96,6 @@ manipulator:
   default_planner_config: RRTConnectkConfigDefault
   planner_configs: [RRTConnectkConfigDefault, ESTkConfigDefault]
 """
-ROS2_CONTROLLERS = """moveit_simple_controller_manager:
-  controller_names: [arm_controller]
-  arm_controller:
-    type: FollowJointTrajectory
-    action_ns: follow_joint_trajectory
-    default: true
-    joints: [j1, j2, j3, j4, j5, j6]
-"""
-ROS1_CONTROLLERS = """controller_list:
-  - {name: arm_controller, action_ns: follow_joint_trajectory, type: FollowJointTrajectory, default: true,
-     joints: [j1, j2, j3, j4, j5, j6]}
-"""
 SENSORS = """sensors: [camera]
 camera: {sensor_plugin: occupancy_map_monitor/PointCloudOctomapUpdater, point_cloud_topic: /camera/points}
 """
@@ -143,8 +131,6 @@ def moveit_package(folder: Path, ros: int) -> Path:
     if ros == 1:
         (package / "launch").mkdir()
         (package / "launch" / "move_group.launch").write_text("<launch/>")
-        (config / "simple_moveit_controllers.yaml").write_text(ROS1_CONTROLLERS)
     else:
-        (config / "moveit_controllers.yaml").write_text(ROS2_CONTROLLERS)
         (config / "initial_positions.yaml").write_text("initial_positions: {j2: 0.7, slide_left: 0.02}\n")
     return package

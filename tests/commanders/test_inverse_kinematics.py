@@ -9,10 +9,9 @@ from table_top import named, robot_model
 from grip_bt.base.errors import UnfitSolverError, UnknownNameError
 from grip_bt.base.ports import FREEDOMS
 from grip_bt.commanders.description.load import build_robot
-from grip_bt.commanders.kinematics.damped_least_squares import TOLERANCE, solve_from
+from grip_bt.commanders.kinematics.damped_least_squares import TOLERANCE, Target, solve_from
 from grip_bt.commanders.kinematics.ik import SOLVERS, solver
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.kinematics.target import Target
 
 FITS = [(name, robot) for name in SOLVERS for robot in ("panda_allegro", "ur10_allegro")]
 FITS.remove(("analytic", "panda_allegro"))  # seven joints

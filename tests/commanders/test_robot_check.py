@@ -203,7 +203,7 @@ def test_what_an_srdf_names_that_is_not_there_is_left_out_and_told(tmp_path, old
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('value="1.2"', 'value="nan"', "position of joint 'j5' has to be one finite number, not 'nan'"),
+        ('value="1.2"', 'value="nan"', "value='nan' of <joint> has to be a finite number"),
         ("</robot>", "", "isn't well-formed XML: no element found"),
         ("<robot name", "<robo name", "mismatched tag"),
     ],

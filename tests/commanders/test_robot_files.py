@@ -9,10 +9,10 @@ from grip_bt.app.project.folder import ProjectFile
 from grip_bt.base.errors import InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.expansion import expand
 from grip_bt.commanders.description.files import noting_files
 from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.packages import Packages
+from grip_bt.commanders.description.xml import expand
 from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.commanders.planning.checks import chain_and_checker
 from grip_bt.commanders.planning.requests import Situation
@@ -58,17 +58,6 @@ def test_the_robot_rests_in_its_named_states_and_the_grasp_frame_is_where_hand_c
     assert model.description.at_rest["j3"] == 1.0
 
 
-@pytest.mark.parametrize(("ros", "tool"), [(1, "catkin"), (2, "ament_cmake")])
-def test_the_layout_is_that_of_the_packages_build_tool_even_without_launch_files(tmp_path, ros, tool):
-    description_package(tmp_path)
-    folder = moveit_package(tmp_path, ros)
-    for file in [*folder.glob("launch/*"), *folder.glob("config/fake_controllers.yaml")]:
-        file.unlink()
-    (folder / "package.xml").write_text(f"<package><name>p</name><buildtool_depend>{tool}</buildtool_depend></package>")
-    (package,) = inspect_robot(RobotConfig(moveit=str(folder)), tmp_path).packages
-    assert package.layout == f"ROS {ros}"
-
-
 @pytest.mark.parametrize("ros", [1, 2])
 def test_a_moveit_package_of_either_layout_makes_a_robot(tmp_path, ros):
     description_package(tmp_path)
@@ -77,11 +66,8 @@ def test_a_moveit_package_of_either_layout_makes_a_robot(tmp_path, ros):
     inspected = inspect_robot(config, tmp_path)
     assert [str(f) for f in inspected.findings if f.severity == "error"] == []
     (package,), robot = inspected.packages, inspected.description
-    assert package.layout == f"ROS {ros}"
     assert package.kinematics == {"manipulator": "kdl_kinematics_plugin/KDLKinematicsPlugin"}
     assert package.planners["manipulator"].planners["ESTkConfigDefault"] == "EST"
-    (controller,) = package.controllers
-    assert (controller.name, controller.joints, controller.default) == ("arm_controller", JOINTS, True)
     assert package.sensors[0].topic == "/camera/points"
     assert robot.acceleration_limits["j1"] == 3.5
     assert robot.acceleration_limits["j3"] == pytest.approx(2.0 / 0.5)

@@ -25,7 +25,7 @@ NOTHING = PlanningScene({}).snapshot()
 
 
 def test_every_field_of_a_robot_has_its_part_in_putting_robots_together():
-    others = {"name", "urdf", "base_link", "grasp_frame", "hand_links", "disabled_pairs", "end_effectors"}
+    others = {"name", "urdf", "base_link", "grasp_frame", "disabled_pairs", "end_effectors"}
     assert {field.name for field in fields(RobotDescription)} == others | set(KEYED)
 
 

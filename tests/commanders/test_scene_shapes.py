@@ -167,7 +167,7 @@ def test_what_is_no_mesh_file_says_so(tmp_path, name, says):
 
 
 def test_an_unknown_package_lists_those_that_are_known(tmp_path):
-    with pytest.raises(UnknownNameError, match="things"):
+    with pytest.raises(DocumentError, match="given: things"):
         load_mesh("package://thigns/corner.obj", packages={"things": tmp_path})
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.taught import TaughtStates
@@ -32,10 +32,8 @@ def test_teaching_again_replaces_and_without_a_file_lasts_for_the_run():
     taught = TaughtStates()
     taught.put("right", "here", JointState(("a",), [1.0]), {})
     taught.put("right", "here", JointState(("a",), [2.0]), {})
-    assert taught.get("right", "here").position == [2.0]
+    assert taught.of("right")["here"].position == [2.0]
     assert taught.states("right").keys() == {"here"}
-    with pytest.raises(UnknownNameError, match="here"):
-        taught.get("right", "heer")
     with pytest.raises(NameTakenError, match="home"):
         taught.put("right", "home", JointState(("a",), [2.0]), {"home": 1})
     with pytest.raises(ValueError, match="word"):
@@ -44,7 +42,7 @@ def test_teaching_again_replaces_and_without_a_file_lasts_for_the_run():
 
 def test_a_file_written_by_hand_is_read(tmp_path):
     (tmp_path / "t.yaml").write_text("right:\n  look:\n    pose: {position: [1, 2, 3]}\n  up:\n    state: {a: 1}\n")
-    assert TaughtStates(tmp_path / "t.yaml").get("right", "look") == Pose((1, 2, 3))
+    assert TaughtStates(tmp_path / "t.yaml").of("right")["look"] == Pose((1, 2, 3))
 
 
 @pytest.mark.parametrize(

@@ -12,12 +12,12 @@ from grip_bt.base.failures import ConstraintBrokenError, NoIkError, TimeOutError
 from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.base.values.solids import Box
 from grip_bt.commanders.kinematics.collision import CollisionChecker
-from grip_bt.commanders.kinematics.target import Target
+from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, excess, interpolated, kept
 from grip_bt.commanders.planning.requests import PlanTo, Situation
-from grip_bt.commanders.planning.search import plan_free, settable
+from grip_bt.commanders.planning.search import Search, settable
 from grip_bt.commanders.planning.tree_planners import CLEARANCES, Tree, costs
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
@@ -64,6 +64,11 @@ def level():
     return PathConstraint(pose(LEVEL, 0, 0, 0), tolerance=(np.inf, 0.15, 0.15), axes="own")
 
 
+def searched(checker, start, goal, planner, seed, parameters=()):
+    settings = PlanningSettings(planner=planner, seed=seed, parameters=tuple(dict(parameters).items()))
+    return Search(checker, settings, None, lambda: False).path(start, goal, Budget(600.0))
+
+
 def test_a_tree_gives_the_way_back_to_its_root():
     tree = Tree(np.zeros(2))
     first = tree.add(np.array([1.0, 0.0]), 0)
@@ -86,7 +91,7 @@ def test_bitrrt_comes_less_close_than_rrt_connect_and_repeats(checker):
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
 
     def mean_cost(planner, seed):
-        path = plan_free(checker, one, other, planner, seed, Budget(600.0), lambda: False)
+        path = searched(checker, one, other, planner, seed)
         fine = interpolated(path, 0.004)
         assert checker.all_free(fine)
         assert path[0] == pytest.approx(one)
@@ -131,7 +136,7 @@ def test_parameters_of_a_planner_change_its_search(model, checker, monkeypatch):
     longest = {}
     for size in (0.2, 1.0):
         given = {"range": size, "goal_bias": 0.05, "nonsense": 1.0}
-        path = plan_free(checker, one, other, "RRTConnect", 3, Budget(600.0), lambda: False, parameters=given)
+        path = searched(checker, one, other, "RRTConnect", 3, given)
         longest[size] = np.linalg.norm(np.diff(path, axis=0), axis=1).max()
     assert longest[0.2] <= 0.2 + 1e-6 < longest[1.0] <= 1.0 + 1e-6
 
@@ -142,7 +147,7 @@ def test_without_a_range_rrt_connect_grows_in_short_steps(checker, monkeypatch, 
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
     monkeypatch.setattr("grip_bt.commanders.planning.search.shortened", lambda path, *_: path)
     for seed in range(4):
-        path = plan_free(checker, one, other, "RRTConnect", seed, Budget(600.0), lambda: False, parameters=given)
+        path = searched(checker, one, other, "RRTConnect", seed, given)
         assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.25 * np.sqrt(7) + 1e-6
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from grip_bt.base.errors import DocumentError
-from grip_bt.commanders.description.expansion import expand
 from grip_bt.commanders.description.packages import Packages
+from grip_bt.commanders.description.xml import expand
 
 
 def made(folder: Path, value: str) -> str:

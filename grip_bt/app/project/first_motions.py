@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -70,7 +70,7 @@ class MotionFinder:
         home: Mapping[str, float] = {}
         if known is None or known not in free or not self.checker.free(start):
             start = next((q for q in (start, *free.values(), *self._drawn()) if self.checker.free(q)), start)
-            home = dict(zip(self.chain.joints, map(float, start), strict=True))
+            home = dict(zip(self.chain.joints, start.round(6).tolist(), strict=True))
             touching.pop("home", None)  # it has another one now
         states = tuple(dict.fromkeys([*(["home"] if home else []), *free]))
         last = start if states in ((), ("home",)) else free[states[-1]]  # where the task is before the pose
@@ -110,13 +110,8 @@ class MotionFinder:
         return reached, None
 
     def _at(self, q: Array) -> Situation:
-        names = self.chain.joints
-        mine = dict(zip(names, q, strict=True))
-        start = self.situation.start
-        moved = JointState(start.names, [mine.get(n, p) for n, p in start.as_mapping().items()])
-        return Situation(
-            self.situation.group, moved, self.situation.scene, self.situation.hand, self.situation.settings
-        )
+        start = self.situation.start.as_mapping() | dict(zip(self.chain.joints, q.tolist(), strict=True))
+        return replace(self.situation, start=JointState.from_mapping(start))
 
     def _straight(self, q: Array, begin: Pose, offset: tuple[float, float, float]) -> bool:
         try:

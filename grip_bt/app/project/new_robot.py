@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
 from grip_bt.commanders.description.config import RobotConfig
@@ -92,12 +95,12 @@ def _chosen(source: str, choose: Choose) -> dict[str, Any]:
         return {"moveit": str(path)}
     named = {each.name: each for each in reversed(every)}
     chosen = named[choose(f"{path.name} holds several configurations", list(reversed(named)))]
-    return {
-        "moveit": str(path),
-        **({"srdf": str(chosen.srdf)} if chosen.srdf and not chosen.arguments else {}),
-        **({"urdf": str(chosen.urdf)} if chosen.urdf else {}),
-        **({"arguments": dict(chosen.arguments)} if chosen.arguments else {}),
-    }
+    return _named(str(path), None if chosen.arguments else chosen.srdf, {"urdf": chosen.urdf}, chosen.arguments)
+
+
+def _named(moveit: str, srdf: Path | None, urdf: Mapping[str, Path | None], given: Mapping[str, Any]) -> dict[str, Any]:
+    files = {key: str(file) for key, file in {**urdf, "srdf": srdf}.items() if file}
+    return {"moveit": moveit, **files, **({"arguments": dict(given)} if given else {})}
 
 
 def _with_files(said: Mapping[str, Any], inspected: Inspected) -> dict[str, Any]:
@@ -105,10 +108,8 @@ def _with_files(said: Mapping[str, Any], inspected: Inspected) -> dict[str, Any]
     chosen = inspected.chosen
     if chosen is None:
         return dict(said)
-    found = {"urdf" if chosen.urdf.suffix == ".urdf" else "xacro": str(chosen.urdf)} if chosen.urdf else {}
-    more = {"srdf": str(chosen.srdf)} if chosen.srdf else {}
-    arguments = {"arguments": dict(chosen.arguments)} if chosen.arguments else {}
-    return {"moveit": said["moveit"], **found, **more, **arguments}
+    kind = "urdf" if chosen.urdf is not None and chosen.urdf.suffix == ".urdf" else "xacro"
+    return _named(said["moveit"], chosen.srdf, {kind: chosen.urdf}, chosen.arguments)
 
 
 def _robot_lines(source: str, said: Mapping[str, Any], folder: Path, motions: Mapping[str, FirstMotions]) -> list[str]:
@@ -158,16 +159,8 @@ def _key(group: str) -> str:
 
 def _flow(value: object) -> str:
     """Return a value as YAML on one line."""
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_flow(k)}: {_flow(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_flow, value)) + "]"
-    if isinstance(value, str) and re.fullmatch(r"[A-Za-z_.~/][\w.~/ -]*", value) and value not in _WORDS:
-        return value
-    return json.dumps(round(value, 6) if isinstance(value, float) else value, ensure_ascii=False)
-
-
-_WORDS = frozenset(("true", "false", "yes", "no", "on", "off", "null", "True", "False", "Yes", "No", "On", "Off", "~"))
+    text = yaml.safe_dump(value, default_flow_style=True, width=math.inf, sort_keys=False, allow_unicode=True)
+    return str(text).removesuffix("...\n").rstrip()
 
 
 def _grip_text(robot: RobotDescription, lines: list[str], parts: _Parts, inspected: Inspected, world: str) -> str:
@@ -186,10 +179,8 @@ def _grip_text(robot: RobotDescription, lines: list[str], parts: _Parts, inspect
     if named:
         text.append("sensors:  # of sensors_3d.yaml; a task gives what they see to scene/add_cloud")
         for name, sensor in named.items():
-            kind = "DepthImage" if "DepthImage" in sensor.plugin else "PointCloud"
-            text.append(
-                f"  {name}: {{topics: {{seen: {{topic: {_flow(sensor.topic)}, type: {kind}}}}}, given_in: world}}"
-            )
+            topics = {"seen": {"topic": sensor.topic, "type": sensor.message}}
+            text.append(f"  {name}: {_flow({'topics': topics, 'given_in': 'world'})}")
     return "\n".join([*text, f"world: {world}", ""])
 
 

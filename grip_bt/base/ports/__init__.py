@@ -5,10 +5,9 @@ trouble ends an operation with an `ExpectedError`, whose code becomes the failur
 """
 
 from .context import Clock, Context, InTurnOf, Pausable, Stepped
-from .external import Component, Messages, Ros
 from .hands import Hand, HandPort
 from .motion import FREEDOMS, Arm, Executor, Steerable
-from .world import Camera, Scene, Sensor
+from .world import Camera, Component, Messages, Ros, Scene, Sensor
 
 __all__ = [
     "Arm",

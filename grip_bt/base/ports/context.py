@@ -7,10 +7,9 @@ from typing import Protocol, TypeVar, runtime_checkable
 
 from grip_bt.base.operation import Operation
 
-from .external import Component, Messages, Ros
 from .hands import Hand
 from .motion import Arm
-from .world import Camera, Scene, Sensor
+from .world import Camera, Component, Messages, Ros, Scene, Sensor
 
 
 @runtime_checkable

@@ -113,6 +113,9 @@ class Hand(Protocol):
         """Close towards a posture until the fingers stop, or press with a force [N]; see `HandPort.move`.
 
         Ends with NoContactError when nothing was touched.
+
+        Raises:
+            ValueError: the limit [N m] or the force isn't positive, both are given, or the hand regulates no force.
         """
 
     def closing(self) -> Closing | None:

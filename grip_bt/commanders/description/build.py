@@ -14,11 +14,11 @@ from grip_bt.base.values import JointState
 
 from .check_urdf import BALL, INERTIA, NO_EFFORT, NO_SPEED, principal_moments
 from .config import RobotConfig
-from .files import errors
-from .moveit_files import JointLimits
+from .files import Finding, errors
+from .moveit_package import JointLimits
 from .packages import Packages
 from .robot import Drive, EndEffector, RobotDescription
-from .roles import frame_of, roles
+from .roles import Roles, frame_of
 from .srdf import Group, Srdf, check_srdf, resolve
 from .tree import HELD, Joint, Tree
 from .xml import numbers
@@ -36,29 +36,28 @@ def with_config(srdf: Srdf, config: RobotConfig) -> Srdf:
     return replace(srdf, groups={**srdf.groups, **groups}, end_effectors=tuple(ends.values()))
 
 
-def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> Srdf:
-    """Return an SRDF without errors with a configuration's states added.
-
-    Raises:
-        DocumentError: a state lists another number of positions than its group has joints.
-        UnknownNameError: there is no such group.
-    """
+def with_states(srdf: Srdf, config: RobotConfig, tree: Tree) -> tuple[Srdf, list[Finding]]:
+    """Return an SRDF with a configuration's states added, and what is wrong with it."""
+    found = check_srdf(srdf, tree)
+    if errors(found):
+        return srdf, found
     joints = resolve(srdf, tree)
     states = {group: dict(named) for group, named in srdf.states.items()}
     for group, named in config.states.items():
         if group not in joints:
-            raise UnknownNameError("group", group, joints, where="states")
+            error = UnknownNameError("group", group, joints, where="states")
+            return srdf, [*found, Finding("error", "bad-state", str(error))]
         for name, positions in named.items():
             if not isinstance(positions, dict):
                 mine = joints[group]
                 if len(positions) != len(mine):
-                    raise DocumentError(
-                        f"states/{group}/{name} lists {len(positions)} positions, and the group has {len(mine)} "
-                        f"joints: {', '.join(mine)}"
-                    )
+                    what = f"states/{group}/{name} lists {len(positions)} positions"
+                    has = f"the group has {len(mine)} joints: {', '.join(mine)}"
+                    return srdf, [*found, Finding("error", "bad-state", f"{what}, and {has}")]
                 positions = dict(zip(mine, positions, strict=True))
             states.setdefault(group, {})[name] = positions
-    return replace(srdf, states=states)
+    srdf = replace(srdf, states=states)
+    return srdf, [*found, *(f for f in check_srdf(srdf, tree) if f not in found)]
 
 
 TURNS = 2 * math.pi
@@ -164,7 +163,7 @@ def build(
     """
     tree = Tree(urdf)
     groups = resolve(srdf, tree)
-    known = roles(tree, srdf, groups, config)
+    known = Roles(tree, srdf, groups, config)
     mimics = tree.mimics()
     hand_joints = {joint for hand in known.hands for joint in groups[hand]}
     hand_joints |= {name for name, mimic in mimics.items() if mimic.joint in hand_joints}
@@ -177,7 +176,6 @@ def build(
         groups=groups,
         named_states=named_states_of(srdf, groups, tree),
         grasp_frame=known.grasp_frame,
-        hand_links=tuple(dict.fromkeys(link for links in known.hands.values() for link in links)),
         finger_links=known.fingers,
         drives={
             joint.name: given.get(joint.mimic.joint if joint.mimic else joint.name)
@@ -249,11 +247,8 @@ def with_additions(robot: RobotDescription, config: RobotConfig) -> RobotDescrip
     """
     tree = Tree(ET.fromstring(robot.urdf))
     known = Srdf(groups={name: Group(name, joints) for name, joints in robot.groups.items()})
-    srdf = with_config(known, config)
-    if wrong := errors(check_srdf(srdf, tree)):
-        raise DocumentError("; ".join(finding.message for finding in wrong), f"robot {robot.name}")
-    srdf = with_states(srdf, config, tree)
-    if wrong := errors(check_srdf(srdf, tree)):
+    srdf, found = with_states(with_config(known, config), config, tree)
+    if wrong := errors(found):
         raise DocumentError("; ".join(finding.message for finding in wrong), f"robot {robot.name}")
     groups = resolve(srdf, tree)
     states = {g: dict(named) for g, named in robot.named_states.items()}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from grip_bt.base.errors import UnknownNameError
@@ -35,21 +35,6 @@ KEYED = {
 
 _NAMES = (("link", "name"), ("joint", "name"), ("parent", "link"), ("child", "link"), ("mimic", "joint"))
 Vector = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Placed:
-    """A robot with where its base stands in the world.
-
-    Attributes:
-        robot: what it is.
-        xyz: [m].
-        rpy: fixed-axis roll, pitch and yaw [rad].
-    """
-
-    robot: RobotDescription
-    xyz: Vector = (0.0, 0.0, 0.0)
-    rpy: Vector = (0.0, 0.0, 0.0)
 
 
 def namespaced(robot: RobotDescription, prefix: str, groups: bool = True) -> RobotDescription:
@@ -100,7 +85,6 @@ def namespaced(robot: RobotDescription, prefix: str, groups: bool = True) -> Rob
         urdf=ET.tostring(urdf, encoding="unicode"),
         base_link=named(robot.base_link),
         grasp_frame=frame(robot.grasp_frame),
-        hand_links=all_named(robot.hand_links),
         disabled_pairs=frozenset((min(p), max(p)) for p in map(all_named, robot.disabled_pairs)),
         end_effectors=tuple(ends),
         **keyed,
@@ -142,18 +126,18 @@ def on_arm(
     return with_additions(whole, config)
 
 
-def in_one_world(robots: Mapping[str, Placed], name: str, config: RobotConfig) -> RobotDescription:
+def in_one_world(robots: Mapping[str, RobotDescription], name: str, config: RobotConfig) -> RobotDescription:
     """Return several robots as one whose base link is the world: they are planned together or apart.
 
     Args:
         robots: namespace -> robot; an underscore is added.
-        config: groups, states and so on that are added, such as one group of all arms.
+        config: where each stands; groups, states and so on that are added, such as one group of all arms.
     """
     urdf = ET.Element("robot", name=name)
     ET.SubElement(urdf, "link", name=WORLD)
     parts = []
-    for key, placed in robots.items():
-        part = namespaced(placed.robot, f"{key}_")
+    for key, robot in robots.items():
+        placed, part = config.robots[key], namespaced(robot, f"{key}_")
         _add(urdf, part)
         _fix(urdf, f"{key}_stands", WORLD, part.base_link, placed.xyz, placed.rpy)
         parts.append(_with_own_frames(part))
@@ -213,7 +197,6 @@ def without_below(robot: RobotDescription, link: str) -> RobotDescription:
         robot,
         urdf=ET.tostring(urdf, encoding="unicode"),
         grasp_frame=frame(robot.grasp_frame),
-        hand_links=tuple(x for x in robot.hand_links if x in links),
         disabled_pairs=frozenset(p for p in robot.disabled_pairs if links.issuperset(p)),
         end_effectors=tuple(
             e for e in robot.end_effectors if e.parent_link in links and (not e.group or e.group in groups)
@@ -231,7 +214,6 @@ def _sum(parts: Sequence[RobotDescription], urdf: ET.Element, base: str) -> Robo
         name=urdf.get("name", ""),
         urdf=ET.tostring(urdf, encoding="unicode"),
         base_link=base,
-        hand_links=tuple(link for part in parts for link in part.hand_links),
         disabled_pairs=frozenset(pair for part in parts for pair in part.disabled_pairs),
         end_effectors=tuple(end for part in parts for end in part.end_effectors),
         **keyed,

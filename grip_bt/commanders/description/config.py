@@ -15,25 +15,26 @@ class _Config(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
 
-class FrameConfig(_Config):
-    """A frame on a link."""
-
-    link: str
+class _Placed(_Config):
     xyz: Vector = (0.0, 0.0, 0.0)
-    """Its origin in the link [m]."""
+    """Its origin [m]."""
     rpy: Vector = (0.0, 0.0, 0.0)
     """Its orientation, fixed-axis roll pitch yaw [rad]."""
 
 
-class MountConfig(_Config):
+class FrameConfig(_Placed):
+    """A frame on a link."""
+
+    link: str
+
+
+class MountConfig(_Placed):
     """How a hand sits on an arm."""
 
     link: str
     """The arm's link; what hangs on it in the arm's own description is left out."""
     root: str | None = None
     """The hand's link that is fixed to it; its root link when it isn't given."""
-    xyz: Vector = (0.0, 0.0, 0.0)
-    rpy: Vector = (0.0, 0.0, 0.0)
     namespace: str = "hand"
     """The hand's links and joints get this before their names, and an underscore."""
 
@@ -65,13 +66,10 @@ class DriveConfig(_Config):
     armature: float = Field(default=0.0, ge=0, allow_inf_nan=False)
 
 
-class PlacedConfig(_Config):
-    """One of several robots."""
+class PlacedConfig(_Placed):
+    """One of several robots, and where its base stands in the world."""
 
     robot: str | RobotConfig
-    xyz: Vector = (0.0, 0.0, 0.0)
-    """Where its base stands in the world [m]."""
-    rpy: Vector = (0.0, 0.0, 0.0)
 
 
 class RobotConfig(_Config):

@@ -1,9 +1,7 @@
 """Which configurations a MoveIt or description package holds, and which URDF goes with which SRDF.
 
-Packages keep an SRDF in `config/`, `srdf/` or elsewhere, one or a dozen of them, and leave it to launch files to say
-with which URDF and arguments they are used. `alternatives_in` lists what can be chosen; `fitted` tries the files that
-the package, its launch files and the packages that it depends on have, and takes the first in which everything is
-there that the SRDF names.
+Packages leave it to launch files to say which of their files go together: `fitted` tries those that the package, its
+launch files and the packages that it depends on have, and takes the first that has all that the SRDF names.
 """
 
 from __future__ import annotations
@@ -17,10 +15,10 @@ from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, MissingPartError
 
-from .expansion import Declared, declared, read_robot
-from .files import Reading, read_yaml
-from .launch_hints import Hints, hints_of
+from .files import mapping_of, read_yaml
+from .hints import Declared, Hints, declared, hints_of
 from .packages import MANIFEST, Packages, packages_below, surroundings
+from .xml import read_robot
 
 ASSISTANT = ".setup_assistant"
 TRIES = 10
@@ -268,7 +266,7 @@ def _assistant(folder: Path) -> Mapping[str, object]:
 
 def _part(assistant: Mapping[str, object], name: str, folder: Path) -> Mapping[str, object]:
     """ROS 1 writes `URDF:` and `SRDF:`, ROS 2 `urdf:` and `srdf:`."""
-    return Reading(folder / ASSISTANT).mapping(assistant.get(name) or assistant.get(name.upper()), name)
+    return mapping_of(assistant.get(name) or assistant.get(name.upper()), name, folder / ASSISTANT)
 
 
 def _stem(path: Path) -> str:

@@ -14,7 +14,7 @@ from typing import Generic, Literal, TypeVar
 
 import yaml
 
-from grip_bt.base.errors import DocumentError, GripError, nearest
+from grip_bt.base.errors import DocumentError, GripError
 
 K = TypeVar("K", bound=Hashable)
 T = TypeVar("T")
@@ -43,16 +43,6 @@ def note(*paths: Path) -> None:
         files.update(path.absolute() for path in paths)
 
 
-def stamps_of(files: Iterable[Path | str]) -> Stamps:
-    """Return what tells whether files are still as they were."""
-    return tuple(_stamp(str(file)) for file in sorted(map(str, files)))
-
-
-def as_they_were(stamps: Iterable[Iterable[object]]) -> bool:
-    """Tell whether no file has changed since its stamp was taken."""
-    return all(tuple(stamp) == _stamp(str(next(iter(stamp)))) for stamp in stamps)
-
-
 _MOST = 16
 """Things that are kept."""
 
@@ -65,13 +55,13 @@ class FileCache(Generic[K, T]):
 
     def get(self, key: K, make: Callable[[], T]) -> T:
         """Return what `make` makes of the files that it notes, see `note`."""
-        if key not in self._made or not as_they_were(self._made[key][0]):
+        if key not in self._made or any(stamp != _stamp(stamp[0]) for stamp in self._made[key][0]):
             with noting_files() as files:
                 made = make()
             self._made.pop(key, None)
             while len(self._made) >= _MOST:
                 self._made.pop(next(iter(self._made)))
-            self._made[key] = stamps_of(files), made
+            self._made[key] = tuple(_stamp(str(file)) for file in sorted(files)), made
         return self._made[key][1]
 
     def stamps(self, key: K) -> Stamps:
@@ -188,40 +178,27 @@ def _parameters(data: Mapping[object, object]) -> dict[str, object]:
     return {str(key): value for key, value in data.items()}
 
 
-class Reading:
-    """Takes entries out of a mapping that was read from a file; a DocumentError says where what has to be."""
+def mapping_of(value: object, where: str, source: Path) -> Mapping[str, object]:
+    """Return an entry of a file as a mapping with keys as text; nothing is an empty one.
 
-    def __init__(self, source: Path):
-        self.source = str(source)
+    Raises:
+        DocumentError: it is something else.
+    """
+    if not isinstance(value, dict | None):
+        raise DocumentError(f"{where} has to be a mapping, not {brief(value)}", str(source))
+    return {str(key): entry for key, entry in (value or {}).items()}
 
-    def mapping(self, value: object, where: str) -> Mapping[str, object]:
-        """Return a mapping with keys as text; nothing is an empty one."""
-        if value is None:
-            return {}
-        if not isinstance(value, dict):
-            raise DocumentError(f"{where} has to be a mapping, not {brief(value)}", self.source)
-        return {str(key): entry for key, entry in value.items()}
 
-    def number(self, value: object, where: str) -> float:
-        """Return a finite number."""
-        try:
-            number = float(value) if isinstance(value, (int, float, str)) and not isinstance(value, bool) else math.nan
-        except (ValueError, OverflowError):
-            number = math.nan
-        if not math.isfinite(number):
-            raise DocumentError(f"{where} has to be a finite number, not {brief(value)}", self.source)
-        return number
+def finite(value: object, where: str, source: Path) -> float:
+    """Return an entry of a file as a finite number.
 
-    def words(self, value: object, where: str) -> tuple[str, ...]:
-        """Return a list of texts."""
-        if value is None:
-            return ()
-        if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
-            raise DocumentError(f"{where} has to be a list of names, not {brief(value)}", self.source)
-        return tuple(value)
-
-    def known(self, key: str, mapping: Mapping[str, object], where: str) -> object:
-        """Return an entry that mustn't be missing."""
-        if key not in mapping:
-            raise DocumentError(f"{where} lacks {key!r}{nearest(key, mapping)}", self.source)
-        return mapping[key]
+    Raises:
+        DocumentError: it is something else.
+    """
+    try:
+        number = float(value) if isinstance(value, int | float | str) and not isinstance(value, bool) else math.nan
+    except (ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise DocumentError(f"{where} has to be a finite number, not {brief(value)}", str(source))
+    return number

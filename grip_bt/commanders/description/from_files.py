@@ -7,23 +7,23 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, UnknownNameError, listing, nearest
+from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.commanders.settings import PLANNERS
 
 from .build import build, normal, with_config, with_states
 from .check_urdf import check_urdf
 from .config import RobotConfig
 from .configurations import Alternative, Configurations, Fitted
-from .expansion import declared, read_robot
 from .files import Finding, errors, finding_of
 from .guessed import with_groups, with_postures
-from .mjcf import excluded_pairs, urdf_of_mjcf
-from .moveit_files import JointLimits
-from .moveit_package import MoveItPackage, preferences_of, read_package
+from .hints import declared
+from .mjcf import urdf_of_mjcf
+from .moveit_package import JointLimits, MoveItPackage, preferences_of, read_package
 from .packages import Packages
 from .robot import RobotDescription
-from .srdf import Srdf, check_srdf, read_srdf, with_known_names
+from .srdf import Srdf, read_srdf, with_known_names
 from .tree import Tree
+from .xml import read_robot
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,12 @@ class Inspected:
         description: the robot; None where a finding is an error.
         packages: the MoveIt configuration packages that it was read from.
         chosen: of a MoveIt configuration package, the configuration that was taken.
-        others: names of its other configurations.
     """
 
     findings: tuple[Finding, ...]
     description: RobotDescription | None = None
     packages: tuple[MoveItPackage, ...] = ()
     chosen: Fitted | None = None
-    others: tuple[str, ...] = ()
 
 
 def load_single(config: RobotConfig, folder: Path) -> Inspected:
@@ -67,9 +65,9 @@ class _Single:
         self.packages = Packages(given)
         files = (config.urdf, config.xacro, config.srdf, config.moveit and f"{config.moveit}/package.xml")
         self.packages = Packages(given, tuple(self._path(file) for file in files if file))
-        self.moveit: MoveItPackage | None = None
+        self.moveit = MoveItPackage(folder)  # of which nothing is said
         self.chosen: Fitted | None = None
-        self.others: tuple[str, ...] = ()
+        self.touching: frozenset[tuple[str, str]] = frozenset()
 
     def loaded(self) -> Inspected:
         if self.config.moveit is not None:
@@ -79,9 +77,8 @@ class _Single:
             self._warn("missing-package", f"{left}; what would come from it is left out".replace(".;", ";"), source)
         self.findings += check_urdf(robot, str(source), self.packages)
         description = None if self._wrong() else self._described(robot, source)
-        packages = (self.moveit,) if self.moveit is not None else ()
-        described = None if self._wrong() else description
-        return Inspected(tuple(self.findings), described, packages, self.chosen, self.others)
+        packages = (self.moveit,) if self.chosen is not None else ()
+        return Inspected(tuple(self.findings), None if self._wrong() else description, packages, self.chosen)
 
     def _choose(self, folder: Path) -> None:
         """Take the configuration of a package that the description asks for, or its first, and say so."""
@@ -100,11 +97,10 @@ class _Single:
                 raise DocumentError("it holds no SRDF and no URDF, neither does a package that it names", str(folder))
             told = [each for each in every if each.arguments and each.arguments.items() <= asked.items()]
             choice = (told or every)[0]
-            self.others = tuple(each.name for each in every if each is not choice)
-            if self.others and not told:
+            others = [each.name for each in every if each is not choice]
+            if others and not told:
                 how = "arguments" if choice.arguments else "srdf" if choice.srdf else "urdf"
-                others = f"others, for `{how}:`, are {listing(self.others)}"
-                more = f"of several configurations {choice.name} is taken; {others}"
+                more = f"of several configurations {choice.name} is taken; others, for `{how}:`, are {listing(others)}"
                 self._warn("several-configurations", more, folder)
         choice = replace(choice, arguments={**choice.arguments, **asked}, urdf=urdf or choice.urdf)
         self.chosen = found.fitted(choice)
@@ -120,30 +116,23 @@ class _Single:
         self.findings += told
         srdf, guess = with_groups(with_config(known, self.config), tree)
         self.findings += filter(None, [guess])
-        self.findings += check_srdf(srdf, tree)
+        added, told = with_states(srdf, self.config, tree)
+        self.findings += told
         if self._wrong():
             return None
-        try:
-            added = with_states(srdf, self.config, tree)
-        except (DocumentError, UnknownNameError) as error:
-            self.findings.append(Finding("error", "bad-state", getattr(error, "message", str(error))))
-            return None
-        self.findings += [f for f in check_srdf(added, tree) if f not in self.findings]
-        limits = self.moveit.limits if self.moveit is not None else {}
-        initial = self.moveit.initial_positions if self.moveit is not None else {}
-        self.findings += _check_names(self.config, tree, added, limits, initial)
-        odd = dict(_odd_limits(limits, tree))
+        initial = self.moveit.initial_positions
+        self.findings += _check_names(self.config, tree, added, self.moveit.limits, initial)
+        odd = dict(_odd_limits(self.moveit.limits, tree))
         self.findings += odd.values()
-        limits = {joint: limit for joint, limit in limits.items() if joint not in odd}
+        limits = {joint: limit for joint, limit in self.moveit.limits.items() if joint not in odd}
         if self._wrong():
             return None
         name = self.config.name or robot.get("name") or "robot"
         urdf = normal(robot, name, source.parent, self.packages, limits)
         made = build(urdf, added, self.config, limits, initial)
-        preferences = {} if self.moveit is None else preferences_of(self.moveit, made.groups, PLANNERS)
         made, told = with_postures(made)
         self.findings += told
-        return replace(made, preferences=preferences)
+        return replace(made, preferences=preferences_of(self.moveit, made.groups, PLANNERS))
 
     def _urdf(self) -> tuple[ET.Element, Path]:
         config = self.config
@@ -151,7 +140,8 @@ class _Single:
             return self.chosen.robot, self.chosen.urdf
         if config.mjcf is not None:
             path = self._path(config.mjcf)
-            return urdf_of_mjcf(path), path
+            robot, self.touching = urdf_of_mjcf(path)
+            return robot, path
         path = self._path(config.urdf or config.xacro or "")
         if config.urdf is not None and path.suffix != ".xacro":
             if config.arguments:
@@ -166,8 +156,7 @@ class _Single:
         if self.config.srdf is not None:
             path = self._path(self.config.srdf)
             return read_srdf(read_robot(path, self.config.arguments, self.packages), str(path))
-        mjcf = self.config.mjcf
-        return Srdf() if mjcf is None else Srdf(disabled=excluded_pairs(self._path(mjcf)))
+        return Srdf(disabled=self.touching)
 
     def _check_arguments(self, path: Path) -> None:
         known = tuple(declared(path, self.packages).arguments)
@@ -194,28 +183,26 @@ def _check_names(
     config: RobotConfig, tree: Tree, srdf: Srdf, limits: Mapping[str, JointLimits], initial: Mapping[str, float]
 ) -> Iterator[Finding]:
     """Yield what a configuration and a MoveIt package name that isn't there."""
-
-    def unknown(kind: str, name: str, allowed: object, where: str, severity: str = "error") -> Iterator[Finding]:
-        names = list(allowed)  # type: ignore[call-overload]
-        if name not in names:
-            message = f"{where}: there is no {kind} {name!r}{nearest(name, names)}"
-            yield Finding(severity, f"unknown-{kind}", message)  # type: ignore[arg-type]
-
-    for group, frame in config.grasp_frames.items():
-        yield from unknown("group", group, srdf.groups, "grasp_frames")
-        yield from unknown("link", frame.link, tree.links, f"grasp_frames/{group}")
-    for group, fingers in config.fingers.items():
-        yield from unknown("group", group, srdf.groups, "fingers")
-        for finger, links in fingers.items():
-            for link in links:
-                yield from unknown("link", link, tree.links, f"fingers/{group}/{finger}")
-    for group in config.drives:
-        yield from unknown("group", group, srdf.groups, "drives")
-    for name in config.accelerations:
-        yield from unknown("joint", name, [*srdf.groups, *tree.joints], "accelerations")
-    for where, joints in (("joint_limits.yaml", limits), ("initial_positions.yaml", initial)):
-        for name in joints:
-            yield from unknown("joint", name, tree.joints, where, "warning")
+    groups, links, joints = list(srdf.groups), list(tree.links), list(tree.joints)
+    named = [
+        *(("group", group, groups, "grasp_frames") for group in config.grasp_frames),
+        *(("link", frame.link, links, f"grasp_frames/{group}") for group, frame in config.grasp_frames.items()),
+        *(("group", group, groups, "fingers") for group in config.fingers),
+        *(
+            ("link", link, links, f"fingers/{group}/{finger}")
+            for group, fingers in config.fingers.items()
+            for finger, mine in fingers.items()
+            for link in mine
+        ),
+        *(("group", group, groups, "drives") for group in config.drives),
+        *(("joint", name, groups + joints, "accelerations") for name in config.accelerations),
+        *(("joint", name, joints, "joint_limits.yaml") for name in limits),
+        *(("joint", name, joints, "initial_positions.yaml") for name in initial),
+    ]
+    for kind, name, allowed, where in named:
+        if name not in allowed:
+            message = f"{where}: there is no {kind} {name!r}{nearest(name, allowed)}"
+            yield Finding("warning" if where.endswith(".yaml") else "error", f"unknown-{kind}", message)
 
 
 def _odd_limits(limits: Mapping[str, JointLimits], tree: Tree) -> Iterator[tuple[str, Finding]]:

@@ -125,44 +125,45 @@ class _Ways:
     """How far a hand's fingers are from one another, by forward kinematics."""
 
     def __init__(self, robot: RobotDescription, tree: Tree, hand: str):
-        self.tree, self.mimics = tree, robot.mimics
-        urdf = ET.fromstring(robot.urdf)
-        self.origins = {e.get("name", ""): e for e in urdf.findall("joint")}
+        self.tree, self.mimics, urdf = tree, robot.mimics, ET.fromstring(robot.urdf)
+        self.fixed = {e.get("name", ""): _matrix_at(e) for e in urdf.findall("joint")}
+        self.axes = {e.get("name", ""): numbers(_axis_of(e), "xyz", 3, "1 0 0") for e in urdf.findall("joint")}
         links = set(robot.hands[hand])
-        self.tips = [mine[-1] for mine in robot.finger_links.values() if mine and mine[-1] in links]
-        middles = {e.get("name", ""): e.find("inertial/origin") for e in urdf.findall("link")}
+        tips = {mine[-1] for mine in robot.finger_links.values() if mine and mine[-1] in links}
         self.middles = {
-            tip: (0.0, 0.0, 0.0) if (at := middles[tip]) is None else numbers(at, "xyz", 3, "0 0 0")
-            for tip in self.tips
+            link.get("name", ""): np.zeros(3) if (at := link.find("inertial")) is None else _matrix_at(at)[:3, 3]
+            for link in urdf.findall("link")
+            if link.get("name") in tips
         }
 
     def apart(self, positions: Mapping[str, float]) -> float:
-        points = [self._point(tip, positions) for tip in self.tips]
+        points = []
+        for tip, middle in self.middles.items():
+            point = np.array([*middle, 1.0])
+            for joint in self.tree.upwards(tip):
+                point = self.fixed[joint.name] @ self._moved(joint, positions) @ point
+            points.append(point[:3])
         return float(sum(np.linalg.norm(a - b) for a, b in combinations(points, 2)))
 
-    def _point(self, tip: str, positions: Mapping[str, float]) -> Array:
-        point = np.array([*self.middles[tip], 1.0])
-        for joint in self.tree.upwards(tip):
-            point = self._placed(joint, positions) @ point
-        return point[:3]
-
-    def _placed(self, joint: Joint, positions: Mapping[str, float]) -> Array:
-        element = self.origins[joint.name]
-        origin, axis = element.find("origin"), element.find("axis")
-        xyz, rpy = ((0.0,) * 3 if origin is None else numbers(origin, key, 3, "0 0 0") for key in ("xyz", "rpy"))
-        fixed = Pose(xyz, quaternion_of(*rpy)).matrix()
+    def _moved(self, joint: Joint, positions: Mapping[str, float]) -> Array:
         if not joint.movable:
-            return fixed
-        mimic = self.mimics.get(joint.name)
-        q = (
-            positions.get(joint.name, 0.0)
-            if mimic is None
-            else (mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset)
-        )
-        along = np.array((1.0, 0.0, 0.0) if axis is None else numbers(axis, "xyz", 3, "1 0 0"))
-        moved = (
-            Pose(tuple(along * q))
-            if joint.type == "prismatic"
-            else Pose((0, 0, 0), (np.cos(q / 2), *(along * np.sin(q / 2))))
-        )
-        return np.asarray(fixed @ moved.matrix())
+            return np.eye(4)
+        mimic, q = self.mimics.get(joint.name), positions.get(joint.name, 0.0)
+        if mimic is not None:
+            q = mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
+        along = np.array(self.axes[joint.name])
+        if joint.type == "prismatic":
+            return Pose(along * q).matrix()
+        return Pose((0, 0, 0), (np.cos(q / 2), *(along * np.sin(q / 2)))).matrix()
+
+
+def _axis_of(joint: ET.Element) -> ET.Element:
+    return next(joint.iterfind("axis"), ET.Element("axis"))
+
+
+def _matrix_at(element: ET.Element) -> Array:
+    """Return where an element's `<origin>` puts it, shape (4, 4)."""
+    if (origin := element.find("origin")) is None:
+        return np.eye(4)
+    xyz, rpy = (numbers(origin, key, 3, "0 0 0") for key in ("xyz", "rpy"))
+    return Pose(xyz, quaternion_of(*rpy)).matrix()

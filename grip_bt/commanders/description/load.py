@@ -6,7 +6,6 @@ Ready-made robots are built on this machine from models that installed packages 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -16,7 +15,7 @@ from grip_bt.base.yaml.models import check_model, document_error, read_model
 from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
 from grip_bt.commanders.description.packages import EXTRAS, ROBOTS
 
-from .compose import Placed, in_one_world, namespaced, on_arm
+from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
 from .files import Finding, errors, finding_of, note
 from .from_files import Inspected, load_single
@@ -95,23 +94,28 @@ def inspect_robot(source: str | RobotConfig, folder: Path | None = None) -> Insp
 def _inspected(config: RobotConfig, folder: Path) -> Inspected:
     if config.ready is not None:
         return _ready_made(config.ready, config, folder)
-    if config.robots:
-        return _several(config, folder)
-    if config.arm is not None and config.hand is not None and config.mount is not None:
-        arm, hand = inspect_robot(config.arm, folder), inspect_robot(config.hand, folder)
-        if arm.description is None or hand.description is None:
-            return _together((arm, hand), None)
-        name = config.name or f"{arm.description.name}_{hand.description.name}"
-        return _together((arm, hand), on_arm(arm.description, hand.description, config.mount, name, config))
-    return load_single(config, folder)
+    if not config.robots and config.mount is None:
+        return load_single(config, folder)
+    written: dict[str, str | RobotConfig | None] = {name: placed.robot for name, placed in config.robots.items()}
+    written = written or {"arm": config.arm, "hand": config.hand}
+    parts = {name: inspect_robot(each, folder) for name, each in written.items() if each is not None}
+    robots = {name: part.description for name, part in parts.items() if part.description is not None}
+    whole = None
+    if len(robots) == len(parts) and config.mount is None:
+        whole = in_one_world(robots, config.name or "_and_".join(parts), config)
+    elif len(robots) == len(parts):
+        name = config.name or f"{robots['arm'].name}_{robots['hand'].name}"
+        assert config.mount is not None
+        whole = on_arm(robots["arm"], robots["hand"], config.mount, name, config)
+    return Inspected(
+        tuple(finding for part in parts.values() for finding in part.findings),
+        whole,
+        tuple(package for part in parts.values() for package in part.packages),
+    )
 
 
 def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
-    """Return a ready-made robot, one with sizes of its own where arguments are given.
-
-    Raises:
-        DocumentError: this robot takes none.
-    """
+    """Return a ready-made robot, one with sizes of its own where arguments are given."""
     if not config.arguments:
         return inspect_robot(name, folder)
     own, place = config_of(str(ROBOTS[name]), folder) if name in ROBOTS else (None, folder)
@@ -119,28 +123,6 @@ def _ready_made(name: str, config: RobotConfig, folder: Path) -> Inspected:
         raise DocumentError(f"the ready-made robot {name!r} takes no arguments", str(folder))
     given = own.model_copy(update={"arguments": {**own.arguments, **config.arguments}})
     return _renamed(_inspected(given, place), given, name)
-
-
-def _several(config: RobotConfig, folder: Path) -> Inspected:
-    parts = {name: inspect_robot(placed.robot, folder) for name, placed in config.robots.items()}
-    placed = {
-        name: Placed(part.description, config.robots[name].xyz, config.robots[name].rpy)
-        for name, part in parts.items()
-        if part.description is not None
-    }
-    whole = len(placed) == len(parts)
-    return _together(
-        parts.values(), in_one_world(placed, config.name or "_and_".join(parts), config) if whole else None
-    )
-
-
-def _together(parts: Iterable[Inspected], description: RobotDescription | None) -> Inspected:
-    parts = tuple(parts)
-    return Inspected(
-        tuple(finding for part in parts for finding in part.findings),
-        description,
-        tuple(package for part in parts for package in part.packages),
-    )
 
 
 def _renamed(inspected: Inspected, config: RobotConfig, file: str) -> Inspected:

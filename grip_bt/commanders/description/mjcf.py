@@ -1,8 +1,7 @@
 """MJCF hands and arms as URDF: bodies, hinges and slides, boxes, spheres, capsules, cylinders and meshes.
 
-What MuJoCo computes with beyond that (tendons, equalities, sites, actuators) has no place in a URDF and is left out.
-A capsule becomes a cylinder and two spheres. Orientations are quaternions, angles radians; a file that says otherwise
-is refused.
+The rest (tendons, equalities, sites, actuators) has no place in a URDF. A capsule becomes a cylinder and two spheres.
+Orientations are quaternions, angles radians; a file that says otherwise is refused.
 """
 
 from __future__ import annotations
@@ -25,23 +24,15 @@ _KINDS = {"hinge": "revolute", "slide": "prismatic"}
 _REFUSED = ("euler", "axisangle", "xyaxes", "zaxis", "fromto")
 
 
-def urdf_of_mjcf(path: Path) -> ET.Element:
-    """Return a MJCF model as a URDF with absolute mesh paths.
+def urdf_of_mjcf(path: Path) -> tuple[ET.Element, frozenset[tuple[str, str]]]:
+    """Return a MJCF model as a URDF with absolute mesh paths, and the pairs of bodies that it lets touch, each sorted.
 
     Raises:
         DocumentError: it can't be read, or holds what this doesn't convert.
     """
-    return _Conversion(path).robot()
-
-
-def excluded_pairs(path: Path) -> frozenset[tuple[str, str]]:
-    """Return the pairs of bodies that a MJCF model lets touch, each sorted: those of its `<contact>`.
-
-    Raises:
-        DocumentError: it can't be read.
-    """
-    pairs = ((e.get("body1", ""), e.get("body2", "")) for e in read_xml(path, "mujoco").iterfind("contact/exclude"))
-    return frozenset((min(pair), max(pair)) for pair in pairs)
+    made = _Conversion(path)
+    pairs = ((e.get("body1", ""), e.get("body2", "")) for e in made.root.iterfind("contact/exclude"))
+    return made.robot(), frozenset((min(pair), max(pair)) for pair in pairs)
 
 
 class _Conversion:

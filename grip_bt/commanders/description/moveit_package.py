@@ -1,22 +1,75 @@
-"""What a MoveIt configuration package says, and what it prefers in the words of our planners and solvers."""
+"""What a MoveIt configuration package says besides its robot, and what it prefers in the words of our own settings."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from pathlib import Path
 from typing import TypeVar
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.commanders.settings import SOLVERS
 
-from . import moveit_files
 from .configurations import Fitted
-from .files import Finding
-from .moveit_files import Controller, JointLimits, PlannerChoice, Sensor
+from .files import Finding, finite, mapping_of, read_yaml
 from .robot import Preference
 
 Read = TypeVar("Read")
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimits:
+    """What `joint_limits.yaml` adds to the URDF's limits of a joint; None where it says nothing.
+
+    Attributes:
+        lower: [rad or m].
+        upper: [rad or m].
+        velocity: [rad/s or m/s].
+        acceleration: [rad/s^2 or m/s^2].
+        jerk: [rad/s^3 or m/s^3].
+    """
+
+    lower: float | None = None
+    upper: float | None = None
+    velocity: float | None = None
+    acceleration: float | None = None
+    jerk: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PlannerChoice:
+    """A group's planners in `ompl_planning.yaml`.
+
+    Attributes:
+        default: configuration that is used unless told otherwise, or empty.
+        planners: configuration -> OMPL's name of its planner, such as `RRTConnect`.
+        parameters: configuration -> parameter, such as `range` or `goal_bias` -> number.
+    """
+
+    default: str
+    planners: Mapping[str, str]
+    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A depth sensor that fills MoveIt's octomap.
+
+    Attributes:
+        name: its name, or its plugin where it has none.
+        plugin: MoveIt's class.
+        topic: of clouds or depth images.
+    """
+
+    name: str
+    plugin: str
+    topic: str
+
+    @property
+    def message(self) -> str:
+        """The type of what it publishes, as a sensor of a project has it."""
+        return "DepthImage" if "DepthImage" in self.plugin else "PointCloud"
 
 
 @dataclass(frozen=True)
@@ -25,11 +78,9 @@ class MoveItPackage:
 
     Attributes:
         folder: the package.
-        layout: `ROS 1` or `ROS 2`.
         limits: joint -> limits.
         kinematics: group -> MoveIt's plugin.
         planners: group -> planners.
-        controllers: of all `*controllers.yaml`; MoveIt's own before those of ros_control.
         sensors: depth sensors.
         initial_positions: joint -> position [rad or m].
         scaling: `velocity`, `acceleration` -> part of the limits that is used unless told otherwise, in (0, 1].
@@ -37,11 +88,9 @@ class MoveItPackage:
     """
 
     folder: Path
-    layout: str
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     kinematics: Mapping[str, str] = field(default_factory=dict)
     planners: Mapping[str, PlannerChoice] = field(default_factory=dict)
-    controllers: tuple[Controller, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     initial_positions: Mapping[str, float] = field(default_factory=dict)
     scaling: Mapping[str, float] = field(default_factory=dict)
@@ -50,86 +99,131 @@ class MoveItPackage:
 
 def read_package(folder: Path, chosen: Fitted) -> MoveItPackage:
     """Read what a package says of a configuration besides its robot; what is wrong with files is in `findings`."""
-    return _Reader(folder, chosen).package()
+    findings: list[Finding] = []
+    words = {chosen.name, chosen.robot.get("name", ""), *map(str, chosen.arguments.values())}
+    if chosen.semantic is not None:
+        words.add(chosen.semantic.get("name", ""))
+    words = {word for word in words if len(word) > 1}
+    files = sorted(p for p in folder.rglob("*.yaml") if p.is_file())
 
-
-class _Reader:
-    def __init__(self, folder: Path, chosen: Fitted):
-        self.folder, self.chosen = folder, chosen
-        self.findings: list[Finding] = []
-        words = {chosen.name, chosen.robot.get("name", ""), *map(str, chosen.arguments.values())}
-        if chosen.semantic is not None:
-            words.add(chosen.semantic.get("name", ""))
-        self.words = {word for word in words if len(word) > 1}
-        self.files = sorted(p for p in folder.rglob("*.yaml") if p.is_file())
-
-    def package(self) -> MoveItPackage:
-        controllers: list[Controller] = []
-        for path in self._controller_files():
-            controllers += self._read(moveit_files.controllers, path, tuple[Controller, ...]())
-        sensors = self._read_named(moveit_files.sensors, "sensors_3d", tuple[Sensor, ...](), optional=True)
-        for sensor in sensors:
-            self._warn("sensor-not-read", _how_to_use(sensor))
-        return MoveItPackage(
-            self.folder,
-            self._layout(),
-            self._read_named(moveit_files.joint_limits, "joint_limits", {}),
-            self._read_named(moveit_files.kinematics, "kinematics", {}),
-            self._read_named(moveit_files.planners, "ompl_planning", {}),
-            tuple({c.name: c for c in reversed(controllers)}.values())[::-1],
-            sensors,
-            self._read_named(moveit_files.initial_positions, "initial_positions", {}, optional=True),
-            self._read_named(moveit_files.scaling, "joint_limits", {}, optional=True),
-            tuple(self.findings),
-        )
-
-    def _layout(self) -> str:
-        """Tell by what the assistants write: ROS 1's packages have catkin and launch files in XML."""
-        manifest = self.folder / "package.xml"
-        built = manifest.read_text(errors="replace") if manifest.is_file() else ""
-        if "catkin" in built or "ament" in built:
-            return "ROS 1" if "catkin" in built and "ament" not in built else "ROS 2"
-        ros1 = (self.folder / "config" / "fake_controllers.yaml").is_file()
-        return "ROS 1" if ros1 or any((self.folder / "launch").glob("*.launch")) else "ROS 2"
-
-    def _controller_files(self) -> list[Path]:
-        found = [p for p in self.files if "controllers" in p.stem and "fake" not in str(p.relative_to(self.folder))]
-        closest = max(map(self._closeness, found), default=0)
-        files = [p for p in found if self._closeness(p) == closest]
-        return sorted(files, key=lambda p: ("ros" in p.stem.split("_")[0], p.name))
-
-    def _closeness(self, path: Path) -> int:
+    def closeness(path: Path) -> int:
         """Tell how sure it is that a file is about this configuration: it lies by its SRDF, or where its name says."""
-        if self.chosen.srdf is not None and path.parent == self.chosen.srdf.parent:
+        if chosen.srdf is not None and path.parent == chosen.srdf.parent:
             return 3
-        if self.words & {*path.relative_to(self.folder).parts[:-1]} or any(f"{w}_" in path.stem for w in self.words):
+        if words & {*path.relative_to(folder).parts[:-1]} or any(f"{w}_" in path.stem for w in words):
             return 2
-        return int(path.parent == self.folder / "config")
+        return int(path.parent == folder / "config")
 
-    def _read_named(self, read: Callable[[Path], Read], name: str, empty: Read, optional: bool = False) -> Read:
-        found = sorted((p for p in self.files if name in p.stem), key=lambda p: (-self._closeness(p), p.stem != name))
-        if found and (self._closeness(found[0]) > 0 or len(found) == 1):
-            return self._read(read, found[0], empty)
-        if not optional:
-            self._warn("missing-file", f"it has no config/{name}.yaml")
-        return empty
-
-    def _read(self, read: Callable[[Path], Read], path: Path, empty: Read) -> Read:
+    def read(of: Callable[[Path], Read], name: str, empty: Read, optional: bool = False) -> Read:
+        found = sorted((p for p in files if name in p.stem), key=lambda p: (-closeness(p), p.stem != name))
+        if not found or (closeness(found[0]) == 0 and len(found) > 1):
+            if not optional:
+                findings.append(Finding("warning", "missing-file", f"it has no config/{name}.yaml", str(folder)))
+            return empty
         try:
-            return read(path)
+            return of(found[0])
         except DocumentError as error:
             message = f"{error.message}; the file is left out"
-            self.findings.append(Finding("warning", "bad-file", message, error.source, error.line))
+            findings.append(Finding("warning", "bad-file", message, error.source, error.line))
             return empty
 
-    def _warn(self, code: str, message: str) -> None:
-        self.findings.append(Finding("warning", code, message, str(self.folder)))
+    sensors = read(_sensors, "sensors_3d", tuple[Sensor, ...](), optional=True)
+    findings += [Finding("warning", "sensor-not-read", _how_to_use(sensor), str(folder)) for sensor in sensors]
+    return MoveItPackage(
+        folder,
+        read(_joint_limits, "joint_limits", {}),
+        read(_kinematics, "kinematics", {}),
+        read(_planners, "ompl_planning", {}),
+        sensors,
+        read(_initial_positions, "initial_positions", {}, optional=True),
+        read(_scaling, "joint_limits", {}, optional=True),
+        tuple(findings),
+    )
 
 
-def _how_to_use(sensor: moveit_files.Sensor) -> str:
+def _joint_limits(path: Path) -> dict[str, JointLimits]:
+    """Return joint -> limits; a limit counts where its `has_...` isn't false."""
+    found = {}
+    for joint, entry in mapping_of(read_yaml(path).get("joint_limits"), "joint_limits", path).items():
+        values = mapping_of(entry, f"joint_limits/{joint}", path)
+        numbers = {
+            name: finite(values[key], f"joint_limits/{joint}/{key}", path)
+            for name, key, kind in (
+                ("lower", "min_position", "position"),
+                ("upper", "max_position", "position"),
+                *((kind, f"max_{kind}", kind) for kind in ("velocity", "acceleration", "jerk")),
+            )
+            if key in values and values.get(f"has_{kind}_limits", True) is True
+        }
+        found[joint] = JointLimits(**numbers)
+    return found
+
+
+def _scaling(path: Path) -> dict[str, float]:
+    data, found = read_yaml(path), {}
+    for kind in ("velocity", "acceleration"):
+        key = f"default_{kind}_scaling_factor"
+        if key in data:
+            found[kind] = finite(data[key], key, path)
+            if not 0 < found[kind] <= 1:
+                wanted = f"is a fraction of the limits: above 0, at most 1, not {data[key]!r}"
+                raise DocumentError(f"{key} {wanted}", str(path))
+    return found
+
+
+def _kinematics(path: Path) -> dict[str, str]:
+    data: Mapping[str, object] = read_yaml(path)
+    data = mapping_of(data.get("robot_description_kinematics", data), "robot_description_kinematics", path)
+    groups = {group: mapping_of(entry, group, path) for group, entry in data.items()}
+    return {group: str(entry["kinematics_solver"]) for group, entry in groups.items() if "kinematics_solver" in entry}
+
+
+def _planners(path: Path) -> dict[str, PlannerChoice]:
+    data = read_yaml(path)
+    written = mapping_of(data.get("planner_configs"), "planner_configs", path)
+    entries = {name: mapping_of(entry, f"planner_configs/{name}", path) for name, entry in written.items()}
+    configs = {name: str(entry.get("type", "")).rpartition("::")[2] for name, entry in entries.items()}
+    found = {}
+    for group, entry in data.items():
+        if group == "planner_configs" or not isinstance(entry, dict) or "planner_configs" not in entry:
+            continue
+        names = entry["planner_configs"] or []
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            raise DocumentError(f"{group}/planner_configs has to be a list of names, not {names!r:.80}", str(path))
+        # ROS 1's files call configurations `RRTConnectkConfigDefault`
+        chosen = {name: configs.get(name) or name.removesuffix("Default").removesuffix("kConfig") for name in names}
+        # others, such as a projection, OMPL's planners don't take
+        parameters = {
+            name: {k: float(v) for k, v in entries.get(name, {}).items() if isinstance(v, int | float) and isfinite(v)}
+            for name in names
+        }
+        found[group] = PlannerChoice(str(entry.get("default_planner_config") or ""), chosen, parameters)
+    return found
+
+
+def _sensors(path: Path) -> tuple[Sensor, ...]:
+    data = read_yaml(path)
+    listed = data.get("sensors") or []
+    if not isinstance(listed, list):
+        raise DocumentError("sensors has to be a list", str(path))
+    found = []
+    for item in listed:
+        name = item if isinstance(item, str) else ""
+        entry = mapping_of(data.get(name) if name else item, "sensors", path)
+        if plugin := str(entry.get("sensor_plugin") or ""):
+            topic = str(entry.get("point_cloud_topic") or entry.get("image_topic") or "")
+            found.append(Sensor(name or str(entry.get("sensor_name") or plugin), plugin, topic))
+    return tuple(found)
+
+
+def _initial_positions(path: Path) -> dict[str, float]:
+    entries = mapping_of(read_yaml(path).get("initial_positions"), "initial_positions", path)
+    return {joint: finite(value, f"initial_positions/{joint}", path) for joint, value in entries.items()}
+
+
+def _how_to_use(sensor: Sensor) -> str:
     """Say what a sensor of MoveIt's octomap is here: nothing, until a task looks."""
-    kind = "DepthImage" if "DepthImage" in sensor.plugin else "PointCloud"
-    topics = f"{{seen: {{topic: {sensor.topic or '/TOPIC'}, type: {kind}}}}}"
+    topics = f"{{seen: {{topic: {sensor.topic or '/TOPIC'}, type: {sensor.message}}}}}"
     declared = f"`sensors: {{{sensor.name}: {{topics: {topics}, given_in: world}}}}`"
     return (
         f"sensors_3d.yaml: plans don't avoid what {sensor.name} sees by themselves, as MoveIt's with its octomap do; "
@@ -162,28 +256,21 @@ def preferences_of(
         if group in package.planners:
             choice = package.planners[group]
             default = choice.planners.get(choice.default, choice.default)
-            fields["planner"] = replace(
-                _first([default or USUAL], known, "ompl_planning.yaml"), parameters=_parameters(choice, known)
-            )
+            parameters: dict[str, Mapping[str, float]] = {}
+            for name in sorted(choice.planners, key=lambda name: name != choice.default):  # the default's first
+                if choice.planners[name] in known and (given := choice.parameters.get(name)):
+                    parameters.setdefault(choice.planners[name], given)
+            asked = _first([default or USUAL], known, "ompl_planning.yaml")
+            fields["planner"] = replace(asked, parameters=parameters)
         if group in package.kinematics:
             plugin = package.kinematics[group]
-            solvers = [solver for part, solver in _PLUGINS if part in plugin.lower() and solver in SOLVERS]
+            solvers = [solver for part, solver in _PLUGINS if part in plugin.lower()]
             fields["kinematics"] = _first([*solvers, plugin], frozenset(SOLVERS), "kinematics.yaml")
         for name, factor in (("speed", "velocity"), ("acceleration", "acceleration")):
             if factor in package.scaling:
                 fields[name] = Preference(package.scaling[factor], "joint_limits.yaml")
         found[group] = fields
     return {group: fields for group, fields in found.items() if fields}
-
-
-def _parameters(choice: PlannerChoice, known: frozenset[str]) -> dict[str, dict[str, float]]:
-    """Return planner -> its parameters; of several configurations of one planner, the default or else the first."""
-    order = sorted(choice.planners, key=lambda name: name != choice.default)
-    found: dict[str, dict[str, float]] = {}
-    for name in order:
-        if choice.planners[name] in known:
-            found.setdefault(choice.planners[name], dict(choice.parameters.get(name, {})))
-    return {planner: parameters for planner, parameters in found.items() if parameters}
 
 
 def _first(wanted: list[str], known: frozenset[str], source: str) -> Preference:

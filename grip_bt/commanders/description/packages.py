@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
@@ -97,11 +97,8 @@ class Packages:
         """
         if name in self.given:
             return self.given[name]
-        if name and (there := self._in_workspace(name)) is not None:
+        if name and (there := self._in_workspace(name) or _in_ros(name) or _installed(name)) is not None:
             return there
-        for place in _PLACES:
-            if (found := place(name)) is not None:
-                return found
         known = ", ".join(sorted(self.given)) or "none"
         raise MissingPartError(
             f"package {name!r}",
@@ -136,7 +133,7 @@ def _in_ros(name: str) -> Path | None:
     for variable, below in (("AMENT_PREFIX_PATH", "share"), ("ROS_PACKAGE_PATH", "")):
         for prefix in filter(None, os.environ.get(variable, "").split(os.pathsep)):
             folder = Path(prefix) / below / name
-            if name and (folder / "package.xml").is_file():
+            if (folder / "package.xml").is_file():
                 return folder
     return None
 
@@ -156,9 +153,6 @@ def _installed(name: str) -> Path | None:
         return None
     manifest = next((f for f in files if str(f).endswith(f"{name}/package.xml")), None)
     return Path(str(manifest.locate())).resolve().parent if manifest is not None else None
-
-
-_PLACES: tuple[Callable[[str], Path | None], ...] = (_in_ros, _installed)
 
 
 ROBOTS: Mapping[str, Path] = MappingProxyType(

@@ -106,7 +106,6 @@ class RobotDescription:
         groups: group -> its joints, in order. Groups may overlap, as one of two arms does.
         named_states: group -> name -> state.
         grasp_frame: the grasp frame of the hand, or of the first arm where there are several.
-        hand_links: every link of every hand.
         finger_links: the hands' links that may touch an object while they close, finger by finger, thumb last.
         drives: joint -> its drive.
         acceleration_limits: joint -> [rad/s^2 or m/s^2], for timing; URDF knows only positions and velocities.
@@ -126,7 +125,6 @@ class RobotDescription:
     groups: Mapping[str, tuple[str, ...]]
     named_states: Mapping[str, Mapping[str, JointState]]
     grasp_frame: GraspFrame
-    hand_links: tuple[str, ...]
     finger_links: Mapping[str, tuple[str, ...]]
     drives: Mapping[str, Drive]
     acceleration_limits: Mapping[str, float]
@@ -140,8 +138,6 @@ class RobotDescription:
     jerk_limits: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not self.hands and self.hand_links:
-            object.__setattr__(self, "hands", {"hand": self.hand_links})
         for f in fields(self):
             object.__setattr__(self, f.name, _read_only(getattr(self, f.name)))
 
@@ -149,6 +145,11 @@ class RobotDescription:
     def joints(self) -> tuple[str, ...]:
         """All joints of all groups, each once."""
         return tuple(dict.fromkeys(j for joints in self.groups.values() for j in joints))
+
+    @property
+    def hand_links(self) -> tuple[str, ...]:
+        """Every link of every hand."""
+        return tuple(dict.fromkeys(link for links in self.hands.values() for link in links))
 
     @property
     def at_rest(self) -> dict[str, float]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from grip_bt.base.values import Pose
 from grip_bt.base.values.pose import quaternion_of
@@ -19,9 +19,13 @@ from .srdf import Srdf
 from .tree import Joint, Tree
 
 
-@dataclass(frozen=True)
+def frame_of(config: FrameConfig) -> GraspFrame:
+    """Return a configured frame as a value."""
+    return GraspFrame(config.link, Pose(config.xyz, quaternion_of(*config.rpy), config.link))
+
+
 class Roles:
-    """What groups are for.
+    """What groups of a robot are for, whose SRDF was checked.
 
     Attributes:
         end_effectors: with their arms found.
@@ -29,55 +33,35 @@ class Roles:
         fingers: finger -> its links, of all hands; the thumb last.
         grasp_frames: arm's group -> its grasp frame.
         grasp_frame: the robot's main one.
-    """
-
-    end_effectors: tuple[EndEffector, ...]
-    hands: Mapping[str, tuple[str, ...]]
-    fingers: Mapping[str, tuple[str, ...]]
-    grasp_frames: Mapping[str, GraspFrame]
-    grasp_frame: GraspFrame
-
-
-def roles(tree: Tree, srdf: Srdf, groups: Mapping[str, tuple[str, ...]], config: RobotConfig) -> Roles:
-    """Return them for a robot whose SRDF was checked.
 
     Args:
         srdf: its groups as they are written.
         config: what the project says about it.
     """
-    return _Roles(tree, srdf, groups, config).found()
 
-
-def frame_of(config: FrameConfig) -> GraspFrame:
-    """Return a configured frame as a value."""
-    return GraspFrame(config.link, Pose(config.xyz, quaternion_of(*config.rpy), config.link))
-
-
-class _Roles:
     def __init__(self, tree: Tree, srdf: Srdf, groups: Mapping[str, tuple[str, ...]], config: RobotConfig):
         self.tree, self.srdf, self.groups, self.config = tree, srdf, groups, config
         self.mimics = tree.mimics()
-
-    def found(self) -> Roles:
-        ends = tuple(self._with_arm(end) for end in self.srdf.end_effectors)
+        ends = [self._with_arm(end) for end in srdf.end_effectors]
         named = [end.group for end in ends if end.group and end.group != end.parent_group]
-        if not named and not self.config.fingers:
-            tools = {end.group for end in self.srdf.end_effectors}
-            written = self.srdf.groups.items()
+        if not named and not config.fingers:
+            tools = {end.group for end in srdf.end_effectors}
+            written = srdf.groups.items()
             named = [g for g, each in written if _sounds_like_a_hand(g) and not each.groups and g not in tools]
-        hands = [g for g in dict.fromkeys([*named, *self.config.fingers]) if self.groups.get(g)]
-        ends = (
-            *ends,
-            *filter(None, (self._mounted(hand) for hand in hands if hand not in {end.group for end in ends})),
-        )
+        hands = [g for g in dict.fromkeys([*named, *config.fingers]) if groups.get(g)]
+        mounted = {end.group for end in ends}
+        ends += filter(None, (self._mounted(hand) for hand in hands if hand not in mounted))
         mounts = {end.group: end.parent_link for end in ends}
-        links = {hand: self._links(hand, mounts.get(hand, "")) for hand in hands}
-        fingers: dict[str, tuple[str, ...]] = {}
+        self.end_effectors = tuple(ends)
+        self.hands = {hand: self._links(hand, mounts.get(hand, "")) for hand in hands}
+        self.fingers: dict[str, tuple[str, ...]] = {}
         for hand in hands:
-            for name, mine in (self.config.fingers.get(hand) or self._fingers(hand)).items():
-                fingers[name if name not in fingers else f"{hand}_{name}"] = tuple(mine)
-        frames = self._grasp_frames(ends, hands)
-        return Roles(ends, links, fingers, frames, self._main(frames, ends, hands))
+            for name, mine in (config.fingers.get(hand) or self._fingers(hand)).items():
+                self.fingers[name if name not in self.fingers else f"{hand}_{name}"] = tuple(mine)
+        of_hands = [frame_of(config.grasp_frames[hand]) for hand in hands if hand in config.grasp_frames]
+        self.grasp_frames = frames = self._grasp_frames(of_hands)
+        own = [*(frames[e.parent_group] for e in ends if e.parent_group in frames), *frames.values()]
+        self.grasp_frame = next(iter([*own, *of_hands]), _at(tree.root))
 
     def _with_arm(self, end: EndEffector) -> EndEffector:
         """Fill in the arm's group, which SRDFs leave out: the smallest that moves the parent link.
@@ -131,38 +115,26 @@ class _Roles:
             found = {f: links for f, links in found.items() if carried[f] == max(carried.values())}
         return dict(sorted(found.items(), key=lambda item: "thumb" in item[0].lower()))
 
-    def _grasp_frames(self, ends: tuple[EndEffector, ...], hands: list[str]) -> dict[str, GraspFrame]:
+    def _grasp_frames(self, of_hands: list[GraspFrame]) -> dict[str, GraspFrame]:
         frames = {}
         for group, joints in self.groups.items():
-            if group in hands or not joints:
+            if group in self.hands or not joints:
                 continue
-            carried = next((end.parent_link for end in ends if end.parent_group == group), None)
-            of_hand = next((frame for frame in self._hands_frames(hands) if self._carries(joints, frame)), None)
+            carried = next((end.parent_link for end in self.end_effectors if end.parent_group == group), None)
+            of_hand = (f for f in of_hands if any(joint.name in joints for joint in self.tree.upwards(f.link)))
+            written = self.srdf.groups[group]
             if group in self.config.grasp_frames:
                 frames[group] = frame_of(self.config.grasp_frames[group])
-            elif of_hand is not None:
-                frames[group] = of_hand
-            elif carried or not self.srdf.groups[group].groups:
-                frames[group] = _at(carried or self._tip(group))
+            elif (frame := next(of_hand, None)) is not None:
+                frames[group] = frame
+            elif carried or not written.groups:
+                tip = written.chains[-1][1] if written.chains else self.tree.joints[joints[-1]].child
+                frames[group] = _at(carried or tip)
         for group, written in self.srdf.groups.items():  # a group of groups takes the frame of its first arm
             first = next((g for g in written.groups if g in frames), None)
-            if group not in frames and group not in hands and first is not None:
+            if group not in frames and group not in self.hands and first is not None:
                 frames[group] = frames[first]
         return frames
-
-    def _hands_frames(self, hands: list[str]) -> list[GraspFrame]:
-        return [frame_of(self.config.grasp_frames[hand]) for hand in hands if hand in self.config.grasp_frames]
-
-    def _carries(self, joints: tuple[str, ...], frame: GraspFrame) -> bool:
-        return any(joint.name in joints for joint in self.tree.upwards(frame.link))
-
-    def _tip(self, group: str) -> str:
-        written = self.srdf.groups[group]
-        return written.chains[-1][1] if written.chains else self.tree.joints[self.groups[group][-1]].child
-
-    def _main(self, frames: Mapping[str, GraspFrame], ends: tuple[EndEffector, ...], hands: list[str]) -> GraspFrame:
-        own = [*(frames[e.parent_group] for e in ends if e.parent_group in frames), *frames.values()]
-        return next(iter([*own, *self._hands_frames(hands)]), _at(self.tree.root))
 
 
 def _sounds_like_a_hand(group: str) -> bool:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from grip_bt.base.errors import DocumentError, listing, nearest
+from grip_bt.base.errors import listing, nearest
 
-from .files import Finding, Severity
+from .files import Finding, Severity, errors
 from .robot import EndEffector
-from .tree import HELD, Tree
-from .xml import line_of, required
+from .tree import HELD, Tree, loop_in
+from .xml import line_of, numbers, required
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,6 @@ class VirtualJoint:
 
     name: str
     type: str
-    parent_frame: str
     child_link: str
 
 
@@ -52,7 +50,6 @@ class Srdf:
 
     Attributes:
         source: the file; empty for one that was made up.
-        name: of the robot.
         groups: name -> group.
         states: group -> name -> joint -> position [rad or m].
         end_effectors: in the file's order.
@@ -63,7 +60,6 @@ class Srdf:
     """
 
     source: str = ""
-    name: str = ""
     groups: Mapping[str, Group] = field(default_factory=dict)
     states: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
     end_effectors: tuple[EndEffector, ...] = ()
@@ -86,12 +82,11 @@ def read_srdf(robot: ET.Element, source: str = "") -> Srdf:
         if groups.setdefault(group.name, group) is not group:
             doubled.append(group.name)
     virtual = tuple(
-        VirtualJoint(e.get("name", ""), e.get("type", "fixed"), e.get("parent_frame", ""), e.get("child_link", ""))
+        VirtualJoint(e.get("name", ""), e.get("type", "fixed"), e.get("child_link", ""))
         for e in robot.findall("virtual_joint")
     )
     return Srdf(
         source,
-        robot.get("name", ""),
         groups,
         _states(robot, {joint.name for joint in virtual}, source),
         tuple(
@@ -126,27 +121,12 @@ def _states(robot: ET.Element, virtual: set[str], source: str) -> dict[str, dict
     for element in robot.findall("group_state"):
         group, name = required(element, "group", source), required(element, "name", source)
         positions = {
-            required(joint, "name", source): _position(joint, source)
+            required(joint, "name", source): numbers(joint, "value", 1, "", source)[0]
             for joint in element.findall("joint")
             if joint.get("name") not in virtual and " " not in joint.get("value", "").strip()
         }  # a base that drives has three values or seven; it is held still
         states.setdefault(group, {})[name] = positions
     return states
-
-
-def _position(joint: ET.Element, source: str) -> float:
-    text = required(joint, "value", source)
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise DocumentError(
-            f"the position of joint {joint.get('name')!r} has to be one finite number, not {text!r}",
-            source,
-            line_of(joint),
-        )
-    return value
 
 
 def _pairs(robot: ET.Element, tag: str, source: str) -> frozenset[tuple[str, str]]:
@@ -194,14 +174,7 @@ VIRTUAL_TYPES = ("fixed", "planar", "floating")
 
 def check_srdf(srdf: Srdf, tree: Tree) -> list[Finding]:
     """Return what is wrong with an SRDF for the robot that `tree` has."""
-    check = _Check(srdf, tree)
-    found = [*check.groups(), *check.others()]
-    if not any(f.severity == "error" for f in found):
-        for name, joints in resolve(srdf, tree).items():
-            if not joints:
-                message = f"group {name!r} has no joint that can be driven; nothing can be planned for it"
-                found.append(Finding("warning", "empty-group", message, srdf.source, srdf.groups[name].line))
-    return [*found, *check.states()]
+    return _Known(srdf, tree).found
 
 
 def with_known_names(srdf: Srdf, tree: Tree) -> tuple[Srdf, list[Finding]]:
@@ -210,119 +183,99 @@ def with_known_names(srdf: Srdf, tree: Tree) -> tuple[Srdf, list[Finding]]:
         Finding("warning", "double-name", f"two groups are called {name!r}; the first one is taken", srdf.source)
         for name in srdf.doubled
     ]
-    wrong = [f for f in check_srdf(srdf, tree) if f.severity == "error"]
-    if not wrong:
-        return srdf, told
-    told += [replace(f, severity="warning", message=f"{f.message}; it is left out") for f in wrong]
-    check = _Check(srdf, tree)
-    groups = {
-        name: replace(
-            group,
-            joints=tuple(j for j in group.joints if j in tree.joints or j in check.virtual),
-            links=tuple(link for link in group.links if link in tree.links),
-            chains=tuple(c for c in group.chains if not any(check.chain(group, *c))),
-            groups=() if check.contains_itself(name) else tuple(g for g in group.groups if g in srdf.groups),
-        )
-        for name, group in srdf.groups.items()
-    }
-    states = {
-        group: {name: {j: q for j, q in state.items() if j in tree.joints} for name, state in named.items()}
-        for group, named in srdf.states.items()
-        if group in groups
-    }
-    known = replace(
-        srdf,
-        groups=groups,
-        states=states,
-        end_effectors=tuple(
-            end
-            for end in srdf.end_effectors
-            if {end.group, end.parent_group} <= {"", *groups} and end.parent_link in ("", *tree.links)
-        ),
-        virtual_joints=tuple(v for v in srdf.virtual_joints if v.child_link in tree.links and v.type in VIRTUAL_TYPES),
-        passive=tuple(joint for joint in srdf.passive if joint in tree.joints),
-    )
-    return known, told
+    known = _Known(srdf, tree)
+    told += [replace(f, severity="warning", message=f"{f.message}; it is left out") for f in errors(known.found)]
+    return known.srdf, told
 
 
-class _Check:
+class _Known:
+    """What of an SRDF is there, and what is wrong with the rest."""
+
     def __init__(self, srdf: Srdf, tree: Tree):
-        self.srdf, self.tree = srdf, tree
-        self.virtual = {joint.name for joint in srdf.virtual_joints}
-
-    def groups(self) -> Iterator[Finding]:
-        for group in self.srdf.groups.values():
-            where = f"group {group.name!r}"
-            yield from self._known("joint", group.joints, {*self.tree.joints, *self.virtual}, where, group)
-            yield from self._known("link", group.links, self.tree.links, where, group)
-            yield from self._known("group", group.groups, self.srdf.groups, where, group)
-            for chain in group.chains:
-                yield from self.chain(group, *chain)
-            if self.contains_itself(group.name):
-                yield self._say("error", "cycle", f"{where} contains itself", group)
-
-    def others(self) -> Iterator[Finding]:
-        links, joints, groups = self.tree.links, self.tree.joints, self.srdf.groups
-        for end in self.srdf.end_effectors:
-            where = f"end effector {end.name!r}"
-            yield from self._known("link", [end.parent_link] if end.parent_link else [], links, where)
-            yield from self._known("group", [g for g in (end.group, end.parent_group) if g], groups, where)
-        for joint in self.srdf.virtual_joints:
-            where = f"virtual joint {joint.name!r}"
-            yield from self._known("link", [joint.child_link], links, where)
-            if joint.type not in VIRTUAL_TYPES:
-                message = f"{where} is of type {joint.type!r} (available: {listing(VIRTUAL_TYPES)})"
-                yield self._say("error", "joint-type", message)
-            elif joint.type in HELD:
-                yield self._say("warning", "held-joint", f"{where} is {joint.type}; GRIP holds the base still")
-        yield from self._known("joint", self.srdf.passive, joints, "passive joints")
-        strange = sorted({link for pair in self.srdf.disabled for link in pair} - set(links))
-        if strange:
+        self.source, self.tree, self.found = srdf.source, tree, list[Finding]()
+        virtual, joints, links = {joint.name for joint in srdf.virtual_joints}, tree.joints, tree.links
+        inner, looped = {name: group.groups for name, group in srdf.groups.items()}, set[str]()
+        while loop := loop_in(inner):
+            looped.update(loop)
+            inner |= dict.fromkeys(loop, ())
+        groups = {}
+        for name, group in srdf.groups.items():
+            where = f"group {name!r}"
+            groups[name] = replace(
+                group,
+                joints=self.known("joint", group.joints, {*joints, *virtual}, where, group),
+                links=self.known("link", group.links, links, where, group),
+                groups=self.known("group", group.groups, srdf.groups, where, group),
+                chains=tuple(chain for chain in group.chains if self.carries(chain, group)),
+            )
+            if name in looped:
+                self.say("error", "cycle", f"{where} contains itself", group)
+                groups[name] = replace(groups[name], groups=())
+        ends = []
+        for end in srdf.end_effectors:
+            where, mine = f"end effector {end.name!r}", [g for g in (end.group, end.parent_group) if g]
+            there = self.known("link", [end.parent_link] if end.parent_link else [], links, where)
+            if len(there) == bool(end.parent_link) and len(self.known("group", mine, groups, where)) == len(mine):
+                ends.append(end)
+        virtuals = tuple(joint for joint in srdf.virtual_joints if self.holds(joint))
+        passive = self.known("joint", srdf.passive, joints, "passive joints")
+        if strange := sorted({link for pair in srdf.disabled for link in pair} - set(links)):
             message = f"disabled collisions name links that aren't there: {listing(strange)}; they are left out"
-            yield self._say("warning", "unknown-link", message)
+            self.say("warning", "unknown-link", message)
+        if not errors(self.found):
+            for name, driven in resolve(srdf, tree).items():
+                if not driven:
+                    message = f"group {name!r} has no joint that can be driven; nothing can be planned for it"
+                    self.say("warning", "empty-group", message, groups[name])
+        states = {
+            group: {name: self.state(positions, f"state {name!r} of group {group!r}") for name, positions in of.items()}
+            for group, of in srdf.states.items()
+            if self.known("group", [group], groups, "named states")
+        }
+        self.srdf = replace(
+            srdf, groups=groups, states=states, end_effectors=tuple(ends), virtual_joints=virtuals, passive=passive
+        )
 
-    def states(self) -> Iterator[Finding]:
-        for group, states in self.srdf.states.items():
-            yield from self._known("group", [group], self.srdf.groups, "named states")
-            for name, positions in states.items():
-                where = f"state {name!r} of group {group!r}"
-                yield from self._known("joint", positions, self.tree.joints, where)
-                for joint in (self.tree.joints[name] for name in positions if name in self.tree.joints):
-                    q = positions[joint.name]
-                    limited = joint.type in ("revolute", "prismatic")
-                    if limited and not joint.lower - 1e-6 <= q <= joint.upper + 1e-6:
-                        allowed = f"{joint.lower:g} ... {joint.upper:g}"
-                        message = (
-                            f"{where}: joint {joint.name!r} at {q:g} is out of its limits {allowed}; it is clamped"
-                        )
-                        yield self._say("warning", "out-of-limits", message)
-
-    def chain(self, group: Group, base: str, tip: str) -> Iterator[Finding]:
+    def carries(self, chain: tuple[str, str], group: Group) -> bool:
+        base, tip = chain
         where = f"a chain of group {group.name!r}"
-        wrong = list(self._known("link", (base, tip), self.tree.links, where, group))
-        yield from wrong
-        if not wrong and self.tree.chain(base, tip) is None:
-            yield self._say("error", "no-chain", f"{where}: link {base!r} doesn't carry link {tip!r}", group)
+        if len(self.known("link", chain, self.tree.links, where, group)) < 2:
+            return False
+        if self.tree.chain(base, tip) is None:
+            self.say("error", "no-chain", f"{where}: link {base!r} doesn't carry link {tip!r}", group)
+            return False
+        return True
 
-    def contains_itself(self, name: str) -> bool:
-        seen, todo = set(), [name]
-        while todo:
-            for inner in self.srdf.groups[todo.pop()].groups:
-                if inner == name:
-                    return True
-                if inner in self.srdf.groups and inner not in seen:
-                    seen.add(inner)
-                    todo.append(inner)
-        return False
+    def holds(self, joint: VirtualJoint) -> bool:
+        where = f"virtual joint {joint.name!r}"
+        there = bool(self.known("link", [joint.child_link], self.tree.links, where))
+        if joint.type not in VIRTUAL_TYPES:
+            message = f"{where} is of type {joint.type!r} (available: {listing(VIRTUAL_TYPES)})"
+            self.say("error", "joint-type", message)
+        elif joint.type in HELD:
+            self.say("warning", "held-joint", f"{where} is {joint.type}; GRIP holds the base still")
+        return there and joint.type in VIRTUAL_TYPES
 
-    def _known(
+    def state(self, positions: Mapping[str, float], where: str) -> dict[str, float]:
+        known = {name: positions[name] for name in self.known("joint", positions, self.tree.joints, where)}
+        for name, q in known.items():
+            joint = self.tree.joints[name]
+            if joint.type in ("revolute", "prismatic") and not joint.lower - 1e-6 <= q <= joint.upper + 1e-6:
+                allowed = f"{joint.lower:g} ... {joint.upper:g}"
+                message = f"{where}: joint {name!r} at {q:g} is out of its limits {allowed}; it is clamped"
+                self.say("warning", "out-of-limits", message)
+        return known
+
+    def known(
         self, kind: str, names: Iterable[str], allowed: Iterable[str], where: str, group: Group | None = None
-    ) -> Iterator[Finding]:
-        allowed = list(allowed)
+    ) -> tuple[str, ...]:
+        """Return those of some names that are allowed; it is said of the others."""
+        names, allowed = tuple(names), list(allowed)
         for name in names:
             if name not in allowed:
                 message = f"{where}: there is no {kind} {name!r}{nearest(name, allowed)}"
-                yield self._say("error", f"unknown-{kind}", message, group)
+                self.say("error", f"unknown-{kind}", message, group)
+        return tuple(name for name in names if name in allowed)
 
-    def _say(self, severity: Severity, code: str, message: str, group: Group | None = None) -> Finding:
-        return Finding(severity, code, message, self.srdf.source, group.line if group else None)
+    def say(self, severity: Severity, code: str, message: str, group: Group | None = None) -> None:
+        self.found.append(Finding(severity, code, message, self.source, group.line if group else None))

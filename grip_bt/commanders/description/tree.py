@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 
 from .robot import Mimic, RobotDescription
 
@@ -49,6 +50,15 @@ class Joint:
     def limited(self) -> bool:
         """Whether it has limits of its position."""
         return self.lower < self.upper
+
+
+def loop_in(edges: Mapping[str, Iterable[str]]) -> list[str]:
+    """Return one of the loops of names that lead to others, its first name at the end again; empty where none is."""
+    try:
+        TopologicalSorter(edges).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
 
 
 class Tree:
@@ -117,8 +127,8 @@ def _joint(element: ET.Element) -> Joint:
     return Joint(
         element.get("name", ""),
         element.get("type", ""),
-        _link(element, "parent"),
-        _link(element, "child"),
+        link_at(element, "parent"),
+        link_at(element, "child"),
         lower,
         upper,
         velocity,
@@ -129,7 +139,8 @@ def _joint(element: ET.Element) -> Joint:
     )
 
 
-def _link(joint: ET.Element, tag: str) -> str:
+def link_at(joint: ET.Element, tag: str) -> str:
+    """Return the name of the link at one end of a joint, `parent` or `child`; empty where it names none."""
     end = joint.find(tag)
     return "" if end is None else end.get("link", "")
 

@@ -1,13 +1,9 @@
 """The process that expands a xacro file: it computes, and does nothing else.
 
-A xacro file computes; one that never ends, or fills the memory, ends this process and nothing else. It reads a JSON
-object `{"file", "arguments", "packages"}` from stdin and writes `{"text", "files", "left"}` or `{"error"}` to stdout;
-`files` are those that it read, `left` says what was left out, since its package isn't here. `$(find NAME)` looks where
-`package://` does; the xacro package itself would ask ROS.
-
-What the `xacro` package lets through is refused here. It looks for `__` in the outermost part of an expression alone,
-so that a lambda hides anything, and gives `$(eval ...)` all of Python. Here every name of an expression is looked at,
-`$(eval ...)` gets what `${...}` has, and an audit hook (PEP 578) refuses what starts, sends, writes or removes things.
+It reads `{"file", "arguments", "packages"}` as JSON from stdin and writes `{"text", "files", "left"}` or `{"error"}`;
+`left` says what was left out, since its package isn't here. The `xacro` package looks for `__` in the outermost part of
+an expression alone, and gives `$(eval ...)` all of Python. Here every name of an expression is looked at, `$(eval ...)`
+gets what `${...}` has, and an audit hook (PEP 578) refuses what starts, sends, writes or removes things.
 """
 
 from __future__ import annotations
@@ -54,11 +50,7 @@ class UnsafeExpressionError(Exception):
 
 
 def _guard(xacro: Any) -> None:
-    """Have the `xacro` package refuse expressions that do something; for good, in this process.
-
-    Args:
-        xacro: the module.
-    """
+    """Have the `xacro` package refuse expressions that do something; for good, in this process."""
     inner, arguments = xacro.safe_eval, xacro.substitution_args
     evaluate = arguments._eval
 
@@ -128,11 +120,7 @@ NOWHERE = "/package-that-is-not-here"
 
 
 def _leave_out(xacro: Any, known: Packages) -> list[str]:
-    """Have the `xacro` package leave out what files include of packages that aren't here, and calls of macros in them.
-
-    Returns:
-        What is left out, which grows.
-    """
+    """Have `xacro` leave out what files include of packages that aren't here, and their macros; return it, it grows."""
     include, call, left = xacro.process_include, xacro.handle_macro_call, list[str]()
 
     def find(name: str) -> str:

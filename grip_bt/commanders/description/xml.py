@@ -1,18 +1,23 @@
-"""XML files of robots: read with line numbers, without entities, and never so deep that a recursion would end.
+"""XML files of robots: read with line numbers, without entities, never so deep that a recursion would end; and xacro.
 
 `xml.etree` forgets lines; the same expat parser feeds its tree builder here, and each element knows its line.
 """
 
 from __future__ import annotations
 
+import json
 import math
+import subprocess
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from pathlib import Path
 from xml.parsers import expat
 
 from grip_bt.base.errors import DocumentError, listing
+from grip_bt.base.interpreter import python_command
 
 from .files import note
+from .packages import Packages
 
 DEEPEST = 200
 LARGEST = 64 * 1024 * 1024
@@ -60,9 +65,8 @@ def parse_xml(text: bytes | str, root: str, source: str = "") -> Element:
     Raises:
         DocumentError: likewise.
     """
-    builder = _Builder(source)
     try:
-        element = builder.parse(text if isinstance(text, bytes) else text.encode())
+        element = _parsed(text if isinstance(text, bytes) else text.encode(), source)
     except expat.ExpatError as error:
         raise DocumentError(
             f"isn't well-formed XML: {expat.errors.messages[error.code]}", source, error.lineno, error.offset + 1
@@ -108,34 +112,79 @@ def required(element: ET.Element, attribute: str, source: str = "") -> str:
     return value
 
 
-class _Builder:
-    def __init__(self, source: str):
-        self.source, self.depth = source, 0
-        self.builder = ET.TreeBuilder(element_factory=Element)
-        self.parser = expat.ParserCreate()
-        self.parser.buffer_text = True
-        self.parser.StartElementHandler = self._start
-        self.parser.EndElementHandler = self._end
-        self.parser.CharacterDataHandler = self.builder.data
-        self.parser.EntityDeclHandler = self._entity
+def _parsed(text: bytes, source: str) -> Element:
+    builder, parser, depth = ET.TreeBuilder(element_factory=Element), expat.ParserCreate(), 0
 
-    def parse(self, text: bytes) -> Element:
-        self.parser.Parse(text, True)
-        return self.builder.close()  # type: ignore[return-value]
+    def refuse(message: str) -> None:
+        raise DocumentError(message, source, parser.CurrentLineNumber)
 
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        self.depth += 1
-        if self.depth > DEEPEST:
-            self._refuse(f"elements are nested more than {DEEPEST} deep")
-        element = self.builder.start(tag, attributes)
-        element.line = self.parser.CurrentLineNumber  # type: ignore[attr-defined]
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            refuse(f"elements are nested more than {DEEPEST} deep")
+        builder.start(tag, attributes).line = parser.CurrentLineNumber  # type: ignore[attr-defined]
 
-    def _end(self, tag: str) -> None:
-        self.depth -= 1
-        self.builder.end(tag)
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
 
-    def _entity(self, *_: object) -> None:
-        self._refuse("it declares an entity; write out what it stands for")
+    parser.buffer_text = True
+    parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = start, end, builder.data
+    parser.EntityDeclHandler = lambda *_: refuse("it declares an entity; write out what it stands for")
+    parser.Parse(text, True)
+    return builder.close()  # type: ignore[return-value]
 
-    def _refuse(self, message: str) -> None:
-        raise DocumentError(message, self.source, self.parser.CurrentLineNumber)
+
+TIME = 30.0
+"""After so long a file won't end any more [s]; large robots take one or two."""
+MODULE = "grip_bt.commanders.description.xacro_process"
+
+
+def expand(path: Path, arguments: Mapping[str, object], packages: Packages) -> tuple[str, tuple[str, ...]]:
+    """Return a xacro file's XML, and what was left out of it since packages that it includes from aren't here.
+
+    Args:
+        arguments: values for its `<xacro:arg>`s; those that it doesn't declare are passed too, for files it includes.
+        packages: for `$(find NAME)`.
+
+    Raises:
+        DocumentError: it can't be expanded; the message is xacro's own.
+    """
+    if not path.is_file():
+        raise DocumentError("there is no such file", str(path))
+    request = {
+        "file": str(path.absolute()),
+        "arguments": {
+            name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in arguments.items()
+        },
+        "packages": {name: str(folder) for name, folder in packages.given.items()},
+    }
+    try:
+        done = subprocess.run(
+            python_command("-m", MODULE), input=json.dumps(request), capture_output=True, text=True, timeout=TIME
+        )
+        reply = json.loads(done.stdout)
+    except subprocess.TimeoutExpired:
+        raise DocumentError(f"xacro doesn't end: it was stopped after {TIME:g} s", str(path)) from None
+    except json.JSONDecodeError:
+        raise DocumentError("xacro ended without a result: it took too much time or memory", str(path)) from None
+    if "error" in reply:
+        raise DocumentError(f"xacro: {reply['error']}", str(path))
+    note(*map(Path, reply["files"]))
+    return str(reply["text"]), tuple(reply["left"])
+
+
+def read_robot(path: Path, arguments: Mapping[str, object], packages: Packages) -> Element:
+    """Return a URDF or SRDF, or a xacro file of one, as its tree; lines are those of the expanded text.
+
+    Raises:
+        DocumentError: it can't be read or expanded, or is something else.
+    """
+    if path.suffix != ".xacro":
+        return read_xml(path, "robot")
+    text, left = expand(path, arguments, packages)
+    robot = parse_xml(text, "robot", str(path))
+    robot.left_out = left
+    return robot

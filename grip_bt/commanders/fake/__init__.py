@@ -1,8 +1,6 @@
-"""Fakes of every port: deterministic, without threads, with scripted failures.
+"""Fakes of every port: deterministic, without threads, with scripted failures, for tests and `grip run --robot fake`.
 
-They serve tests and `grip run --robot fake`. Their time is a `Schedule`: at once, or on a clock that the test moves. A
-script is a sequence with one entry per request: an `ExpectedError` to fail with, or None to do as asked; after its end
-they do as asked.
+Their time is a `Schedule`. A script has one entry per request: an `ExpectedError` to fail with, or None to do as asked.
 """
 
 from .gantry import FakeArm

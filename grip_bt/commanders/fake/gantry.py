@@ -1,8 +1,7 @@
 """A fake arm: a gantry whose six joints are the position and the rotation vector of its grasp frame.
 
-It reaches every pose and knows no obstacle, so that tasks can be run without models; everything else is
-`ArmCommander`. Joints of a robot, where it is told their names, go where joint goals say, but move no hand: that would
-take a model.
+It reaches every pose and knows no obstacle; everything else is `ArmCommander`. Joints of a robot go where joint goals
+say, but move no hand.
 """
 
 from __future__ import annotations
@@ -101,11 +100,9 @@ class FakeArm(ArmCommander):
         self._gantry.put_back(position)
 
     def pause(self) -> None:
-        """Hold in the middle of a motion; see `ports.Pausable`."""
         self._pausable.pause()
 
     def resume(self) -> None:
-        """Go on with it."""
         self._pausable.resume()
 
     def _situation(self, given: JointState | None = None) -> Situation:
@@ -139,11 +136,6 @@ class _GantryPlanner:
         self._scripts = {verb: steps_of(scripts.get(verb, ())) for verb in _VERBS.values()}
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
-        """Answer at once.
-
-        Raises:
-            UnknownNameError: a goal or a trajectory names a joint that the arm lacks.
-        """
         if isinstance(request, CheckTogether):
             return Operation.finished(None)  # fakes know no shapes
         answer = self._answer(request)

@@ -51,11 +51,9 @@ class FakeHand:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints of the hand."""
         return self._names
 
     def state(self) -> JointState:
-        """Return where the fingers are now; pressing joints have an effort."""
         position = self._blocked(self.kept())
         effort = 0.5 * self._pressing().astype(float)
         return JointState(self._names, position, np.zeros(len(position)), effort, self._schedule.stamp())
@@ -63,7 +61,6 @@ class FakeHand:
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
-        """Move towards a posture; see `ports.HandPort`."""
         start, goal = self._blocked(self.kept()), posture.ordered(self._names)
         self._joints.end_at(start)
         self.torque_limits.append(torque_limit)
@@ -79,14 +76,12 @@ class FakeHand:
         return moved.then(lambda _: Operation.finished(self.state()))
 
     def contacts(self) -> Mapping[str, float]:
-        """Return the forces while the fingers press on the thing; each is what was asked for, where a force was."""
         if not self._pressing().any():
             return {}
         asked = self.forces[-1] if self.forces else None
         return dict(self._forces if asked is None else dict.fromkeys(self._forces, asked))
 
     def stop(self) -> None:
-        """Bring the fingers to rest by a ramp; a motion under way ends as cancelled when they are."""
         self._joints.stop()
 
     def kept(self) -> Array:

@@ -57,15 +57,12 @@ class AtOnce:
         self._time = 0.0
 
     def now(self) -> float:
-        """Return the time [s]: the sum of all delays so far."""
         return self._time
 
     def stamp(self) -> float:
-        """Return 0: what is measured has no stamp."""
         return 0.0
 
     def after(self, delay: float, action: Callable[[], None]) -> None:
-        """Let `delay` [s] pass and call `action()`."""
         self._time += delay
         action()
 
@@ -84,15 +81,12 @@ class OnClock:
         clock.on_advance(self._run)
 
     def now(self) -> float:
-        """Return the time [s]."""
         return self._clock.now()
 
     def stamp(self) -> float:
-        """Return the time [s]."""
         return self._clock.now()
 
     def after(self, delay: float, action: Callable[[], None]) -> None:
-        """Call `action()` when the clock has moved `delay` [s] on."""
         self._count += 1
         heapq.heappush(self._due, (self._clock.now() + delay, self._count, action))
 
@@ -149,22 +143,15 @@ class FakeExecutor:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints that it moves."""
         return self._names
 
     def state(self) -> JointState:
-        """Return where the joints are now."""
         position, velocity = self._position, np.zeros(len(self._names))
         if self._motion is not None:
             (position,), (velocity,), _ = self._motion.trajectory.sampled(np.array([self._progress(self._motion)]))
         return JointState(self._names, position, velocity, time=self._schedule.stamp())
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory; one under way ends as cancelled. See `ports.Executor`.
-
-        Raises:
-            ValueError: it names other joints.
-        """
         if trajectory.names != self._names:
             raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
         self.end_at(self.state().position)
@@ -180,7 +167,6 @@ class FakeExecutor:
         return operation
 
     def stop(self) -> None:
-        """Bring the joints to rest by a ramp; a motion under way ends as cancelled when they are."""
         if self._motion is not None:
             self._brake(self._motion)
 
@@ -205,12 +191,10 @@ class FakeExecutor:
         return self._schedule.now() - motion.begin
 
     def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
         motion = self._motion
         return None if motion is None or motion.braking else self._progress(motion)
 
     def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         motion = self._motion
         if motion is None or motion.braking or self._progress(motion) > min(at, motion.end) + 1e-9:
             return False

@@ -28,11 +28,9 @@ class FakeCamera:
         self._frames = cycle(tuple(frames))
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry."""
         return self._info
 
     def capture(self) -> Operation[RgbdFrame]:
-        """Take the next frame; SensorError where there is none."""
         frame = next(self._frames, SensorError("the fake camera has no frames"))
         return Operation.failed(frame) if isinstance(frame, ExpectedError) else Operation.finished(frame)
 
@@ -49,7 +47,6 @@ class FakeSensor:
         self._moments = cycle(tuple(moments))
 
     def capture(self) -> Operation[Mapping[str, object]]:
-        """Take the next moment; SensorError where there is none."""
         moment = next(self._moments, SensorError("the fake sensor has nothing to give"))
         return Operation.failed(moment) if isinstance(moment, ExpectedError) else Operation.finished(moment)
 
@@ -88,7 +85,6 @@ class FakeComponent:
         self.given = max(given, self.given)
 
     def call(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
-        """Answer with the next reply; ServerLostError where there is none."""
         self.requests.append(dict(request))
         self.given += 1
         reply = next(self._replies, ServerLostError("the fake component has no replies"))
@@ -134,30 +130,24 @@ class FakeRos:
         return _tried(lambda: self._make(message if value == "Any" else value))
 
     def recent(self, topic: str, message: str, value: str, max_age: float, timeout: float) -> Operation[object]:
-        """Return what the topic gives; see `next`."""
         return self.next(topic, message, value, timeout)
 
     def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, object]]:
-        """Return what each topic gives, as messages."""
         return _tried(
             lambda: {t: self._published[t] if t in self._published else self._make(m) for t, m in topics.items()}
         )
 
     def publish(self, topic: str, message: str, value: object, subscribers: int, timeout: float) -> Operation[None]:
-        """Have the topic give `value` from now on, whoever would listen."""
         self._published[topic] = value
         return Operation.finished(None)
 
     def transform(self, target: str, source: str, timeout: float, at: float | None = None) -> Operation[Pose]:
-        """Return where a frame is; it doesn't move."""
         return _tried(lambda: self._frame(target, source))
 
     def get_parameter(self, node: str, name: str, timeout: float) -> Operation[object]:
-        """Return what was set, and 0 before that."""
         return Operation.finished(self._parameters.get((node, name), 0))
 
     def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
-        """Keep a parameter."""
         self._parameters[node, name] = value
         return Operation.finished(None)
 

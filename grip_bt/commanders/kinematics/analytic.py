@@ -1,13 +1,13 @@
-"""Inverse kinematics of six-joint arms in closed form, by EAIK (Ostermeier et al. 2024).
+"""Inverse kinematics of six-joint arms in closed form, by EAIK (Ostermeier et al. 2024): all solutions in microseconds.
 
-It takes arms whose axes meet or run parallel in ways that have a known decomposition, such as a spherical wrist or
-the three parallel axes of a UR, and gives all solutions within microseconds. Targets with a freedom have no finite
-set of solutions: those are left to damped least squares.
+It takes arms whose axes have a known decomposition, such as a spherical wrist or the three parallel axes of a UR.
+Targets with a freedom have no finite set of solutions: those are left to damped least squares.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -18,9 +18,9 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnfitSolverError
 
 from . import damped_least_squares
+from .damped_least_squares import Target
 from .model import Chain
-from .target import Target
-from .trac_ik import axis_of, kept_with_chain, moved_by
+from .trac_ik import at_zero
 
 _TURN = 2 * np.pi
 
@@ -33,7 +33,7 @@ def solutions(
     Raises:
         UnfitSolverError: the arm hasn't six turning joints with a known decomposition.
     """
-    arm = _arm(chain)
+    arm = _arm_of(chain)
     if target.free != "none":
         yield from damped_least_squares.solutions(chain, target, rng, seeds, restarts)
         return
@@ -49,14 +49,17 @@ class _Arm:
     """An arm as axes and offsets at its zero configuration, as EAIK wants it."""
 
     def __init__(self, chain: Chain):
+        joints, words = at_zero(chain), f"the {len(chain.joints)} joints {', '.join(chain.joints)}"
+        if len(joints) != 6 or not all(turns for turns, _, _ in joints) or len(joints) != len(chain.joints):
+            raise UnfitSolverError(f"{_NAME} needs six turning joints in a row; {words} aren't; {_INSTEAD}")
         from eaik.IK_HP import HPRobot
 
-        axes, origins, tip = _at_zero(chain)
-        offsets = np.diff(np.vstack([np.zeros(3), origins, tip.translation]), axis=0)
+        tip = chain.grasp_pose(np.zeros(chain.model.nq))
+        places = [np.zeros(3), *(frame.translation for _, _, frame in joints), tip.translation]
         self._limits, self._unturned = chain.limits, tip.rotation.T
-        self._solver: Any = HPRobot(axes, offsets)
+        self._solver: Any = HPRobot(np.array([axis for _, axis, _ in joints]), np.diff(np.array(places), axis=0))
         if not self._solver.hasKnownDecomposition():
-            raise UnfitSolverError(f"{_NAME}: the axes of {_joints(chain)} have no known decomposition; {_INSTEAD}")
+            raise UnfitSolverError(f"{_NAME}: the axes of {words} have no known decomposition; {_INSTEAD}")
 
     def all(self, pose: pin.SE3) -> Iterator[Array]:
         """Yield every configuration within the limits, whole turns added where they allow it."""
@@ -70,27 +73,6 @@ class _Arm:
             yield from (np.array(turned) for turned in product(*turns))
 
 
-@kept_with_chain
-def _arm(chain: Chain) -> _Arm:
-    joints = moved_by(chain)
-    kinds = [axis_of(chain.model.joints[joint])[0] for joint in joints]
-    if len(kinds) != 6 or not all(kinds) or len(joints) != len(chain.joints):
-        raise UnfitSolverError(f"{_NAME} needs six turning joints in a row; {_joints(chain)} aren't; {_INSTEAD}")
-    return _Arm(chain)
-
-
-def _at_zero(chain: Chain) -> tuple[Array, Array, pin.SE3]:
-    """Return the axes, shape (6, 3), a point on each, shape (6, 3), and the grasp frame, all in world."""
-    model, data = chain.model, chain.model.createData()
-    pin.framesForwardKinematics(model, data, np.zeros(model.nq))
-    placements = [data.oMi[joint] for joint in moved_by(chain)]
-    axes = [place.rotation @ axis_of(model.joints[j])[1] for j, place in zip(moved_by(chain), placements, strict=True)]
-    return np.array(axes), np.array([place.translation for place in placements]), data.oMf[chain.frame].copy()
-
-
 _NAME = "the kinematics 'analytic'"
 _INSTEAD = "take 'damped_least_squares' or 'trac_ik'"
-
-
-def _joints(chain: Chain) -> str:
-    return f"the {len(chain.joints)} joints {', '.join(chain.joints)}"
+_arm_of = lru_cache(maxsize=8)(_Arm)

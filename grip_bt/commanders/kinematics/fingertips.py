@@ -1,13 +1,11 @@
 """A hand's posture from where its fingertips shall be: one damped least squares descent for all fingers together.
 
-A fingertip is the origin of a finger's last link; any other link that the hand's joints move may be placed too. Its
-orientation doesn't matter: a finger of four joints can place its tip and not much more. Positions are given in a frame
-that the fingers don't move: the grasp frame of the hand's arm, or a link such as the palm.
+A fingertip is the origin of a finger's last link; any other link that the hand's joints move may be placed too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
@@ -50,14 +48,24 @@ def fingertip_posture(
         UnknownNameError: there is no such finger, link or frame.
         NoIkError: a tip stays further than 1 mm from its target; `data['distances']` tells how far, by finger.
     """
-    tips = _Tips(model, tuple(targets), group, frame)
+    tips, rng = _Tips(model, tuple(targets), group, frame), np.random.default_rng(0)
     wanted = np.array([targets[name] for name in tips.fingers], dtype=float).reshape(len(tips.fingers), 3)
     joints = model.description.group(group)
     columns = np.array([model.model.joints[model.model.getJointId(name)].idx_q for name in joints])
-    begin = seed or model.description.named_state(group, "open")
-    best, shortest = model.configuration(begin), np.inf
-    for start in _starts(model, begin, columns, np.random.default_rng(0)):
-        q = _descended(model, tips, wanted, start, columns)
+    lower, upper = model.model.lowerPositionLimit[columns], model.model.upperPositionLimit[columns]
+    first = model.configuration(seed or model.description.named_state(group, "open"))
+    best, shortest = first, np.inf
+    for start in (first[columns], *(rng.uniform(lower, upper) for _ in range(_RESTARTS))):
+        q = first.copy()
+        q[columns] = start
+        for _ in range(_STEPS):
+            error = (wanted - tips.places(q)).ravel()
+            if np.abs(error).max() < _FINISHED:
+                break
+            jacobian = tips.jacobian(q, columns)
+            step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + _DAMPING * np.eye(len(error)), error)
+            # Joint by joint: a finger that is far from its target must not slow down the others.
+            q[columns] = np.clip(q[columns] + np.clip(step, -_MAX_STEP, _MAX_STEP), lower, upper)
         longest = float(np.linalg.norm(tips.places(q) - wanted, axis=1).max())
         if longest < shortest:
             best, shortest = q, longest
@@ -117,28 +125,3 @@ class _Tips:
             frame = pin.getFrameJacobian(self.model, self.data, tip, pin.LOCAL_WORLD_ALIGNED)
             rows.append(turn @ frame[:3, columns])
         return np.vstack(rows)
-
-
-def _starts(
-    model: RobotModel, begin: JointState, columns: NDArray[np.int64], rng: np.random.Generator
-) -> Iterator[Array]:
-    first = model.configuration(begin)
-    yield first
-    for _ in range(_RESTARTS):
-        q = first.copy()
-        q[columns] = rng.uniform(model.model.lowerPositionLimit[columns], model.model.upperPositionLimit[columns])
-        yield q
-
-
-def _descended(model: RobotModel, tips: _Tips, wanted: Array, q: Array, columns: NDArray[np.int64]) -> Array:
-    lower, upper = model.model.lowerPositionLimit[columns], model.model.upperPositionLimit[columns]
-    q = q.copy()
-    for _ in range(_STEPS):
-        error = (wanted - tips.places(q)).ravel()
-        if np.abs(error).max() < _FINISHED:
-            break
-        jacobian = tips.jacobian(q, columns)
-        step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + _DAMPING * np.eye(len(error)), error)
-        # Joint by joint: a finger that is far from its target must not slow down the others.
-        q[columns] = np.clip(q[columns] + np.clip(step, -_MAX_STEP, _MAX_STEP), lower, upper)
-    return q

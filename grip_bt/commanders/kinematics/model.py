@@ -7,7 +7,7 @@ frozen in place. Planning and collision checks run on a chain: it has 6 or 7 joi
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations
 from math import isfinite
@@ -20,8 +20,7 @@ from grip_bt.base.values import JointState, Pose
 
 from ..description.robot import RobotDescription
 from ..trajectory.limits import Limits
-from .outline import Outline, corners, outlined, radii, shape_reaches
-from .shapes import simplified
+from .shapes import corners, shape_reaches, simplified
 
 GRASP_FRAME = "grasp"
 _SAMPLES = 300
@@ -61,19 +60,9 @@ class Chain:
         self.links = tuple(links)
 
     @cached_property
-    def outline(self) -> Outline:
-        """The collision shapes with each hand as one hull."""
-        return outlined(self.geometry, self.hand)
-
-    @cached_property
-    def outline_reaches(self) -> Array:
-        """How far each joint can move each shape of the outline; see `outline.shape_reaches`."""
-        return shape_reaches(self.model, self.outline.geometry.geometryObjects)
-
-    @cached_property
-    def radii(self) -> Array:
-        """How far from each joint's frame what moves with it reaches [m], shape (n + 1,); the base comes first."""
-        return radii(self.model, self.geometry.geometryObjects)
+    def reaches(self) -> Array:
+        """How far each joint can move each shape; see `shapes.shape_reaches`."""
+        return shape_reaches(self.model, self.geometry.geometryObjects)
 
     def grasp_pose(self, q: Array) -> pin.SE3:
         """Return the grasp frame in world for a configuration of shape (n,)."""
@@ -94,7 +83,10 @@ class RobotModel:
         self._frames = self._add_grasp_frames()
         self.data = self.model.createData()
         self._lock = threading.Lock()
-        self.geometry = self._collision_shapes()
+        raw = pin.buildGeomFromUrdfString(self.model, description.urdf, pin.GeometryType.COLLISION)
+        self.geometry = pin.GeometryModel()
+        for shape in simplified(raw.geometryObjects):
+            self.geometry.addGeometryObject(shape)
         self._columns = {str(n): self.model.joints[k].idx_q for k, n in enumerate(self.model.names) if k}
         rest = {n: p for n, p in description.at_rest.items() if n in self._columns}
         middle = np.clip(pin.neutral(self.model), self.model.lowerPositionLimit, self.model.upperPositionLimit)
@@ -121,14 +113,12 @@ class RobotModel:
         return q
 
     def grasp_pose(self, *states: JointState, group: str = "") -> Pose:
-        """Return the grasp frame of an arm's group, or the robot's only one, in world."""
         frame = self.model.getFrameId(self.grasp_frame_of(group))
         with self._lock:  # leaves, callbacks and the scene ask from several threads
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
             return Pose.from_matrix(self.data.oMf[frame].homogeneous)
 
     def named_states_of(self, group: str) -> Mapping[str, JointState]:
-        """Return the named states of a group, as the robot's description has them."""
         return self.description.named_states.get(group, {})
 
     def hulls(self, *states: JointState) -> list[Array]:
@@ -150,7 +140,6 @@ class RobotModel:
         return self.limits_of(self.description.group(group))
 
     def limits_of(self, names: tuple[str, ...]) -> Limits:
-        """Return the limits of joints, in this order."""
         q = [self._columns[n] for n in names]
         jerks = np.array([self.description.jerk_limits.get(n, np.inf) for n in names])
         return Limits(
@@ -192,7 +181,11 @@ class RobotModel:
     def _reduced(self, group: str, names: tuple[str, ...], q: Array) -> Chain:
         frozen = [self.model.getJointId(n) for n in self.model.names if n not in (*names, "universe")]
         model, geometry = pin.buildReducedModel(self.model, self.geometry, frozen, q)
-        _drop_pairs_within_one_body(geometry)
+        shapes = geometry.geometryObjects  # what no joint moves apart tells nothing about a configuration
+        _keep_pairs(
+            geometry,
+            [shapes[p.first].parentJoint != shapes[p.second].parentJoint for p in geometry.collisionPairs],
+        )
         hands = frozenset(self.description.hand_links)
         return Chain(names, model, geometry, self.limits_of(names), hands, self.grasp_frame_of(group))
 
@@ -209,13 +202,6 @@ class RobotModel:
             placement = link.placement * pin.SE3(frame.pose.matrix())
             self.model.addFrame(pin.Frame(name, link.parentJoint, parent, placement, pin.OP_FRAME))
         return {group: f"{GRASP_FRAME}/{group}" for group in self.description.grasp_frames}
-
-    def _collision_shapes(self) -> pin.GeometryModel:
-        raw = pin.buildGeomFromUrdfString(self.model, self.description.urdf, pin.GeometryType.COLLISION)
-        geometry = pin.GeometryModel()
-        for shape in simplified(raw.geometryObjects):
-            geometry.addGeometryObject(shape)
-        return geometry
 
     def _drop_harmless_pairs(self) -> None:
         """Keep the pairs of shapes that are worth checking.
@@ -238,10 +224,7 @@ class RobotModel:
             if not harmless:
                 self.geometry.addCollisionPair(pin.CollisionPair(a, b))
         overlaps = self._overlap_rates()
-        kept = [p for p, rate in zip(self.geometry.collisionPairs, overlaps, strict=True) if rate <= _ALWAYS]
-        self.geometry.removeAllCollisionPairs()
-        for pair in kept:
-            self.geometry.addCollisionPair(pair)
+        _keep_pairs(self.geometry, overlaps <= _ALWAYS)
 
     def _overlap_rates(self) -> Array:
         rng = np.random.default_rng(0)
@@ -262,12 +245,10 @@ def link_of(model: pin.Model, shape: pin.GeometryObject) -> str:
     return str(model.frames[shape.parentFrame].name)
 
 
-def _drop_pairs_within_one_body(geometry: pin.GeometryModel) -> None:
-    """Drop pairs that no joint of the model moves apart: checking them would tell nothing about a configuration."""
-    shapes = geometry.geometryObjects
-    kept = [p for p in geometry.collisionPairs if shapes[p.first].parentJoint != shapes[p.second].parentJoint]
+def _keep_pairs(geometry: pin.GeometryModel, kept: Iterable[bool]) -> None:
+    pairs = [pair for pair, keep in zip(geometry.collisionPairs, kept, strict=True) if keep]
     geometry.removeAllCollisionPairs()
-    for pair in kept:
+    for pair in pairs:
         geometry.addCollisionPair(pair)
 
 

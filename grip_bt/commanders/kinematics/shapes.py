@@ -1,4 +1,4 @@
-"""Collision shapes from solids and mesh files."""
+"""Collision shapes from solids and mesh files, and how far joints move them."""
 
 from __future__ import annotations
 
@@ -11,55 +11,22 @@ import numpy as np
 import pinocchio as pin
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.base.errors import DocumentError, MissingPartError
 from grip_bt.base.values.solids import Mesh
 
-_TOUCH = 1e-4
-"""Two lengths nearer than this [m] are equal in a model file."""
+from ..description.packages import Packages
 
 
 def simplified(objects: Iterable[pin.GeometryObject]) -> list[pin.GeometryObject]:
-    """Return collision objects that are quicker to check.
-
-    Meshes become their convex hulls, which contain them. A cylinder with two spheres of its radius at its ends,
-    all of one link, becomes the capsule that is their union.
-    """
-    convex = [_convex(o) for o in objects]
-    by_frame: dict[int, list[pin.GeometryObject]] = {}
-    for shape in convex:
-        by_frame.setdefault(shape.parentFrame, []).append(shape)
-    return [shape for shapes in by_frame.values() for shape in _with_capsules(shapes)]
+    """Return collision objects that are quicker to check: meshes become their convex hulls, which contain them."""
+    shapes = list(objects)
+    for shape in shapes:
+        if isinstance(shape.geometry, coal.BVHModelBase):
+            shape.geometry.buildConvexHull(True, "Qt")
+            shape.geometry = shape.geometry.convex
+    return shapes
 
 
-def _convex(shape: pin.GeometryObject) -> pin.GeometryObject:
-    if isinstance(shape.geometry, coal.BVHModelBase):
-        shape.geometry.buildConvexHull(True, "Qt")
-        shape.geometry = shape.geometry.convex
-    return shape
-
-
-def _with_capsules(shapes: list[pin.GeometryObject]) -> list[pin.GeometryObject]:
-    spheres = [s for s in shapes if isinstance(s.geometry, coal.Sphere)]
-    merged: set[str] = set()
-    for cylinder in (s for s in shapes if isinstance(s.geometry, coal.Cylinder)):
-        ends = [_sphere_at(spheres, cylinder, side) for side in (-1, 1)]
-        if all(ends):
-            cylinder.geometry = coal.Capsule(cylinder.geometry.radius, 2 * cylinder.geometry.halfLength)
-            merged.update(ends)  # type: ignore[arg-type]
-    return [s for s in shapes if s.name not in merged]
-
-
-def _sphere_at(spheres: list[pin.GeometryObject], cylinder: pin.GeometryObject, side: int) -> str | None:
-    """Return the name of the sphere that rounds one end of a cylinder, or None."""
-    end = cylinder.placement.act(np.array([0.0, 0.0, side * cylinder.geometry.halfLength]))
-    for sphere in spheres:
-        same_radius = abs(sphere.geometry.radius - cylinder.geometry.radius) < _TOUCH
-        if same_radius and np.linalg.norm(sphere.placement.translation - end) < _TOUCH:
-            return str(sphere.name)
-    return None
-
-
-PACKAGE = "package://"
 FORMATS = ("dae", "obj", "ply", "stl")
 
 
@@ -77,14 +44,16 @@ def load_mesh(
         file: a path, relative to `folder`, or `package://NAME/PATH`.
         scale: factors along x, y and z; 0.001 each for a file in mm.
         hollow: keep its surface; without it, its convex hull is taken, which is solid and quicker to check.
-        packages: package name -> folder; what it lacks is looked for in the shares of `AMENT_PREFIX_PATH`.
+        packages: package name -> folder; what it lacks is looked for where the packages of robots are.
         folder: that relative paths begin in; the current one when None.
 
     Raises:
-        DocumentError: there is no such file, or it isn't a mesh.
-        UnknownNameError: the package isn't known.
+        DocumentError: there is no such file or package, or it isn't a mesh.
     """
-    path = _found(str(file), packages or {}, folder)
+    try:
+        path = Packages(packages).resolve(os.path.expanduser(file), folder or Path())
+    except MissingPartError as error:
+        raise DocumentError(str(error), str(file)) from None
     if path.suffix.lower().lstrip(".") not in FORMATS:
         raise DocumentError(f"a mesh is a file of one of the formats {', '.join(FORMATS)}", str(path))
     if not path.is_file():
@@ -130,15 +99,51 @@ def convex_hull(points: Array) -> coal.ConvexBase:
     return coal.Convex.convexHull(rows, True, "Qt")
 
 
-def _found(file: str, packages: Mapping[str, Path], folder: Path | None) -> Path:
-    if not file.startswith(PACKAGE):
-        return (folder or Path()) / Path(file).expanduser()
-    package, _, rest = file.removeprefix(PACKAGE).partition("/")
-    if package in packages:
-        return packages[package] / rest
-    prefixes = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if prefix]
-    shares = [prefix / "share" / package for prefix in prefixes]
-    for share in shares:
-        if share.is_dir():
-            return share / rest
-    raise UnknownNameError("package", package, packages, where=file)
+def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> Array:
+    """Return how far from each joint's axis each shape can come [m, or m per m for a sliding joint], shape (nv, k).
+
+    It is 0 where the joint doesn't move the shape. The displacement of any point of a shape is at most the sum over the
+    joints of this times the joint's motion, whatever the others do.
+    """
+    columns = []
+    for shape in shapes:
+        column, joint = np.zeros(model.nv), shape.parentJoint
+        radius = float(np.linalg.norm(corners(shape), axis=1).max()) if joint else 0.0
+        while joint:
+            kind, stroke = model.joints[joint], 0.0
+            if kind.shortname() in _SLIDING:
+                stroke = max(abs(model.lowerPositionLimit[kind.idx_q]), abs(model.upperPositionLimit[kind.idx_q]))
+                column[kind.idx_v] = 1.0
+            else:
+                column[kind.idx_v] = radius
+            radius += float(np.linalg.norm(model.jointPlacements[joint].translation)) + stroke
+            joint = model.parents[joint]
+        columns.append(column)
+    return np.array(columns).reshape(-1, model.nv).T
+
+
+def between(moved: Array) -> Array:
+    """Return how far each joint can move two shapes against one another [m/rad], shape (nv, k, k).
+
+    A joint that moves both moves them alike; so it counts only where it moves one of them.
+
+    Args:
+        moved: see `shape_reaches`, shape (nv, k).
+    """
+    one, other = moved[:, :, None], moved[:, None, :]
+    return np.where((one > 0) != (other > 0), one + other, 0.0)
+
+
+_SLIDING = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
+
+
+def corners(shape: pin.GeometryObject) -> Array:
+    """Return points in the body's frame, shape (k, 3), whose convex hull contains the shape."""
+    solid = shape.geometry
+    if isinstance(solid, coal.ConvexBase):
+        points = np.array(solid.points())
+    else:
+        solid.computeLocalAABB()
+        low, high = solid.aabb_local.min_, solid.aabb_local.max_
+        points = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    return points @ shape.placement.rotation.T + shape.placement.translation

@@ -1,17 +1,15 @@
 """Inverse kinematics by TRAC-IK, and the serial chains that it and the analytic solver work on.
 
-Two of its threads race, a Newton descent and sequential quadratic programming, and the first one that arrives wins:
-it is robust, and doesn't repeat. What it returns is checked against our own forward kinematics. The wheel takes whole
-poses only, so partial targets are solved by damped least squares.
+It is robust, and doesn't repeat: two threads race. What it returns is checked against our own forward kinematics. The
+wheel takes whole poses only, so partial targets are solved by damped least squares.
 """
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Hashable, Iterable, Iterator
-from functools import wraps
-from typing import Any, TypeVar
-from weakref import WeakKeyDictionary
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -19,26 +17,10 @@ import pinocchio as pin
 from grip_bt.base.arrays import Array
 
 from . import damped_least_squares
+from .damped_least_squares import Target
 from .model import Chain
-from .target import Target
 
 BASE, TIP = "base", "tip"
-_AXES = {"RX": 0, "RY": 1, "RZ": 2, "PX": 0, "PY": 1, "PZ": 2}
-Made = TypeVar("Made")
-
-
-def axis_of(joint: pin.JointModel) -> tuple[bool, Array]:
-    """Return whether a joint of one degree of freedom turns (else it slides), and its axis, shape (3,).
-
-    Raises:
-        ValueError: the joint has another number of degrees of freedom, or is continuous.
-    """
-    kind = joint.shortname().removeprefix("JointModel")
-    if kind in _AXES:
-        return kind[0] == "R", np.eye(3)[_AXES[kind]]
-    if kind in ("RevoluteUnaligned", "PrismaticUnaligned"):
-        return kind[0] == "R", np.array(joint.extract().axis)
-    raise ValueError(f"a {kind} joint has no single axis with limits")
 
 
 def moved_by(chain: Chain) -> list[int]:
@@ -46,38 +28,31 @@ def moved_by(chain: Chain) -> list[int]:
     return list(chain.model.supports[chain.model.frames[chain.frame].parentJoint])[1:]
 
 
-def urdf_of(chain: Chain) -> str:
-    """Return a URDF of nothing but the chain's kinematics, from link `base` to link `tip`, the grasp frame.
+def at_zero(chain: Chain) -> list[tuple[bool, Array, pin.SE3]]:
+    """Return of those joints whether each turns (else it slides), and its axis, shape (3,), and its frame in world."""
+    model, data, found = chain.model, chain.model.createData(), []
+    columns = pin.computeJointJacobians(model, data, np.zeros(model.nq)).T
+    for joint in moved_by(chain):
+        linear, angular = np.split(np.array(columns[model.joints[joint].idx_v]), 2)
+        turns = bool(np.linalg.norm(angular) > 0.5)
+        found.append((turns, angular if turns else linear, data.oMi[joint].copy()))
+    return found
 
-    Raises:
-        ValueError: a joint has no single axis with limits.
-    """
+
+def urdf_of(chain: Chain) -> str:
+    """Return a URDF of nothing but the chain's kinematics, from link `base` to link `tip`, the grasp frame."""
     model, robot = chain.model, ET.Element("robot", name="chain")
     ET.SubElement(robot, "link", name=BASE)
     parent = BASE
-    for joint in moved_by(chain):
-        turns, axis = axis_of(model.joints[joint])
+    for joint, (turns, axis, place) in zip(moved_by(chain), at_zero(chain), strict=True):
         column, name = model.joints[joint].idx_q, str(model.names[joint])
         element = _joint(robot, name, "revolute" if turns else "prismatic", parent, name, model.jointPlacements[joint])
-        ET.SubElement(element, "axis", xyz=_numbers(axis))
+        ET.SubElement(element, "axis", xyz=_numbers(place.rotation.T @ axis))
         lower, upper = (repr(float(limit[column])) for limit in (chain.limits.lower, chain.limits.upper))
         ET.SubElement(element, "limit", lower=lower, upper=upper, velocity="1", effort="1")
         parent = name
     _joint(robot, TIP, "fixed", parent, TIP, model.frames[chain.frame].placement)
     return ET.tostring(robot, encoding="unicode")
-
-
-def kept_with_chain(make: Callable[[Chain], Made]) -> Callable[[Chain], Made]:
-    """Return `make` as a function that keeps its result as long as the chain is alive."""
-    made: WeakKeyDictionary[Hashable, Made] = WeakKeyDictionary()
-
-    @wraps(make)
-    def kept(chain: Chain) -> Made:
-        if chain not in made:
-            made[chain] = make(chain)
-        return made[chain]
-
-    return kept
 
 
 def _joint(robot: ET.Element, name: str, kind: str, parent: str, child: str, place: pin.SE3) -> ET.Element:
@@ -128,7 +103,7 @@ def solutions(
             yield q
 
 
-@kept_with_chain
+@lru_cache(maxsize=8)
 def _engine(chain: Chain) -> Any:
     wheel = _wheel()
     return wheel.TRAC_IK(BASE, TIP, urdf_of(chain), _TIME, _PRECISION, wheel.SolveType.Speed)

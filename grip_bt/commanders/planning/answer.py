@@ -14,7 +14,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Plan, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
-from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
@@ -90,17 +90,19 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     for moment, row in zip(given.times, positions, strict=True):
         if not chain.within_limits(row):
             raise out_of_limits(chain, row, f"{moment:.2f} s into the trajectory, it is")
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    checker = CollisionChecker(chain, situation.scene, situation.hand, 0.0)
     if met := checker.pairs(positions[0]):
         raise PathInvalidError(f"the trajectory starts in collision: {touching(met)}", pairs=met, time=0.0)
     known = given.velocities is not None
-    whole = Trajectory(
-        chain.joints,
-        given.times,
-        positions,
-        _of_all(given.velocities if known else _smooth(given), columns, positions),
-        _of_all(given.accelerations if known else None, columns, positions),
-    )
+
+    def of_all(rows: Array | None) -> Array | None:  # zero for those that stay
+        whole = np.zeros_like(positions)
+        if rows is not None:
+            whole[:, columns] = rows
+        return whole if rows is not None else None
+
+    velocities = of_all(given.velocities if known else _smooth(given))
+    whole = Trajectory(chain.joints, given.times, positions, velocities, of_all(given.accelerations if known else None))
     if request.slow_down:
         velocity, acceleration, _ = allowed(chain, situation.settings)
         whole = whole.stretched(whole.duration * longer(whole, velocity, acceleration))
@@ -108,15 +110,6 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     if touched := first_touch(checker, whole):
         at, pairs = touched
         raise PathInvalidError(f"{at:.1f} s into the trajectory, {touching(pairs)}", pairs=pairs, time=at)
-    return whole
-
-
-def _of_all(given: Array | None, columns: list[int], like: Array) -> Array | None:
-    """Return derivatives for all joints, shape (k, n): zero for those that stay."""
-    if given is None:
-        return None
-    whole = np.zeros_like(like)
-    whole[:, columns] = given
     return whole
 
 
@@ -146,24 +139,24 @@ def answer(model: RobotModel, request: Request, canceled: Callable[[], bool]) ->
     Raises:
         ExpectedError: with the reason why there is no answer.
     """
-    begin = time.monotonic()
-    if isinstance(request, CheckTogether):
-        check_together(model, request)
-        return None
-    if isinstance(request, ChooseGrasp):
-        return choose_grasp(model, request.situation, request.grasps, canceled)
-    if isinstance(request, PlanStraight):
-        planner, trajectory = "straight", plan_straight(model, request)
-    elif isinstance(request, PlanThrough):
-        trajectory, radii = plan_through(model, request, canceled)
-        return Plan(request.situation.group, trajectory, "through", time.monotonic() - begin, radii)
-    elif isinstance(request, PlanServoStep):
-        planner, trajectory = "onward", plan_servo_step(model, request)
-    elif isinstance(request, CheckTrajectory):
-        planner, trajectory = "given", plan_from_trajectory(model, request)
-    else:
-        planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled)
-    return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin)
+    begin, radii = time.monotonic(), tuple[float, ...]()
+    match request:
+        case CheckTogether():
+            check_together(model, request)
+            return None
+        case ChooseGrasp():
+            return choose_grasp(model, request.situation, request.grasps, canceled)
+        case PlanStraight():
+            planner, trajectory = "straight", plan_straight(model, request)
+        case PlanThrough():
+            planner, (trajectory, radii) = "through", plan_through(model, request, canceled)
+        case PlanServoStep():
+            planner, trajectory = "onward", plan_servo_step(model, request)
+        case CheckTrajectory():
+            planner, trajectory = "given", plan_from_trajectory(model, request)
+        case PlanTo():
+            planner, trajectory = request.situation.settings.planner, plan_to(model, request, canceled)
+    return Plan(request.situation.group, trajectory, planner, time.monotonic() - begin, radii)
 
 
 def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) -> Trajectory:
@@ -185,7 +178,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     chain, checker = chain_and_checker(model, situation, margin=0.0)
     start = free_start(chain, checker, situation, request.constraint)
     goals = goals_of(chain, checker, request, start)
-    roomy = recent_checker(chain, situation.scene, situation.hand, settings.margin)
+    roomy = CollisionChecker(chain, situation.scene, situation.hand, settings.margin)
     wide = roomy.free(start)
     tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
     attempts = [
@@ -238,7 +231,7 @@ def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:
     for row in step.positions:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "the next steering step would be")
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    checker = CollisionChecker(chain, situation.scene, situation.hand, 0.0)
     if touched := first_touch(checker, step):
         raise PathInvalidError(f"the steering step would collide: {touching(touched[1])}", pairs=touched[1])
     return step

@@ -37,14 +37,10 @@ class Budget:
     Args:
         seconds: CPU time [s].
         clocks: what tells the time; `REAL` where nothing is said.
-        wall: wall time that ends it too [s]; `BACKSTOP` times `seconds` where nothing is said.
     """
 
-    __slots__ = ("_asked", "_began", "_clocks", "_most", "_of", "_seconds", "_wall")
-
-    def __init__(self, seconds: float, clocks: Clocks | None = None, wall: float | None = None):
-        self._clocks, self._seconds = clocks or REAL, seconds
-        self._wall = BACKSTOP * seconds if wall is None else wall
+    def __init__(self, seconds: float, clocks: Clocks | None = None):
+        self._clocks, self._seconds, self._wall = clocks or REAL, seconds, BACKSTOP * seconds
         self._began = self._clocks.worked(), self._clocks.passed()
         self._asked, self._most = 0.0, RATE * seconds
         self._of: Budget | None = None
@@ -79,7 +75,7 @@ class Budget:
 
     def part(self, seconds: float) -> Budget:
         """Return a budget of the work that is done in so many seconds."""
-        part = Budget(self._seconds, self._clocks, self._wall)
+        part = Budget(self._seconds, self._clocks)
         part._most, part._of = RATE * seconds, self
         return part
 

@@ -19,11 +19,11 @@ from grip_bt.base.failures import (
 )
 from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
-from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.kinematics.ik import solver
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
-from grip_bt.commanders.kinematics.target import Target
-from grip_bt.commanders.planning.continuous import continuously_free, trajectory_free
+from grip_bt.commanders.planning.continuous import trajectory_free
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, kept
 from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.settings import PlanningSettings
@@ -139,7 +139,7 @@ START_SLACK = 0.03
 def chain_and_checker(model: RobotModel, situation: Situation, margin: float) -> tuple[Chain, CollisionChecker]:
     """Return what moves, and what tells whether it is free, `margin` [m] away from the scene's objects."""
     chain = model.chain(situation.group, situation.start)
-    return chain, recent_checker(chain, situation.scene, situation.hand, margin)
+    return chain, CollisionChecker(chain, situation.scene, situation.hand, margin)
 
 
 def drawn_in(chain: Chain, situation: Situation) -> Array:
@@ -187,12 +187,6 @@ def refuse_collisions(checker: CollisionChecker, path: Path) -> None:
             pairs=pairs,
             fraction=row / len(path),
         )
-
-
-def finely_free(checker: CollisionChecker, positions: Array) -> bool:
-    """Tell whether the motion through the rows, shape (k, n), is within limits and free all along."""
-    within = checker.chain.within_limits(positions, slack=1e-3)
-    return within and continuously_free(checker, positions)
 
 
 def allowed(chain: Chain, settings: PlanningSettings) -> Allowed:

@@ -6,23 +6,22 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import pinocchio as pin
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import CanceledError, NoGraspError, NoPlanError, TimeOutError
-from grip_bt.base.values import Grasp, JointState, Pose
+from grip_bt.base.values import Grasp, JointState
 from grip_bt.base.values.pose import check_frame
 
 from ..kinematics.collision import CollisionChecker
+from ..kinematics.damped_least_squares import Target
 from ..kinematics.ik import solver
 from ..kinematics.model import Chain, RobotModel
-from ..kinematics.target import Target
 from ..scene_state import SceneSnapshot
 from .budget import Budget
 from .paths import interpolated
 from .requests import ChosenGrasp, Situation
 from .search import RESOLUTION, Search
-from .straight import BrokenLineError, straight_path
+from .straight import BrokenLineError, straight_path, world_pose
 
 TARGET_WITHIN = 0.03
 """The object nearest to the closing point, at most this far from it [m], is the one that a grasp takes."""
@@ -69,14 +68,10 @@ def choose_grasp(
     reasons: Counter[str] = Counter()
     search = GraspSearch(model, situation)
     for grasp in sorted(grasps, key=lambda g: -g.quality):
-        trial = GraspTrial(search, grasp)
-        for q in trial.configurations():
-            if canceled():
-                raise CanceledError("the choice of a grasp was cancelled")
-            if (pre := trial.pre_configuration(q)) is not None and trial.can_go_to(pre, canceled):
-                names = trial.chain.joints
-                return ChosenGrasp(grasp, JointState(names, pre), JointState(names, q), dict(reasons))
-        reasons[trial.reason] += 1
+        found = search.tried(grasp, canceled)
+        if not isinstance(found, str):
+            return ChosenGrasp(grasp, *found, dict(reasons))
+        reasons[found] += 1
     raise none_feasible(reasons, len(grasps))
 
 
@@ -87,125 +82,101 @@ def none_feasible(reasons: Counter[str], candidates: int) -> NoGraspError:
     return NoGraspError(said, reasons=dict(reasons), candidates=candidates)
 
 
+STAGES = ("no_ik", "in_collision", "approach_blocked", "pre_grasp_in_collision", "lift_blocked", "no_plan")
+"""Why a grasp is refused, by how far the configuration that comes furthest comes."""
+
+
 class GraspSearch:
     """What the candidates of one request share: collision checkers, and configurations that reached one of them."""
 
     def __init__(self, model: RobotModel, situation: Situation):
-        self.model, self.situation = model, situation
-        self.reached: tuple[Array, ...] = ()
+        self._model, self._situation, self._settings = model, situation, situation.settings
+        self._reached: tuple[Array, ...] = ()
         self._made: dict[tuple[int, str | None], CollisionChecker] = {}
 
-    def chain(self, grasp: Grasp) -> Chain:
-        """Return the arm with its hand in the grasp's pre-posture."""
-        posture = grasp.pre_posture or self.model.description.opened(self.situation.group)
-        return self.model.chain(self.situation.group, self.situation.start, posture)
+    def tried(self, grasp: Grasp, canceled: Callable[[], bool]) -> tuple[JointState, JointState] | str:
+        """Return configurations at the pre-grasp and at the grasp, or, where it isn't feasible, one of `STAGES`.
 
-    def without(self, chain: Chain, target: str | None) -> CollisionChecker:
-        """Return the checker that doesn't see an object; None stands for no object."""
-        key = (id(chain), target)
-        if key not in self._made:
-            scene = self.situation.scene
-            seen = scene if target is None else scene.without([target])
-            self._made[key] = CollisionChecker(chain, seen, self.situation.hand)
-        return self._made[key]
-
-    def holding(self, chain: Chain, target: str | None, grasp: Pose) -> CollisionChecker:
-        """Return the checker in which the hand holds an object, having closed at `grasp`."""
-        if target is None:
-            return self.without(chain, None)
-        held = self.situation.scene.attaching(target, self.situation.hand, grasp)
-        return CollisionChecker(chain, held, self.situation.hand)
-
-
-class GraspTrial:
-    """One candidate under test.
-
-    Attributes:
-        chain: the arm with its hand in the grasp's pre-posture.
-        reason: how far the candidate got: `no_ik`, `in_collision`, `approach_blocked`, `pre_grasp_in_collision`
-            `lift_blocked` or `no_plan`.
-    """
-
-    _STAGES = ("no_ik", "in_collision", "approach_blocked", "pre_grasp_in_collision", "lift_blocked", "no_plan")
-
-    def __init__(self, search: GraspSearch, grasp: Grasp):
+        Raises:
+            TimeOutError: looking for the way to it took too long.
+            CanceledError: it was cancelled.
+        """
         for pose in (grasp.pre_grasp, grasp.pose, grasp.post_grasp):
             check_frame(pose, "world")
-        self._search, self._grasp = search, grasp
-        self._target = target_of(grasp, search.situation.scene)
-        self.chain = search.chain(grasp)
-        self._approach = search.without(self.chain, self._target)
-        self._stage = 0
+        posture = grasp.pre_posture or self._model.description.opened(self._situation.group)
+        chain = self._model.chain(self._situation.group, self._situation.start, posture)
+        target, furthest = target_of(grasp, self._situation.scene), "no_ik"
+        free, reached = self._configurations(chain, grasp, self._without(chain, target))
+        if reached:
+            furthest = "in_collision"
+        for q in free:
+            if canceled():
+                raise CanceledError("the choice of a grasp was cancelled")
+            pre = self._pre_configuration(chain, grasp, target, q)
+            stage = pre if isinstance(pre, str) else "no_plan"
+            if not isinstance(pre, str) and self.can_go_to(chain, pre, canceled):
+                return JointState(chain.joints, pre), JointState(chain.joints, q)
+            furthest = max(furthest, stage, key=STAGES.index)
+        return furthest
 
-    @property
-    def reason(self) -> str:
-        """Why it was refused, judged by the configuration that came furthest."""
-        return self._STAGES[self._stage]
-
-    def configurations(self) -> list[Array]:
-        """Return up to four free configurations at the grasp, the nearest to the present one first.
+    def _configurations(self, chain: Chain, grasp: Grasp, approach: CollisionChecker) -> tuple[list[Array], bool]:
+        """Return up to four free configurations at the grasp, the nearest to the present one first; whether any is.
 
         What reached other candidates is tried first: their poses are much alike.
         """
-        situation = self._search.situation
-        rng = np.random.default_rng(situation.settings.seed)
-        start = situation.start.ordered(self.chain.joints)
-        home = self._search.model.description.named_state(situation.group, "home").position
-        find = solver(situation.settings.kinematics)
-        free = []
-        seeds = (start, home, *self._search.reached)
-        for q in find(self.chain, Target(_se3(self._grasp.pose)), rng, seeds, _RESTARTS):
-            self._reached(1)
-            self._search.reached = (q, *self._search.reached[: _WARM - 1])
-            if self._approach.free(q):
+        rng, start = np.random.default_rng(self._settings.seed), self._situation.start.ordered(chain.joints)
+        home = self._model.description.named_state(self._situation.group, "home").position
+        find, free, any_reached = solver(self._settings.kinematics), list[Array](), False
+        for q in find(chain, Target(world_pose(grasp.pose)), rng, (start, home, *self._reached), _RESTARTS):
+            any_reached = True
+            self._reached = (q, *self._reached[: _WARM - 1])
+            if approach.free(q):
                 free.append(q)
             if len(free) == _SOLUTIONS:
                 break
-        return sorted(free, key=lambda q: float(np.linalg.norm(q - start)))
+        return sorted(free, key=lambda q: float(np.linalg.norm(q - start))), any_reached
 
-    def pre_configuration(self, q: Array) -> Array | None:
-        """Return the configuration at the pre-grasp from which the straight approach ends at `q`, or None.
-
-        None too when the lift from `q` isn't possible.
-        """
-        self._reached(2)
+    def _pre_configuration(self, chain: Chain, grasp: Grasp, target: str | None, q: Array) -> Array | str:
+        """Return the configuration at the pre-grasp from which the straight approach ends at `q`, or what is amiss."""
+        stage = "approach_blocked"
         try:
-            approach = straight_path(self.chain, q, _se3(self._grasp.pre_grasp))
-            if not self._approach.all_free(interpolated(approach, RESOLUTION)):
-                return None
-            self._reached(3)
-            if not self._search.without(self.chain, None).free(approach[-1]):
-                return None
-            self._reached(4)
-            lift = straight_path(self.chain, q, _se3(self._grasp.post_grasp))
+            approach = straight_path(chain, q, world_pose(grasp.pre_grasp))
+            if not self._without(chain, target).all_free(interpolated(approach, RESOLUTION)):
+                return stage
+            if not self._without(chain, None).free(approach[-1]):
+                return "pre_grasp_in_collision"
+            stage = "lift_blocked"
+            lift = straight_path(chain, q, world_pose(grasp.post_grasp))
         except BrokenLineError:
-            return None
-        holding = self._search.holding(self.chain, self._target, self._grasp.pose)
-        return approach[-1] if holding.all_free(interpolated(lift, RESOLUTION)) else None
+            return stage
+        holding = self._without(chain, None)
+        if target is not None:
+            held = self._situation.scene.attaching(target, self._situation.hand, grasp.pose)
+            holding = CollisionChecker(chain, held, self._situation.hand)
+        return approach[-1] if holding.all_free(interpolated(lift, RESOLUTION)) else stage
 
-    def can_go_to(self, pre: Array, canceled: Callable[[], bool]) -> bool:
+    def can_go_to(self, chain: Chain, pre: Array, canceled: Callable[[], bool]) -> bool:
         """Tell whether a free path leads from the present configuration to `pre`.
 
         The search gets little time: a path that is hard to find here is hard to find again when it is needed.
         """
-        self._reached(5)
-        situation = self._search.situation
-        settings, start = situation.settings, situation.start.ordered(self.chain.joints)
-        checker = self._search.without(self.chain, None)
+        start, checker = self._situation.start.ordered(chain.joints), self._without(chain, None)
         if not checker.free(start):
             return True  # the plan itself will tell that the start is in collision
         whole = Budget(_LONGEST)
         try:
-            Search(checker, settings, None, canceled).path(start, pre, whole.part(_PATIENCE))
+            Search(checker, self._settings, None, canceled).path(start, pre, whole.part(_PATIENCE))
         except (NoPlanError, TimeOutError):
             if whole.out_of_time:
                 raise
             return False
         return True
 
-    def _reached(self, stage: int) -> None:
-        self._stage = max(self._stage, stage)
-
-
-def _se3(pose: Pose) -> pin.SE3:
-    return pin.SE3(pose.matrix())
+    def _without(self, chain: Chain, target: str | None) -> CollisionChecker:
+        """Return the checker that doesn't see an object; None stands for no object."""
+        key = (id(chain), target)
+        if key not in self._made:
+            scene = self._situation.scene
+            seen = scene if target is None else scene.without([target])
+            self._made[key] = CollisionChecker(chain, seen, self._situation.hand)
+        return self._made[key]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import TypeVar
@@ -24,7 +24,7 @@ from .paths import shortened
 from .tree_planners import bitrrt, cbirrt, costs, highest_cost
 
 T = TypeVar("T")
-BITRRT = "BiTRRT"
+BITRRT, CBIRRT = "BiTRRT", "CBiRRT"
 RESOLUTION = 0.02
 """No joint moves more than this [rad] between two checks while planning; the timed result is checked more finely."""
 _THREADED = frozenset({"PRM", "PRMstar"})
@@ -37,8 +37,8 @@ _STEP = 0.25
 OMPL's own range, a fifth of the space's diagonal, leads to longer ways and takes longer where it is hard.
 """
 
-_HARDER = 6.0
-"""What one step of BiTRRT or CBiRRT is, in checks of RRTConnect."""
+_HARDER = {BITRRT: 6.0, CBIRRT: 6.0}
+"""What one step of a planner is, in checks of RRTConnect."""
 
 _PARAMETERS = {
     "range": "setRange",
@@ -84,84 +84,14 @@ def settable(planner: str) -> frozenset[str]:
     return frozenset(name for name, setter in _PARAMETERS.items() if hasattr(kind, setter))
 
 
-def plan_free(
-    checker: CollisionChecker,
-    start: Array,
-    goal: Array,
-    planner: str,
-    seed: int,
-    budget: Budget,
-    canceled: Callable[[], bool],
-    resolution: float = RESOLUTION,
-    parameters: Mapping[str, float] | None = None,
-) -> Path:
-    """Return a short free path from `start` to `goal`, shape (k, n).
-
-    Args:
-        checker: what is avoided; start and goal are free in it.
-        planner: name of an OMPL planner.
-        seed: of all random choices.
-        budget: time to give up after.
-        canceled: asked often; True ends it.
-        resolution: largest joint step between two checks [rad].
-        parameters: of the planner, by their names in `ompl_planning.yaml`; those that it hasn't are left out, see
-            `settable`.
-
-    Raises:
-        UnknownNameError: there is no such planner.
-        CanceledError: it was cancelled.
-        TimeOutError: its time was over.
-        NoPlanError: the planner gave up.
-    """
-    if planner not in PLANNERS:
-        raise UnknownNameError("planner", planner, PLANNERS)
-    motion_free = MotionCheck(checker, resolution)
-
-    def over() -> bool:
-        return bool(canceled()) or budget.over(1.0 if planner != BITRRT else _HARDER)  # no bool of numpy's for OMPL
-
-    if planner == BITRRT:
-        path = bitrrt(checker, motion_free, start, goal, np.random.default_rng(seed), over)
-
-        def no_worse(one: Array, other: Array) -> bool:  # comes no closer to things than where it leaves the path
-            ends = np.stack([one, other])
-            return motion_free(one, other) and highest_cost(checker, ends) <= float(costs(checker, ends).max())
-
-        return shortened(_found(path, planner, budget, canceled), no_worse, np.random.default_rng(seed))
-    if motion_free(start, goal):
-        return np.stack([start, goal])
-    path = _solved(checker, motion_free, start, goal, planner, seed, _Ending(over, planner, budget), parameters or {})
-    return shortened(_found(path, planner, budget, canceled), motion_free, np.random.default_rng(seed))
-
-
-def plan_constrained(
-    checker: CollisionChecker,
-    constraint: PathConstraint,
-    start: Array,
-    goal: Array,
-    seed: int,
-    budget: Budget,
-    canceled: Callable[[], bool],
-    resolution: float = RESOLUTION,
-) -> Path:
-    """Return a short free path, shape (k, n), that keeps to a constraint, by CBiRRT; arguments as for `plan_free`.
-
-    Raises:
-        CanceledError: it was cancelled.
-        TimeOutError: its time was over.
-    """
-
-    def over() -> bool:
-        return canceled() or budget.over(_HARDER)
-
-    rng = np.random.default_rng(seed)
-    path = cbirrt(checker, MotionCheck(checker, resolution), constraint, start, goal, rng, over)
-    return _found(path, "CBiRRT", budget, canceled)
-
-
 @dataclass(frozen=True)
 class Search:
-    """Searches for one request: by the planner of its settings, or by CBiRRT where a constraint has to be kept."""
+    """Searches for one request: by the planner of its settings, or by CBiRRT where a constraint has to be kept.
+
+    Attributes:
+        checker: what is avoided; start and goal are free in it.
+        canceled: asked often; True ends it.
+    """
 
     checker: CollisionChecker
     settings: PlanningSettings
@@ -169,11 +99,122 @@ class Search:
     canceled: Callable[[], bool]
 
     def path(self, start: Array, goal: Array, budget: Budget, attempt: int = 0, resolution: float = RESOLUTION) -> Path:
-        """Return a free path; errors are those of `plan_free` and `plan_constrained`."""
-        seed, canceled, given = self.settings.seed + attempt, self.canceled, dict(self.settings.parameters)
+        """Return a short free path from `start` to `goal`, shape (k, n).
+
+        Args:
+            budget: time to give up after.
+            attempt: changes the seed of all random choices.
+            resolution: largest joint step between two checks [rad].
+
+        Raises:
+            UnknownNameError: there is no such planner.
+            CanceledError: it was cancelled.
+            TimeOutError: its time was over.
+            NoPlanError: the planner gave up.
+        """
+        planner = self.settings.planner if self.constraint is None else CBIRRT
+        if planner not in (*PLANNERS, CBIRRT):
+            raise UnknownNameError("planner", planner, PLANNERS)
+        checker, seed, work = self.checker, self.settings.seed + attempt, _HARDER.get(planner, 1.0)
+        rng, motion_free = np.random.default_rng(seed), MotionCheck(checker, resolution)
+
+        def over() -> bool:
+            return bool(self.canceled()) or budget.over(work)  # no bool of numpy's for OMPL
+
+        def no_worse(one: Array, other: Array) -> bool:  # comes no closer to things than where it leaves the path
+            ends = np.stack([one, other])
+            return motion_free(one, other) and highest_cost(checker, ends) <= float(costs(checker, ends).max())
+
+        path: Path | None
         if self.constraint is not None:
-            return plan_constrained(self.checker, self.constraint, start, goal, seed, budget, canceled, resolution)
-        return plan_free(self.checker, start, goal, self.settings.planner, seed, budget, canceled, resolution, given)
+            path = cbirrt(checker, motion_free, self.constraint, start, goal, rng, over)
+        elif planner == BITRRT:
+            path = bitrrt(checker, motion_free, start, goal, rng, over)
+        elif motion_free(start, goal):
+            return np.stack([start, goal])
+        else:
+            path = self._by_ompl(motion_free, start, goal, seed, over, budget.wall_left)
+        if self.canceled():
+            raise CanceledError("planning was cancelled")
+        if path is None:
+            if budget.over(0.0):
+                raise TimeOutError(f"{planner} found no path {budget}", planner=planner)
+            raise NoPlanError(f"{planner} found no path", planner=planner)
+        if self.constraint is not None:
+            return path
+        return shortened(path, no_worse if planner == BITRRT else motion_free, np.random.default_rng(seed))
+
+    def _by_ompl(
+        self, motion_free: MotionCheck, start: Array, goal: Array, seed: int, over: Callable[[], bool], most: float
+    ) -> Path | None:
+        # Re-seeding after the first use makes requests independent of one another; OMPL logs an error about it.
+        ou.setLogLevel(ou.LogLevel.LOG_NONE)
+        ou.RNG.setSeed(seed + 1)
+        limits, dimension, planner = self.checker.chain.limits, len(start), self.settings.planner
+        space, bounds = ob.RealVectorStateSpace(dimension), ob.RealVectorBounds(dimension)
+        for k, (low, high) in enumerate(zip(limits.lower.tolist(), limits.upper.tolist(), strict=True)):
+            bounds.setLow(k, low)
+            bounds.setHigh(k, high)
+        space.setBounds(bounds)
+        setup = og.SimpleSetup(space)
+        information = setup.getSpaceInformation()
+        timed = planner in _THREADED
+        condition = (
+            ob.timedPlannerTerminationCondition(max(0.01, most)) if timed else ob.PlannerTerminationCondition(over)
+        )
+        motions = _Motions(information, motion_free, over, condition)
+        setup.setStateValidityChecker(lambda state: not motions.ended() and self.checker.free(motions.values(state)))
+        information.setMotionValidator(motions)
+        ends = [space.allocState(), space.allocState()]
+        for state, q in zip(ends, (start, goal), strict=True):
+            for k, value in enumerate(q.tolist()):
+                state[k] = value
+        setup.setStartAndGoalStates(*ends)
+        search = getattr(og, planner)(information)
+        usual = {"range": _STEP * float(np.sqrt(dimension))} if planner == "RRTConnect" else {}
+        given = {name: value for name, value in self.settings.parameters if value or name != "range"}  # 0: the usual
+        for name, value in {**usual, **given}.items():
+            if name in settable(planner):
+                getattr(search, _PARAMETERS[name])(value)
+        setup.setPlanner(search)
+        objective = ob.PathLengthOptimizationObjective(information)
+        objective.setCostThreshold(ob.Cost(1e9))  # optimising planners: the first path will do, it is shortened anyway
+        setup.setOptimizationObjective(objective)
+        setup.solve(condition)
+        if not setup.haveExactSolutionPath():
+            return None
+        path = setup.getSolutionPath()
+        rows = [motions.values(path.getState(k)) for k in range(path.getStateCount())]
+        rows[0], rows[-1] = start, goal
+        return np.stack(rows)
+
+
+class _Motions(ob.MotionValidator):  # type: ignore[misc]  # OMPL has no types
+    """OMPL's question about an edge, answered by one batched check; each may end the search.
+
+    Then no check is worth its time: some searches make thousands of them before they ask their condition again.
+    """
+
+    def __init__(
+        self, information: ob.SpaceInformation, free: MotionCheck, over: Callable[[], bool], condition: object
+    ):
+        super().__init__(information)
+        self.free, self.dimension = free, information.getStateDimension()
+        self._over, self._condition, self._ended = over, condition, False
+
+    def ended(self) -> bool:
+        """Tell whether the search has to end, and see to that."""
+        if not self._ended and self._over():
+            self._ended = True
+            self._condition.terminate()  # type: ignore[attr-defined]
+        return self._ended
+
+    def values(self, state: ob.State) -> Array:
+        """Return a state's configuration, shape (n,)."""
+        return np.array([state[k] for k in range(self.dimension)])
+
+    def checkMotion(self, one: ob.State, other: ob.State, *_: object) -> bool:
+        return not self.ended() and self.free(self.values(one), self.values(other))
 
 
 def first_success(attempts: Sequence[Callable[[Budget], T]], budget: Budget) -> T:
@@ -191,106 +232,3 @@ def first_success(attempts: Sequence[Callable[[Budget], T]], budget: Budget) -> 
                 raise
             failure = error
     raise failure
-
-
-def _found(path: Path | None, planner: str, budget: Budget, canceled: Callable[[], bool]) -> Path:
-    if canceled():
-        raise CanceledError("planning was cancelled")
-    if path is None:
-        if budget.over(0.0):
-            raise TimeOutError(f"{planner} found no path {budget}", planner=planner)
-        raise NoPlanError(f"{planner} found no path", planner=planner)
-    return path
-
-
-def _solved(
-    checker: CollisionChecker,
-    motion_free: MotionCheck,
-    start: Array,
-    goal: Array,
-    planner: str,
-    seed: int,
-    ending: _Ending,
-    parameters: Mapping[str, float],
-) -> Path | None:
-    # Re-seeding after the first use is what makes requests independent of one another; OMPL logs an error about it.
-    ou.setLogLevel(ou.LogLevel.LOG_NONE)
-    ou.RNG.setSeed(seed + 1)
-    setup = og.SimpleSetup(_space(checker))
-    information = setup.getSpaceInformation()
-    dimension = len(start)
-    setup.setStateValidityChecker(lambda state: not ending.noticed() and checker.free(_values(state, dimension)))
-    information.setMotionValidator(_MotionValidator(information, motion_free, dimension, ending))
-    space = setup.getStateSpace()
-    setup.setStartAndGoalStates(_state(space, start), _state(space, goal))
-    search = getattr(og, planner)(information)
-    usual = {"range": _STEP * float(np.sqrt(dimension))} if planner == "RRTConnect" else {}
-    given = {name: value for name, value in parameters.items() if value or name != "range"}  # 0: the usual one
-    for name, value in {**usual, **given}.items():
-        if name in settable(planner):
-            getattr(search, _PARAMETERS[name])(value)
-    setup.setPlanner(search)
-    objective = ob.PathLengthOptimizationObjective(information)
-    objective.setCostThreshold(ob.Cost(1e9))  # optimising planners: the first path will do, it is shortened anyway
-    setup.setOptimizationObjective(objective)
-    setup.solve(ending.condition)
-    if not setup.haveExactSolutionPath():
-        return None
-    path = setup.getSolutionPath()
-    rows = [_values(path.getState(k), dimension) for k in range(path.getStateCount())]
-    rows[0], rows[-1] = start, goal
-    return np.stack(rows)
-
-
-class _Ending:
-    """When a search has to end: OMPL's condition, which it asks itself, and which every check that it makes can end."""
-
-    def __init__(self, over: Callable[[], bool], planner: str, budget: Budget):
-        threaded, left = planner in _THREADED, max(0.01, budget.wall_left)
-        self.condition = ob.timedPlannerTerminationCondition(left) if threaded else ob.PlannerTerminationCondition(over)
-        self._over, self._ended = over, False
-
-    def noticed(self) -> bool:
-        """Tell whether it has to end, and see to that.
-
-        Then no check is worth its time: some searches make thousands of them before they ask again.
-        """
-        if not self._ended and self._over():
-            self._ended = True
-            self.condition.terminate()
-        return self._ended
-
-
-class _MotionValidator(ob.MotionValidator):  # type: ignore[misc]  # OMPL has no types
-    """OMPL's question about an edge, answered by one batched check."""
-
-    def __init__(self, information: ob.SpaceInformation, motion_free: MotionCheck, dimension: int, ending: _Ending):
-        super().__init__(information)
-        self.motion_free, self.dimension, self.ending = motion_free, dimension, ending
-
-    def checkMotion(self, one: ob.State, other: ob.State, *_: object) -> bool:
-        if self.ending.noticed():
-            return False
-        return self.motion_free(_values(one, self.dimension), _values(other, self.dimension))
-
-
-def _space(checker: CollisionChecker) -> ob.RealVectorStateSpace:
-    limits = checker.chain.limits
-    space = ob.RealVectorStateSpace(len(limits.lower))
-    bounds = ob.RealVectorBounds(len(limits.lower))
-    for k, (low, high) in enumerate(zip(limits.lower, limits.upper, strict=True)):
-        bounds.setLow(k, float(low))
-        bounds.setHigh(k, float(high))
-    space.setBounds(bounds)
-    return space
-
-
-def _values(state: ob.State, dimension: int) -> Array:
-    return np.array([state[k] for k in range(dimension)])
-
-
-def _state(space: ob.StateSpace, q: Array) -> ob.State:
-    state = space.allocState()
-    for k, value in enumerate(q):
-        state[k] = float(value)
-    return state

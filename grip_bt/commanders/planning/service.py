@@ -1,13 +1,23 @@
-"""Planning in a process of its own: OMPL holds Python's lock, and a plan must not stop a task from ticking."""
+"""Planning in a process of its own: OMPL holds Python's lock, and a plan must not stop a task from ticking.
+
+The process is `python -m` of this module. It reads messages from stdin and writes messages to a private copy of stdout,
+each a pickled tuple; both ends are one program on one machine, so pickle is safe here. The end of stdin means that the
+parent is gone, however it went.
+"""
 
 from __future__ import annotations
 
 import os
+import pickle
+import queue
+import signal
 import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import IO, Literal
 
 from grip_bt.base.closing import Closing
 from grip_bt.base.failures import CanceledError, PlannerLostError
@@ -16,12 +26,35 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import Plan
 
 from ..description.robot import RobotDescription
-from .process import Message, read_message, write_message
 from .requests import ChosenGrasp, Request
 
-PROGRAM = "grip_bt.commanders.planning.process"
+PROGRAM = "grip_bt.commanders.planning.service"
 CANCEL_GRACE = 0.04
 """A cancelled request has this long [s] to end by itself; then the process is replaced."""
+
+Message = (
+    tuple[Literal["robot"], RobotDescription]
+    | tuple[Literal["plan"], int, Request]
+    | tuple[Literal["cancel"], int]
+    | tuple[Literal["ready"]]
+    | tuple[Literal["done"], int, Plan | ChosenGrasp | None]
+    | tuple[Literal["failed"], int, Exception]
+)
+"""In: the robot once, then plans and cancellations. Out: `ready` once, then answers."""
+
+
+def _write(stream: IO[bytes], message: Message) -> None:
+    """Write one message; nothing of one that can't be pickled."""
+    stream.write(pickle.dumps(message, protocol=pickle.HIGHEST_PROTOCOL))
+    stream.flush()
+
+
+def _read(stream: IO[bytes]) -> Message | None:
+    """Return the next message, or None at the end of the stream, in the middle of one too."""
+    try:
+        return pickle.load(stream)
+    except (EOFError, pickle.UnpicklingError):
+        return None
 
 
 @dataclass
@@ -69,11 +102,6 @@ class PlanningProcess(Closing):
         return self._ready.is_set()
 
     def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
-        """Send a request; see `PlanningService`.
-
-        Raises:
-            RuntimeError: it was closed.
-        """
         with self._lock:
             if self._closed:
                 raise RuntimeError("the planning process was closed")
@@ -117,13 +145,13 @@ class PlanningProcess(Closing):
         """Send to the present child; when it is dead, its reader finds out and sends again."""
         assert self._child.stdin is not None
         try:
-            write_message(self._child.stdin, message)
+            _write(self._child.stdin, message)
         except (BrokenPipeError, ValueError):
             return
 
     def _read(self, child: subprocess.Popen[bytes]) -> None:
         assert child.stdout is not None
-        while (message := read_message(child.stdout)) is not None:
+        while (message := _read(child.stdout)) is not None:
             match message:
                 case ("ready",):
                     self._ready.set()
@@ -202,3 +230,54 @@ def _lost(dead: subprocess.Popen[bytes]) -> PlannerLostError:
     how = how_ended(dead.returncode)
     words = f"the planning process died twice: process {dead.pid} {how}; what it printed on stderr may tell why"
     return PlannerLostError(words, exit_status=dead.returncode)
+
+
+def main() -> None:
+    """Serve until stdin ends."""
+    for each in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(each, signal.SIG_IGN)  # Ctrl-C and a dropped terminal are the parent's business; it closes stdin
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what libraries print must not get between the messages
+    requests: queue.SimpleQueue[Message] = queue.SimpleQueue()
+    canceled = set[int]()
+
+    def read() -> None:  # on a thread of its own, so that a cancellation is seen while a plan is being made
+        while (message := _read(sys.stdin.buffer)) is not None:
+            match message:
+                case ("cancel", number):
+                    canceled.add(number)
+                case _:
+                    requests.put(message)
+        os._exit(0)  # whatever OMPL is doing: nobody waits for it any more
+
+    threading.Thread(target=read, name="inbox", daemon=True).start()
+
+    from ..kinematics.model import RobotModel
+    from .answer import answer
+
+    model: RobotModel | None = None
+    while True:
+        match requests.get():
+            case ("robot", description):
+                model = RobotModel(description)
+                _write(out, ("ready",))
+            case ("plan", number, request) if model is not None:
+                try:
+                    result = answer(model, request, lambda number=number: number in canceled)  # type: ignore[misc]
+                except Exception as error:  # noqa: BLE001 - sent to the caller, who raises it
+                    _write(out, ("failed", number, _sendable(error)))
+                else:
+                    _write(out, ("done", number, result))
+
+
+def _sendable(error: Exception) -> Exception:
+    """Return the error, or a plain copy of its words where it can't be pickled."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:  # noqa: BLE001 - any error of anybody's __reduce__
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error
+
+
+if __name__ == "__main__":
+    main()

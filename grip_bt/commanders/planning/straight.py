@@ -1,28 +1,26 @@
 """Straight motions of the grasp frame: chains of nearby solutions of the inverse kinematics.
 
-A spline through configurations on a line is off the line between them, by the more the further they are apart. So
-what was timed is measured against its lines, and where it is off by too much, configurations are set closer. Where two
+What was timed is measured against its lines, and where it is off by too much, configurations are set closer. Where two
 lines meet at a corner no spline would stay on both of them: there the motion comes to rest.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from grip_bt.base.arrays import Array, Mask, Path
+from grip_bt.base.arrays import Array, Path
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
 
 from ..kinematics.collision import CollisionChecker
-from ..kinematics.damped_least_squares import solve_from
+from ..kinematics.damped_least_squares import Target, solve_from
 from ..kinematics.model import Chain, RobotModel
-from ..kinematics.target import Target
 from ..settings import PlanningSettings
 from ..trajectory.splines import joined
 from .checks import chain_and_checker, drawn_in, refuse_collisions, timed_free
@@ -70,18 +68,36 @@ def straight_path(chain: Chain, start: Array, goal: pin.SE3) -> Path:
         BrokenLineError: part of the line is out of reach, or a joint jumps.
     """
     begin = chain.grasp_pose(start)
-    turn = pin.log3(begin.rotation.T @ goal.rotation)
-    way = goal.translation - begin.translation
+    way, turn = goal.translation - begin.translation, pin.log3(begin.rotation.T @ goal.rotation)
     steps = max(1, int(np.ceil(max(np.linalg.norm(way) / STEP, np.linalg.norm(turn) / TURN))))
     rows = [start]
     for k in range(1, steps + 1):
-        part = k / steps
-        pose = pin.SE3(begin.rotation @ pin.exp3(turn * part), begin.translation + way * part)
-        q = solve_from(chain, Target(pose), rows[-1], iterations=30)
+        q = _solved(chain, begin, goal, k / steps, rows[-1])
         if q is None or np.abs(q - rows[-1]).max() > JUMP:
             raise BrokenLineError((k - 1) / steps, jump=q is not None)
         rows.append(q)
     return np.stack(rows)
+
+
+def _solved(chain: Chain, begin: pin.SE3, end: pin.SE3, part: float, guess: Array) -> Array | None:
+    """Return the configuration near `guess` that is a part of the way along a line."""
+    turn, way = pin.log3(begin.rotation.T @ end.rotation), end.translation - begin.translation
+    pose = pin.SE3(begin.rotation @ pin.exp3(turn * part), begin.translation + way * part)
+    return solve_from(chain, Target(pose), guess)
+
+
+def line_to(chain: Chain, start: Array, goal: Pose, where: str) -> Path:
+    """Return what `straight_path` does to a pose in world; `where` begins the words of its errors.
+
+    Raises:
+        NoIkError: part of the line is out of reach; `data['fraction']` tells how far one gets.
+        PathInvalidError: a joint would jump; likewise.
+    """
+    try:
+        return straight_path(chain, start, world_pose(goal))
+    except BrokenLineError as broken:
+        error = PathInvalidError if broken.jump else NoIkError
+        raise error(f"{where}: {broken}", fraction=broken.fraction) from broken
 
 
 def closer(chain: Chain, path: Path, times: int) -> Path:
@@ -89,11 +105,9 @@ def closer(chain: Chain, path: Path, times: int) -> Path:
     rows = [path[0]]
     for one, other in zip(path[:-1], path[1:], strict=True):
         begin, end = chain.grasp_pose(one), chain.grasp_pose(other)
-        turn, way = pin.log3(begin.rotation.T @ end.rotation), end.translation - begin.translation
-        for k in range(1, times):
-            pose = pin.SE3(begin.rotation @ pin.exp3(turn * k / times), begin.translation + way * k / times)
-            guess = one + (other - one) * k / times
-            q = solve_from(chain, Target(pose), guess, iterations=30)
+        for part in np.arange(1, times) / times:
+            guess = one + (other - one) * part
+            q = _solved(chain, begin, end, part, guess)
             rows.append(guess if q is None else q)
         rows.append(other)
     return np.stack(rows)
@@ -114,47 +128,32 @@ Ball = tuple[Array, float]
 """A centre in world, shape (3,), and a radius [m]."""
 
 
-class Lines:
-    """Where a grasp frame may be that keeps to straight lines.
+def keeps_to_lines(
+    chain: Chain, positions: Array, ends: Sequence[tuple[pin.SE3, pin.SE3]], balls: Sequence[Ball] = ()
+) -> bool:
+    """Tell whether a motion through the rows, shape (k, n), stays on straight lines; half-way between rows too.
 
     Args:
         ends: poses of the grasp frame in world where each line begins and ends.
         balls: places where it needn't: centre in world, shape (3,), and radius [m].
     """
-
-    def __init__(self, ends: Iterable[tuple[pin.SE3, pin.SE3]], balls: Sequence[Ball] = ()):
-        self._lines = [_Line(one, other) for one, other in ends]
-        self._balls = balls
-
-    def kept_by(self, chain: Chain, positions: Array) -> bool:
-        """Tell whether a motion through the rows, shape (k, n), stays on the lines; half-way between rows too."""
-        between = (positions[1:] + positions[:-1]) / 2
-        poses = [chain.grasp_pose(q) for q in np.concatenate([positions, between])]
-        places = np.stack([pose.translation for pose in poses])
-        rotations = np.stack([pose.rotation for pose in poses])
-        good = np.zeros(len(poses), dtype=bool)
-        for centre, radius in self._balls:
-            good |= np.linalg.norm(places - centre, axis=1) <= radius
-        for line in self._lines:
-            good |= line.has(places, rotations)
-        return bool(good.all())
-
-
-class _Line:
-    def __init__(self, begin: pin.SE3, end: pin.SE3):
-        self._begin, self._way = begin.copy(), end.translation - begin.translation
-        turn = pin.log3(begin.rotation.T @ end.rotation)
-        angle = float(np.linalg.norm(turn))
-        self._length, self._axis = float(self._way @ self._way), turn / angle if angle > 1e-6 else np.zeros(3)
-
-    def has(self, places: Array, rotations: Array) -> Mask:
-        """Tell which poses are on it; places of shape (m, 3), rotations of shape (m, 3, 3), in world."""
-        offsets = places - self._begin.translation
-        parts = np.clip(offsets @ self._way / max(self._length, 1e-12), 0.0, 1.0)
-        off = np.linalg.norm(offsets - np.outer(parts, self._way), axis=1)
-        turns = Rotation.from_matrix(self._begin.rotation.T @ rotations).as_rotvec()
-        aside = np.linalg.norm(turns - np.outer(turns @ self._axis, self._axis), axis=1)
-        return (off <= OFF) & (aside <= TURNED)
+    between = (positions[1:] + positions[:-1]) / 2
+    poses = [chain.grasp_pose(q) for q in np.concatenate([positions, between])]
+    places = np.stack([pose.translation for pose in poses])
+    rotations = np.stack([pose.rotation for pose in poses])
+    good = np.zeros(len(poses), dtype=bool)
+    for centre, radius in balls:
+        good |= np.linalg.norm(places - centre, axis=1) <= radius
+    for begin, end in ends:
+        offsets, way = places - begin.translation, end.translation - begin.translation
+        parts = np.clip(offsets @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
+        off = np.linalg.norm(offsets - np.outer(parts, way), axis=1)
+        axis = pin.log3(begin.rotation.T @ end.rotation)
+        axis = axis / max(float(np.linalg.norm(axis)), 1e-6)
+        turns = Rotation.from_matrix(begin.rotation.T @ rotations).as_rotvec()
+        aside = np.linalg.norm(turns - np.outer(turns @ axis, axis), axis=1)
+        good |= (off <= OFF) & (aside <= TURNED)
+    return bool(good.all())
 
 
 def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
@@ -166,14 +165,16 @@ def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
     """
     situation = request.situation
     chain, checker = chain_and_checker(model, situation, margin=0.0)
-    start, goals = drawn_in(chain, situation), [world_pose(pose) for pose in request.poses]
-    lines = _paths(chain, start, goals)
+    start, lines = drawn_in(chain, situation), list[Path]()
+    for k, pose in enumerate(request.poses):
+        begin = lines[-1][-1] if lines else start
+        lines.append(line_to(chain, begin, pose, f"line {k + 1} of {len(request.poses)}"))
     refuse_collisions(checker, interpolated(np.concatenate([lines[0], *(line[1:] for line in lines[1:])]), RESOLUTION))
-    pieces, begin = [], 0
+    pieces, first = [], 0
     for k in range(1, len(lines) + 1):
         if k == len(lines) or _meet_at_a_corner(lines[k - 1], lines[k]):
-            pieces.append(_followed(chain, checker, lines[begin:k], situation.settings))
-            begin = k
+            pieces.append(_followed(chain, checker, lines[first:k], situation.settings))
+            first = k
     return joined(pieces)
 
 
@@ -195,25 +196,14 @@ def finer_and_finer(attempt: Callable[[int], T | None]) -> T:
     )
 
 
-def _paths(chain: Chain, start: Array, goals: list[pin.SE3]) -> list[Path]:
-    lines: list[Path] = []
-    for k, goal in enumerate(goals):
-        try:
-            lines.append(straight_path(chain, lines[-1][-1] if lines else start, goal))
-        except BrokenLineError as broken:
-            error = PathInvalidError if broken.jump else NoIkError
-            raise error(f"line {k + 1} of {len(goals)}: {broken}", fraction=broken.fraction) from broken
-    return lines
-
-
 def _followed(chain: Chain, checker: CollisionChecker, lines: list[Path], settings: PlanningSettings) -> Trajectory:
     """Time lines from rest to rest that lead on from one another."""
-    wanted = Lines([ends_of(chain, line) for line in lines])
+    ends = [ends_of(chain, line) for line in lines]
 
     def attempt(finer: int) -> Trajectory | None:
         rows = [lines[0][:1], *(closer(chain, line, finer)[1:] for line in lines)]
         trajectory = timed_free(checker, np.concatenate(rows), settings)
-        return trajectory if wanted.kept_by(chain, trajectory.positions) else None
+        return trajectory if keeps_to_lines(chain, trajectory.positions, ends) else None
 
     return finer_and_finer(attempt)
 

@@ -1,13 +1,8 @@
 """Motions through way points, as one: without a stop where a point has a blend radius (as MoveIt's Pilz sequences).
 
-A radius that doesn't fit is made smaller: no blend takes more than half of a segment, and a rounded corner that would
-touch something, or break a limit, is tried with a half, a quarter and an eighth of its radius. Where nothing fits, the
-arm comes to rest at the point. What came of each radius is told by the plan.
-
-Where the grasp frame comes into the ball about a way point the arm leaves the segment that leads there, and where the
-next segment leaves the ball it is on that one. In between it goes smoothly from one to the other, as both go on:
-(1 - a(s)) in(s) + a(s) out(s), with a quintic `a`, so that velocity and acceleration are continuous (as MoveIt's Pilz
-planner blends; there in time, here in joint space and along the path, which is timed afterwards).
+From where the grasp frame comes into the ball about a way point to where it leaves it, the arm goes smoothly from one
+segment to the next: (1 - a(s)) in(s) + a(s) out(s), with a quintic `a`, so that velocity and acceleration are
+continuous (as Pilz blends in time; here in joint space and along the path, which is timed afterwards).
 """
 
 from __future__ import annotations
@@ -19,31 +14,23 @@ from functools import partial
 import numpy as np
 
 from grip_bt.base.arrays import Array, Path
-from grip_bt.base.failures import ConstraintBrokenError, NoIkError, PathInvalidError
-from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory, WayPoint
+from grip_bt.base.failures import ConstraintBrokenError, PathInvalidError
+from grip_bt.base.values import JointState, PathConstraint, Trajectory
 from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
     chain_and_checker,
-    finely_free,
     free_start,
     goals_of,
     refuse_collisions,
     timed_free,
 )
+from grip_bt.commanders.planning.continuous import continuously_free
 from grip_bt.commanders.planning.paths import interpolated, kept
 from grip_bt.commanders.planning.requests import PlanThrough, PlanTo
 from grip_bt.commanders.planning.search import RESOLUTION, Search, first_success
-from grip_bt.commanders.planning.straight import (
-    BrokenLineError,
-    Lines,
-    closer,
-    ends_of,
-    finer_and_finer,
-    straight_path,
-    world_pose,
-)
+from grip_bt.commanders.planning.straight import closer, ends_of, finer_and_finer, keeps_to_lines, line_to
 from grip_bt.commanders.trajectory.splines import joined
 
 SMALLEST = 1e-3
@@ -59,31 +46,26 @@ _CLOSE = 0.01
 class Leg:
     """One of the two segments that meet at a way point, looked at from there.
 
+    Attributes:
+        reach: the radius of the largest ball that the first half of the segment leaves [m].
+
     Args:
         path: the segment's configurations, shape (k, n), the first one at the way point.
     """
 
     def __init__(self, chain: Chain, path: Path):
-        self._path = path
+        self.path = path
         half = arc(path)[-1] / 2
         self._at = np.linspace(0.0, half, int(np.ceil(half / RESOLUTION)) + 2)
         origins = np.stack([chain.grasp_pose(q).translation for q in at_arc(path, self._at)])
         self._distances = np.linalg.norm(origins - origins[0], axis=1)
-
-    @property
-    def reach(self) -> float:
-        """The radius of the largest ball that the first half of the segment leaves [m]."""
-        return float(self._distances.max())
+        self.reach = float(self._distances.max())
 
     def crossing(self, radius: float) -> float:
         """Return how far along the segment [rad] it leaves a ball, which is no larger than its reach."""
         last = max(1, int(np.argmax(self._distances >= radius - 1e-9)))
         before, after = self._distances[last - 1], self._distances[last]
         return float(np.interp(radius, [before, after], self._at[last - 1 : last + 1]))
-
-    def until(self, length: float, parts: Array) -> Path:
-        """Return the configurations at `parts`, shape (m,), of its first `length` [rad], shape (m, n)."""
-        return at_arc(self._path, parts * length)
 
 
 def corner(incoming: Leg, outgoing: Leg, radius: float) -> Path:
@@ -92,7 +74,7 @@ def corner(incoming: Leg, outgoing: Leg, radius: float) -> Path:
     count = int(np.clip(np.ceil((before + after) / _SPACING), 8, 40))
     s = np.linspace(0.0, 1.0, count + 1)
     weight = (s**3 * (10 - 15 * s + 6 * s**2))[:, None]
-    return (1 - weight) * incoming.until(before, 1 - s) + weight * outgoing.until(after, s)
+    return (1 - weight) * at_arc(incoming.path, (1 - s) * before) + weight * at_arc(outgoing.path, s * after)
 
 
 def within(chain: Chain, way_point: Array, rows: Path, radius: float) -> bool:
@@ -177,14 +159,12 @@ def _followed(
         refuse_collisions(checker, interpolated(part, RESOLUTION))
     trajectory = joined([timed_free(checker, part, request.situation.settings, request.constraint) for part in parts])
     elsewhere = [s for s, line in zip(segments, lines, strict=True) if not line]  # there, lines say nothing
-    wanted = Lines(
-        [ends_of(chain, s) for s, line in zip(segments, lines, strict=True) if line],
-        [
-            *((chain.grasp_pose(s[-1]).translation, r + OUTSIDE) for s, r in zip(segments[:-1], radii, strict=True)),
-            *((chain.grasp_pose(q).translation, _ABOUT) for s in elsewhere for q in interpolated(s, RESOLUTION)),
-        ],
-    )
-    return (trajectory, radii) if wanted.kept_by(chain, trajectory.positions) else None
+    ends = [ends_of(chain, s) for s, line in zip(segments, lines, strict=True) if line]
+    balls = [
+        *((chain.grasp_pose(s[-1]).translation, r + OUTSIDE) for s, r in zip(segments[:-1], radii, strict=True)),
+        *((chain.grasp_pose(q).translation, _ABOUT) for s in elsewhere for q in interpolated(s, RESOLUTION)),
+    ]
+    return (trajectory, radii) if keeps_to_lines(chain, trajectory.positions, ends, balls) else None
 
 
 def rounded(
@@ -236,7 +216,9 @@ def _fitting(
             break
         rows = corner(incoming, outgoing, radius)
         keeping = constraint is None or kept(constraint, chain, rows, ROUNDING)
-        if keeping and within(chain, point, rows, radius) and finely_free(checker, interpolated(rows, RESOLUTION)):
+        fine = interpolated(rows, RESOLUTION)
+        possible = keeping and within(chain, point, rows, radius) and chain.within_limits(fine, slack=1e-3)
+        if possible and continuously_free(checker, fine):
             return radius, rows
     return 0.0, None
 
@@ -255,7 +237,7 @@ def _segments(
         where = f"segment {k + 1} of {len(request.way_points)}"
         assert not isinstance(point.goal, str), "the arm knows its named states, the planner doesn't"
         if point.straight and not isinstance(point.goal, JointState):
-            segments.append(_line(chain, start, point, where))
+            segments.append(line_to(chain, start, point.goal, where))
         else:
             settings = request.situation.settings
             ask = settings.model_copy(update={"seed": settings.seed + attempt})
@@ -275,12 +257,3 @@ def _segments(
             )
         start = segments[-1][-1]
     return segments
-
-
-def _line(chain: Chain, start: Array, point: WayPoint, where: str) -> Path:
-    assert isinstance(point.goal, Pose)
-    try:
-        return straight_path(chain, start, world_pose(point.goal))
-    except BrokenLineError as broken:
-        error = PathInvalidError if broken.jump else NoIkError
-        raise error(f"{where}: {broken}", fraction=broken.fraction) from broken

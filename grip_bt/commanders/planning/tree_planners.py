@@ -1,11 +1,8 @@
-"""Tree planners of our own: BiTRRT keeps clear of things, CBiRRT keeps to a constraint.
+"""Tree planners of our own (after Kuffner and LaValle 2000): BiTRRT keeps clear of things, CBiRRT to a constraint.
 
-After Kuffner and LaValle (2000). What a planner adds is how a tree is extended by one step: with projection it is
-CBiRRT, with a transition test BiTRRT.
-
-The cost of a configuration is how close anything is, in steps of clearance: a batched check with a margin tells more
-cheaply that a clearance is kept than a distance computation would. Steps to a higher cost are taken by chance, the
-more rarely the cooler the search is; it warms up while it is stuck.
+What a planner adds is how a tree is extended by one step: with projection it is CBiRRT, with a transition test BiTRRT.
+The cost of a configuration is how close anything is, in steps of clearance. Steps to a higher cost are taken by chance,
+the more rarely the cooler the search is; it warms up while it is stuck.
 """
 
 from __future__ import annotations

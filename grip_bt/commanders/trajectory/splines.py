@@ -1,10 +1,8 @@
 """Trajectories that controllers follow as they were checked: cubic splines in time, twice continuously differentiable.
 
-A joint_trajectory_controller of ros2_control draws a cubic between two points that have velocities, and a quintic where
-they have accelerations too. Between the points of a spline whose acceleration is linear both are that spline itself, so
-what was checked here is what any of them executes. Such a spline comes from positions at even times as those of a
-B-spline's control points: its velocity and acceleration are averages of theirs over two steps, so no extreme is added,
-other than by a spline through the positions, which rings about every switch of the acceleration.
+A joint_trajectory_controller draws a cubic between two points that have velocities, and a quintic where they have
+accelerations too: between the points of a spline whose acceleration is linear both are that spline itself. It comes
+from positions at even times as those of a B-spline's control points, so no extreme is added.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """Coming to rest, and going on: along the path that was checked, within the joints' own limits.
 
 Along a path q(s), followed at the rate r = ds/dt, a joint's acceleration is q'' r^2 + q' r', and its jerk is
-q''' r^3 + 3 q'' r r' + q' r''. A ramp lowers r step by step: r'' is as hard as every joint's jerk allows, so that r'
-comes near what their accelerations allow, in what follows of the path too. What is found is looked at as a controller
-would draw it, every millisecond; where it is beyond a limit, the next try uses less of the limits. Without limits of
-jerk this is path-velocity scaling (Dahl and Nielsen 1990).
+q''' r^3 + 3 q'' r r' + q' r''. A ramp lowers r step by step, as hard as every joint's limits allow (path-velocity
+scaling, Dahl and Nielsen 1990), and is looked at as a controller draws it: beyond a limit, less of it is used.
 """
 
 from __future__ import annotations

@@ -160,9 +160,6 @@ def _drive(at: Array, curve: BSpline, allowed: Allowed) -> _Drive:
 
     The tolerances of the library are absolute, so it is given a path of length 1, accelerations of about 1,
     and joints that all move: each is scaled by how steep its curve is.
-
-    Raises:
-        PathInvalidError: it finds none.
     """
     grid, along = _grid(at), float(at[-1])
     unit = float(np.sqrt(along / np.median(allowed.acceleration)))
@@ -197,14 +194,9 @@ def _grid(at: Array) -> Array:
 
 
 class _Drive:
-    """Path position by time, with constant path acceleration between the points of a grid.
+    """Path position by time, with constant path acceleration between the points of a grid, shape (m + 1,).
 
-    Attributes:
-        duration: when the path's end is reached [s].
-
-    Args:
-        grid: path positions, shape (m + 1,).
-        squared: squared path velocities there, shape (m + 1,); two neighbours aren't both zero.
+    `squared` path velocities are given there; two neighbours aren't both zero. The end is reached at `duration` [s].
     """
 
     def __init__(self, grid: Array, squared: Array):

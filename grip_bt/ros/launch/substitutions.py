@@ -193,8 +193,8 @@ def _evaluated(words: list[str], context: LaunchContext) -> str:
 
 def _xacro(words: list[str], context: LaunchContext) -> str:
     """Return a robot's description, as `xacro FILE NAME:=VALUE ...` prints it."""
-    from grip_bt.commanders.description.expansion import expand
     from grip_bt.commanders.description.packages import Packages
+    from grip_bt.commanders.description.xml import expand
 
     files = [word for word in words if ":=" not in word and not word.startswith("-")]
     if len(files) != 1:

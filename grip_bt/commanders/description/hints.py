@@ -1,18 +1,21 @@
-"""What a package's launch files tell of its robot, read and never run: which files, with which arguments.
+"""What a package's launch and xacro files tell of its robot, read and never run: which files, with which arguments.
 
-ROS 1's XML, ROS 2's XML and ROS 2's Python (`moveit_configs_utils` and plain ones) are looked through alike, as texts.
-What only a run knows, such as a condition, isn't decided: everything that is said anywhere is a hint, and whether the
-URDF and the SRDF fit each other tells which were right.
+Launch files of ROS 1 and ROS 2 are looked through alike, as texts. What only a run knows, such as a condition, isn't
+decided: whatever is said is a hint, and whether the URDF and the SRDF fit each other tells which were right.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from grip_bt.base.errors import DocumentError, MissingPartError
+
 from .files import note
+from .packages import Packages
+from .xml import read_xml
 
 LARGEST = 2**20
 _COMMENT = re.compile(r"<!--.*?-->|^\s*#[^\n]*$", re.DOTALL | re.MULTILINE)
@@ -88,3 +91,51 @@ def _found(patterns: Iterable[re.Pattern[str]], text: str) -> Iterator[tuple[str
     for name, *words in (found for pattern in patterns for found in pattern.findall(text)):
         value = "".join(words).strip()
         yield name, value.lower() if value in ("True", "False") else value
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What a xacro file says of itself before it is expanded.
+
+    Attributes:
+        arguments: those that it declares or uses, in order: name -> default, or None.
+        choices: argument -> values for which a file is there that `$(find NAME)/.../$(arg ARGUMENT)...` names.
+        whole: whether it holds a robot; else only macros for others.
+    """
+
+    arguments: Mapping[str, str | None]
+    choices: Mapping[str, list[str]]
+    whole: bool = True
+
+
+_BY_ARGUMENT = re.compile(r"\$\(find ([\w-]+)\)((?:/[\w.-]+)*)/([\w.-]*)\$\(arg (\w+)\)([\w./-]*)")
+_USED, _XML_COMMENT = re.compile(r"\$\(arg (\w+)\)"), re.compile(r"<!--.*?-->", re.DOTALL)
+_ASIDE = ("xacro:include", "xacro:arg", "xacro:property", "xacro:macro")
+
+
+def declared(path: Path, packages: Packages) -> Declared:
+    """Return it; nothing of a file that can't be read."""
+    try:
+        root = read_xml(path, "robot")
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except DocumentError:
+        return Declared({}, {})
+    arguments: dict[str, str | None] = {}
+    for element in root.iter("xacro:arg"):
+        if name := element.get("name"):
+            arguments.setdefault(name, element.get("default"))
+    for name in _USED.findall(_XML_COMMENT.sub("", text)):
+        arguments.setdefault(name, None)
+    choices: dict[str, list[str]] = {}
+    for package, folders, begin, name, end in _BY_ARGUMENT.findall(text):
+        try:
+            folder = packages.find(package) / folders.strip("/")
+        except MissingPartError:
+            continue
+        found = sorted(folder.glob(f"{begin}*{end}")) if folder.is_dir() else []
+        place = -len(Path(end).parts) if end.startswith("/") else -1  # of what the star stands for, from the right
+        rest = "" if end.startswith("/") else end
+        values = [path.parts[place].removeprefix(begin).removesuffix(rest) for path in found]
+        if values:
+            choices.setdefault(name, values)
+    return Declared(arguments, choices, any(element.tag not in _ASIDE for element in root))
