@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -24,7 +25,7 @@ from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import type_name
 from grip_bt.ros.messages.client import RosMessages
 from grip_bt.ros.messages.server import MessageServer
-from grip_bt.ros.messages.wire import ServerStates, entry_rows, plain_of_entry, text_of_message, value_from_text
+from grip_bt.ros.messages.wire import entry_rows, joint_states_of, plain_of_entry, text_of_message, value_from_text
 
 from .terminal import on_stop
 
@@ -208,7 +209,7 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
     else:
         text, source = (sys.stdin.read() if args.value == "-" else args.value), "value"
     type_ = args.type or next((e.type for e in _done(server.listing()).entries if e.store == args.store), "")
-    return value_from_text(args.store, source, text, type_, ServerStates(server, _done))
+    return value_from_text(args.store, source, text, type_, partial(joint_states_of, server, _done))
 
 
 @contextmanager

@@ -14,7 +14,6 @@ from grip_bt.base.failures import BadReplyError, ExpectedError, ServerTimeOutErr
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.client.graph import MOST
 from grip_bt.ros.client.topic import Received, TopicReader
 from grip_bt.ros.client.types import ConversionError, Message, check_name, load_message, load_type
 from grip_bt.ros.convert import from_message, to_message
@@ -239,7 +238,7 @@ class MessageSynchroniser:
 
     def _give_up(self) -> None:
         silent = self._matcher.silent()
-        said = [f"{topic} ({self._about(topic, max(1, MOST // len(silent)))})" for topic in silent]
+        said = [f"{topic} ({self._about(topic)})" for topic in silent]
         if len(self._readers) == 1:
             (topic,) = self._readers
             text = f"{topic}: no message within {self._timeout:.1f} s; {self._about(topic)}"
@@ -248,11 +247,11 @@ class MessageSynchroniser:
             text = f"no set of messages within {self._timeout:.1f} s: {reason}"
         self.whole.fail(ServerTimeOutError(text, topics=list(self._readers)))
 
-    def _about(self, topic: str, most: int = MOST) -> str:
-        """Say why a topic gave nothing; of those that are published instead, `most` are named."""
+    def _about(self, topic: str) -> str:
+        """Say why a topic gave nothing."""
         if topic in self._early:
             return f"what came was taken before it was asked for, the last {self._early[topic]:.2f} s"
-        return self._readers[topic].publishers(most)
+        return self._readers[topic].publishers()
 
 
 KEPT = 30

@@ -202,38 +202,18 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
         alive: whether a process of ours runs that should serve it.
         said: what that process printed last.
     """
-    starts = file.start is not None and file.start.run
+    start, home = file.start, f"component.yaml of {file.name}"
     if isinstance(error, IncompatibleServerError):
         serves = str(error.data.get("serves", "")) or file.interface
-        meant = f"`interface: {serves}` in component.yaml of {file.name}, then `grip component add` again"
+        meant = f"`interface: {serves}` in {home}, then `grip component add` again"
         return "" if serves == file.interface else f". If that is meant: {meant}"
-    if "waited" not in error.data:
-        return _about_end(file, said) if starts else ""
-    if not starts:
-        off = (
-            "remove `run: false` from its `start`" if file.start is not None else "say under `start` how it is started"
-        )
-        return f". Start it, or {off} (component.yaml of {file.name})"
-    if alive:
-        return (
-            f". Its process runs: does it serve {file.server} (`server`), as {file.interface} (`interface`), and in "
-            "time (`timeouts: {ready: SECONDS}`)?"
-        )
-    return ""
-
-
-def _about_end(file: ComponentFile, said: str) -> str:
-    assert file.start is not None
-    program = file.start.command[0] if file.start.command else ""
-    missing = _MISSING.search(said)
-    if missing is None:
-        return "" if said else "\nA server runs until it is stopped; this one ended by itself."
-    own = missing[1] in ("rclpy", "std_msgs", "std_srvs", file.interface.partition("/")[0])
-    if own and program and not uses_our_python(file.start):
-        return (
-            f"\n{program!r} is a Python without ROS or the built interfaces: write "
-            '"{python}" in `command` for the one that runs GRIP, or name one that has them'
-        )
-    return (
-        f"\n{missing[1]!r} isn't installed for the Python that runs it: install it there, or name another in `command`"
-    )
+    if start is None or not start.run:
+        how = f"Start it, or say under `start` how it is started, without `run: false` ({home})"
+        return f". {how}" if "waited" in error.data else ""
+    if "waited" in error.data:
+        asked = f"does it serve {file.server} (`server`), as {file.interface} (`interface`), and in time"
+        return f". Its process runs: {asked} (`timeouts: {{ready: SECONDS}}`)?" if alive else ""
+    if missing := _MISSING.search(said):
+        ours = "`{python}` is the one that runs GRIP, with ROS and the built interfaces"
+        return f"\n{missing[1]!r} isn't installed for the Python in `command` ({home}); {ours}"
+    return "" if said else "\nA server runs until it is stopped; this one ended by itself."

@@ -145,10 +145,9 @@ def test_a_plan_to_joints_begins_and_ends_where_it_was_asked_to(planning, robot,
     assert plan.trajectory.duration > 0
 
 
-@pytest.mark.parametrize("by_service", [False, True])
-def test_a_plan_to_a_pose_brings_the_grasp_frame_there(planning, robot, scene, model, by_service):
+def test_a_plan_to_a_pose_brings_the_grasp_frame_there(planning, robot, scene, model):
     goal = model.grasp_pose(moved(robot, shoulder_pan_joint=0.4, wrist_1_joint=0.3))
-    plan = ended(planning(by_service=by_service).submit(PlanTo(situation(robot, scene), goal)))
+    plan = ended(planning().submit(PlanTo(situation(robot, scene), goal)))
     reached = model.grasp_pose(plan.trajectory.end())
     assert reached.position == pytest.approx(goal.position, abs=2e-3)
     assert np.abs((goal.inverse() @ reached).rotation() - np.eye(3)).max() < 0.02

@@ -13,6 +13,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.connection import TreeNode as TreeNode
 from grip_bt.ros.components import start_components
 from grip_bt.ros.environment import own_domain
 from grip_bt.ros.frames import mounted_frames
@@ -22,7 +23,6 @@ from grip_bt.ros.messages.client import RosMessages
 from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
-from grip_bt.ros.tree_node import TreeNode as TreeNode
 from grip_bt.task.catalog.component_file import Start, load_component
 from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
 
@@ -140,6 +140,5 @@ def open_move_group(
         {arm.hand: mount(arm) for arm in file.arms.values() if arm.hand},
         settings.pipeline,
         settings.planner,
-        settings.by_service,
     )
     return stack.enter_context(planner)

@@ -71,7 +71,7 @@ class MessageStore(Generic[T]):
         self._lock = threading.RLock()
         self._entries: dict[str, Entry[T]] = {}
         self._queue: deque[Entry[T]] = deque()
-        self._watchers: dict[object, Callable[[Change[T]], None]] = {}
+        self._watchers: list[Callable[[Change[T]], None]] = []
         self._revision = 0
 
     @property
@@ -194,14 +194,9 @@ class MessageStore(Generic[T]):
         Returns:
             A function that ends the watching.
         """
-        key = object()
         with self._lock:
-            self._watchers[key] = callback
-        return lambda: self._unwatch(key)
-
-    def _unwatch(self, key: object) -> None:
-        with self._lock:
-            self._watchers.pop(key, None)
+            self._watchers.append(callback)
+        return lambda: self._watchers.remove(callback) if callback in self._watchers else None
 
     def _check(self, name: str, value: T) -> None:
         reason = check_value(self._type, value)
@@ -214,7 +209,7 @@ class MessageStore(Generic[T]):
     def _tell(self, kind: ChangeKind, name: str, value: T | None) -> None:
         self._revision += 1
         change: Change[T] = Change(kind, name, value, self._revision)
-        for callback in list(self._watchers.values()):
+        for callback in list(self._watchers):
             callback(change)
 
     def __contains__(self, name: object) -> bool:

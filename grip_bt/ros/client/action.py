@@ -30,7 +30,7 @@ from grip_bt.base.operation import Operation
 from ..watchdog import Watchdog
 from .base import Request, ServedClient
 from .connection import Connection
-from .goal import LIVE, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase, RequestCancel, RequestResult, Send
+from .goal import LIVE, Ask, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase
 from .graph import explained
 from .server_check import GRACE, action_servers, check_action_servers
 from .service import SERVICE_QOS
@@ -190,9 +190,9 @@ class ActionClient(ServedClient[_Entry]):
         """Carry out what the machine of a goal says; forget the goal when it is over."""
         for command in commands:
             match command:
-                case Send():
+                case Ask.GOAL:
                     self._put_out(entry)
-                case RequestResult():
+                case Ask.RESULT:
                     if entry.result is not None:
                         entry.result.cancel()  # that request, or its answer, was dropped on the way
                     _, results, _ = self._services
@@ -200,7 +200,7 @@ class ActionClient(ServedClient[_Entry]):
                     self._later(
                         entry, entry.result, lambda e, got: self._do(e, e.machine.result(got.status, got.result))
                     )
-                case RequestCancel():
+                case Ask.CANCEL:
                     _, _, cancels = self._services
                     asked = CancelGoal.Request()
                     asked.goal_info.goal_id = entry.uuid

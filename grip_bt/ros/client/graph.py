@@ -120,8 +120,6 @@ _HIDDEN = (
 )
 MOST = 8
 """How many names are listed."""
-_NEAR = 0.6
-"""How alike two names are of which one may be meant for the other."""
 Done = Literal["served", "published", "heard"]
 """What is done with what is looked for: services and actions are served, topics published, or heard by subscribers."""
 
@@ -151,7 +149,7 @@ def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
     return ServerLostError(error.message + there, **error.data)
 
 
-def instead(node: Node, name: str, wanted: str, done: Done, most: int = MOST) -> str:
+def instead(node: Node, name: str, wanted: str, done: Done) -> str:
     """Return what there is instead of a name that isn't there as `wanted`, in words to be put behind the message.
 
     On the bus's thread.
@@ -159,46 +157,25 @@ def instead(node: Node, name: str, wanted: str, done: Done, most: int = MOST) ->
     Args:
         wanted: its type; empty where nobody said it.
         done: what should be done with it.
-        most: how many names are listed.
     """
     ends = node.get_subscriptions_info_by_topic if done == "heard" else node.get_publishers_info_by_topic
-    carried = ((n, sorted({end.topic_type for end in ends(n)})) for n, _ in node.get_topic_names_and_types())
-    here: dict[str, Sequence[tuple[str, Sequence[str]]]] = {
-        "a service": node.get_service_names_and_types(),
-        "an action": get_action_names_and_types(node),
-        "a topic": [(n, types) for n, types in carried if types],
-    }
-    kinds = ["a service", "an action"] if done == "served" else ["a topic"]
-    if done == "served" and wanted:
-        kinds = ["a service" if "/srv/" in wanted else "an action"]
-    there = [(n, types) for kind in kinds for n, types in here[kind] if not is_internal(n)]
-    if any(n == name for n, _ in there):  # its own type is told by whoever asks
-        there = [(n, types) for n, types in there if wanted in types]
-        return in_words(name, wanted, there, done, node.context.get_domain_id(), most) if there else ""
-    other = next(((kind, types) for kind, found in here.items() for n, types in found if n == name), None)
-    if other is not None:
-        return f"; {name} is {other[0]}, of type {other[1][0]}"
-    return in_words(name, wanted, there, done, node.context.get_domain_id(), most)
+    carried = [(n, sorted({end.topic_type for end in ends(n)})) for n, _ in node.get_topic_names_and_types()]
+    served = [*node.get_service_names_and_types(), *get_action_names_and_types(node)]
+    there, others = (served, carried) if done == "served" else ([c for c in carried if c[0] != name], served)
+    there += [other for other in others if other[0] == name]
+    found = [(n, types) for n, types in there if types and not is_internal(n)]
+    return in_words(name, wanted, found, done, node.context.get_domain_id())
 
 
-def in_words(
-    name: str, wanted: str, there: Iterable[tuple[str, Sequence[str]]], done: Done, domain: int, most: int = MOST
-) -> str:
-    """Return in words what is there, as names with types: what is of the type wanted, and what has a name like it."""
-    where = f"in ROS_DOMAIN_ID {domain}"
-    others = sorted(((n, types) for n, types in there if n != name), key=lambda other: (-_alike(name, other[0]), other))
-    same = [n for n, types in others if wanted in types]
-    near = [(n, types) for n, types in others if n not in same and _alike(name, n) >= _NEAR][:1]
-    said = f"; {wanted} is {done} {where} as {_some(same, most)}" if same else ""
-    said += "".join(f"; did you mean {n!r}, which is {done} as {types[0]}?" for n, types in near)
-    if said or not others:
-        return said or f"; nothing of its kind is {done} {where}"
-    return f"; {done} {where}: {_some([f'{n} ({types[0]})' for n, types in others], most)}"
+def in_words(name: str, wanted: str, there: Iterable[tuple[str, Sequence[str]]], done: Done, domain: int) -> str:
+    """Return in words what is there, as names with types: first the name itself, then its type, then names like it."""
+    where = f"{done} in ROS_DOMAIN_ID {domain}"
+    names = sorted(there, key=lambda o: (o[0] != name, wanted not in o[1], -_alike(name, o[0]), o))
+    if not names:
+        return f"; nothing of its kind is {where}"
+    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
+    return f"; {where}: {listing(f'{n} ({types[0]})' for n, types in names[:MOST])}{more}"
 
 
 def _alike(name: str, other: str) -> float:
     return SequenceMatcher(None, name, other).ratio()
-
-
-def _some(names: Sequence[str], most: int) -> str:
-    return listing(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

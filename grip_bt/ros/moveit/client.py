@@ -84,13 +84,6 @@ class MoveGroup:
         sent = self._plan.send(goal, timeout + ANSWER, self._wait, moves=False)
         return self._named(sent.then(_ended), "planning")
 
-    def plan_by_service(self, request: Message, timeout: float) -> Operation[Message]:
-        """Plan by the service `plan_kinematic_path`, which can't be cancelled; the result is its response."""
-        type_ = load_type("moveit_msgs/srv/GetMotionPlan")
-        client = self._bus.service(type_, f"{self._namespace}/plan_kinematic_path")
-        asked = client.call(type_.Request(motion_plan_request=request), timeout + ANSWER, self._wait)
-        return self._named(asked.then(lambda a: Operation.finished(a.motion_plan_response)), "planning")
-
     def cartesian(self, request: Message) -> Operation[Message]:
         """Plan straight lines; the result is the response, whose `fraction` may be less than 1."""
         client = self._service("GetCartesianPath", "compute_cartesian_path")
