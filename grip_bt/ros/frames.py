@@ -10,13 +10,14 @@ from __future__ import annotations
 import bisect
 import xml.etree.ElementTree as ET
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
@@ -32,6 +33,48 @@ class FrameError(ExpectedError):
     code = "no_frame"
 
 
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint of a URDF.
+
+    Attributes:
+        type: such as `fixed` or `prismatic`.
+        link: the link that it carries.
+        origin: of the joint in its parent link's frame.
+        axis: shape (3,), of unit length.
+    """
+
+    name: str
+    type: str
+    link: str
+    origin: Pose
+    axis: Array
+
+    def pose(self, q: float) -> Pose:
+        """Return the pose of its link in the parent link, at a position [rad or m]."""
+        if self.type == "prismatic":
+            return self.origin @ Pose(self.axis * q)
+        return self.origin @ Pose((0.0, 0.0, 0.0), np.roll(Rotation.from_rotvec(self.axis * q).as_quat(), 1))
+
+
+def joints_of(urdf: str) -> Iterator[UrdfJoint]:
+    """Yield the joints of a URDF."""
+    for joint in ET.fromstring(urdf).findall("joint"):
+        parts = {part.tag: part.attrib for part in joint}
+        origin, axis = parts.get("origin", {}), parts.get("axis", {}).get("xyz", "1 0 0")
+        xyz, rpy, along = (
+            np.array(text.split(), float) for text in (origin.get("xyz", "0 0 0"), origin.get("rpy", "0 0 0"), axis)
+        )
+        pose = Pose(xyz, quaternion_of(*rpy), parts["parent"]["link"])
+        yield UrdfJoint(
+            joint.get("name", ""),
+            joint.get("type", ""),
+            parts["child"]["link"],
+            pose,
+            along / (np.linalg.norm(along) or 1.0),
+        )
+
+
 class FrameTree:
     """Frames that don't move.
 
@@ -45,22 +88,11 @@ class FrameTree:
     @classmethod
     def of_urdf(cls, urdf: str, root: str = ROOT) -> FrameTree:
         """Return the links that fixed joints connect; the description's own root link is where `root` is."""
-        robot = ET.fromstring(urdf)
-        poses, children = {}, set()
-        for joint in robot.findall("joint"):
-            parent, child = joint.find("parent"), joint.find("child")
-            if parent is None or child is None:
-                continue
-            children.add(child.attrib["link"])
-            if joint.attrib.get("type") == "fixed":
-                origin = joint.find("origin")
-                given = {} if origin is None else origin.attrib
-                xyz, rpy = ([float(v) for v in given.get(name, "0 0 0").split()] for name in ("xyz", "rpy"))
-                poses[child.attrib["link"]] = Pose(xyz, quaternion_of(*rpy), parent.attrib["link"])
-        for link in robot.findall("link"):
-            if link.attrib["name"] not in children and link.attrib["name"] != root:
-                poses[link.attrib["name"]] = Pose(frame=root)
-        return cls(poses)
+        joints = list(joints_of(urdf))
+        carried = {root, *(joint.link for joint in joints)}
+        links = [link.attrib["name"] for link in ET.fromstring(urdf).findall("link")]
+        bases = {link: Pose(frame=root) for link in links if link not in carried}
+        return cls({joint.link: joint.origin for joint in joints if joint.type == "fixed"} | bases)
 
     def with_poses(self, poses: Mapping[str, Pose]) -> FrameTree:
         """Return a tree with more frames."""
