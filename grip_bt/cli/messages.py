@@ -18,7 +18,7 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.parts import report_if_slow
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError, ServerTimeOutError
-from grip_bt.base.message_store.yaml import plain_of, text_of
+from grip_bt.base.message_store.files import plain_of, text_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.ros.client.bus import Bus

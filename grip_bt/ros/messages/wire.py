@@ -10,7 +10,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import STANDARD
-from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
+from grip_bt.base.message_store.files import plain_of, text_of, value_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Messages
 from grip_bt.base.values import Grasp, JointState, Pose
@@ -164,7 +164,7 @@ def value_from_text(
     """Return what a text says: the value of a standard store, or a message.
 
     Args:
-        text: YAML; see `grip_bt.base.message_store.yaml.value_of`.
+        text: YAML; see `grip_bt.base.message_store.files.value_of`.
         type_: the ROS type of its message, where the store isn't a standard one.
         states: asked for what the way-points of a trajectory can name.
 

@@ -14,7 +14,7 @@ import numpy as np
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
-from grip_bt.base.message_store.yaml import fields_of
+from grip_bt.base.message_store.files import fields_of
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.graph import topics
