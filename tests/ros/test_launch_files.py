@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from grip_bt.ros.launch import LaunchError, read_launch_file
-from grip_bt.ros.launch.run import has_launch_package, members_of_file
+from grip_bt.ros.launch.run import members_of_file
 
 
 @pytest.fixture
@@ -263,39 +261,3 @@ def test_ros_own_tools_are_used_where_they_are(tmp_path, monkeypatch):
     (member,), events = members_of_file(file, {"robot_ip": "10.0.0.2"})
     assert list(member.command) == [str(ros2), "launch", str(file), "robot_ip:=10.0.0.2"]
     assert not events
-
-
-def test_another_project_of_the_name_launch_is_not_taken_for_ros(tmp_path, monkeypatch):
-    (tmp_path / "launch").mkdir()
-    (tmp_path / "launch" / "__init__.py").write_text("")
-    monkeypatch.syspath_prepend(tmp_path)
-    assert not has_launch_package()
-    (tmp_path / "launch" / "launch_description_sources").mkdir()
-    assert has_launch_package()
-
-
-def test_ros_own_package_is_given_the_file_and_its_arguments(tmp_path):
-    """A stand-in of the package tells how it was asked; the real one isn't on PyPI."""
-    package = tmp_path / "launch"
-    package.mkdir()
-    (package / "__init__.py").write_text(
-        "class LaunchDescription(list): pass\n"
-        "class LaunchService:\n"
-        "    def __init__(self, argv): self.argv = argv\n"
-        "    def include_launch_description(self, description): self.description = description\n"
-        "    def run(self):\n"
-        "        (action,) = self.description\n"
-        "        print(self.argv, action.source.path, action.arguments)\n"
-        "        return 3\n"
-    )
-    (package / "actions.py").write_text(
-        "class IncludeLaunchDescription:\n"
-        "    def __init__(self, source, launch_arguments): self.source, self.arguments = source, launch_arguments\n"
-    )
-    (package / "launch_description_sources.py").write_text(
-        "class AnyLaunchDescriptionSource:\n    def __init__(self, path): self.path = path\n"
-    )
-    command = [sys.executable, "-m", "grip_bt.ros.launch.run", "it.launch.py", "ip:=1:=2"]
-    env = dict(os.environ, PYTHONPATH=str(tmp_path))
-    done = subprocess.run(command, env=env, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (3, "['ip:=1:=2'] it.launch.py [('ip', '1:=2')]\n")

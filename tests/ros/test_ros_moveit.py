@@ -192,7 +192,7 @@ def test_every_shape_reaches_move_group_as_what_it_is(planning, robot, scene, sh
     assert list(world["ball"].primitives[0].dimensions) == [0.04]
     assert (len(world["hull"].meshes[0].vertices), len(world["hull"].meshes[0].triangles)) == (8, 12)
     assert max(v.z for v in world["thick"].meshes[0].vertices) == pytest.approx(0.31)
-    assert (len(world["cells"].meshes[0].vertices), len(world["cells"].meshes[0].triangles)) == (12, 20)
+    assert (len(world["cells"].meshes[0].vertices), len(world["cells"].meshes[0].triangles)) == (16, 24)
     assert world["box"].header.frame_id == robot.base_link
     assert (world["ball"].pose.position.x, world["ball"].pose.position.y) == (3.0, 3.0)
 

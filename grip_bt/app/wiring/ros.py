@@ -124,7 +124,7 @@ def connect_messages(stack: ExitStack) -> RosMessages:
 def open_move_group(
     project: Project, description: RobotDescription, stack: ExitStack, bus: Bus | None = None
 ) -> MoveGroupPlanner:
-    """Return the planner; see `planners.with_move_group`."""
+    """Return the planner; see `commanders.with_move_group`."""
     file = project.file
     settings = file.ros.move_group if file.ros is not None else MoveGroupConfig()
     bus = bus if bus is not None else stack.enter_context(Bus("grip_planning"))

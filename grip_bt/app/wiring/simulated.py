@@ -11,9 +11,8 @@ from grip_sim import start_simulation
 
 from ..project.faults import check, faults_of_faults, faults_of_simulation, jerks_of_arms
 from ..project.worlds import regions_of, room_of, world_of
-from .commanders import PlannedRobot, commanded
+from .commanders import PlannedRobot, commanded, with_move_group
 from .parts import Opening, Resources
-from .planners import with_move_group
 
 
 class SimulatedBackend:

@@ -462,7 +462,7 @@ def _in_python(path: Path) -> LaunchError:
     if not path.is_file():
         return LaunchError(str(path), None, "there is no such file")
     reason = (
-        "a launch file in Python is a program of ROS's own `launch` package, which isn't here; source a ROS that has it"
+        "a launch file in Python is a program for `ros2 launch`, which isn't here; source a ROS that has it"
         f" (source /opt/ros/jazzy/setup.bash), or say the same in XML, as {path.name.removesuffix('.py')}.xml, or YAML"
     )
     return LaunchError(str(path), None, reason)

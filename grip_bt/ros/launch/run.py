@@ -1,16 +1,12 @@
-"""Which way a launch file is run here: by `ros2 launch`, by ROS's `launch` package, or by our own reader."""
+"""Which way a launch file is run here: by `ros2 launch`, or by our own reader."""
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
-import sys
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TextIO
-
-from grip_bt.base.interpreter import python_command
 
 from ..process import child_environment
 from .element import LaunchError
@@ -47,18 +43,8 @@ def members_of_file(
     ros2 = None if own_reader else shutil.which("ros2")
     if ros2 is not None:
         return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)], []
-    if path.suffix == ".py" and has_launch_package():
-        command = python_command("-m", "grip_bt.ros.launch.run", str(path), *given)
-        return [Member(path.name, command, Path.cwd(), env)], []
     launch = read_launch_file(path, arguments, env=env)
     return launch.processes, launch.events
-
-
-def has_launch_package() -> bool:
-    """Tell whether ROS's own `launch` is importable; another project on PyPI has the same name."""
-    spec = importlib.util.find_spec("launch")
-    folders = list(spec.submodule_search_locations or ()) if spec is not None else []
-    return any((Path(folder) / "launch_description_sources").is_dir() for folder in folders)
 
 
 LOOK = 0.1
@@ -104,21 +90,3 @@ class Follower:
             for line in whole.decode("utf-8", "replace").splitlines():
                 self._output.write(f"[{name}] {line}\n")
         self._output.flush()
-
-
-def main(words: list[str]) -> int:
-    """Run a file by ROS's own `launch` package until it ends; return its exit status: `FILE NAME:=VALUE ...`."""
-    from launch import LaunchDescription, LaunchService
-    from launch.actions import IncludeLaunchDescription
-    from launch.launch_description_sources import AnyLaunchDescriptionSource
-
-    file, *rest = words
-    arguments = [tuple(word.split(":=", 1)) for word in rest]
-    service = LaunchService(argv=rest)
-    include = IncludeLaunchDescription(AnyLaunchDescriptionSource(file), launch_arguments=arguments)
-    service.include_launch_description(LaunchDescription([include]))
-    return int(service.run())
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
