@@ -16,7 +16,7 @@ from grip_bt.ros.interfaces import (
     parse_interface,
     read_interface,
 )
-from grip_bt.ros.interfaces.generate import _quietly
+from grip_bt.ros.interfaces.generate import _working
 from grip_bt.task.catalog.ros_config import FieldSpec
 
 PACKAGE_XML = "<package format='3'><name>{name}</name>{depends}</package>"
@@ -157,7 +157,7 @@ def test_a_generator_that_ends_the_process_is_an_error_with_what_it_said(capfd):
         sys.exit(1)
 
     with pytest.raises(InterfaceBuildError, match="my_pkg: the interface generator failed:\nKeyError processing"):
-        with _quietly("my_pkg"):
+        with _working("my_pkg", []):
             ends()
     assert capfd.readouterr() == ("", "")
 
