@@ -44,15 +44,13 @@ def taken(
         timeout: in all [s].
         made: makes it; with FrameError messages that come later are tried, since TF may be heard of only since then.
     """
-    left = timeout
-    deadline = time.monotonic() + left
+    deadline = time.monotonic() + timeout
     while True:
-        messages = yield ros.together(topics, slop, left)
+        messages = yield ros.together(topics, slop, deadline - time.monotonic())
         try:
             return (yield from made(messages))
         except FrameError:
-            left = deadline - time.monotonic()
-            if left < FRAME_WAIT:
+            if deadline - time.monotonic() < FRAME_WAIT:
                 raise
 
 
@@ -89,12 +87,10 @@ class TopicSensor:
         return capture
 
     def _driver_ended(self) -> None:
-        """End the captures under way: nothing will come any more."""
         for capture in list(self._captures):
             capture.cancel()
 
     def _captured(self) -> Steps[Mapping[str, object]]:
-        """Take what is asked for, or say how the driver ended."""
         config = self.config
         try:
             return (yield from taken(self._ros, self._messages, config.slop, config.timeout, self._values))
