@@ -19,7 +19,7 @@ from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.topic import Received, TopicReader
 from grip_bt.ros.client.types import ConversionError, Message, check_name, load_message, load_type
 from grip_bt.ros.convert import from_message, to_message
-from grip_bt.ros.convert_geometry import seconds
+from grip_bt.ros.convert_values import seconds
 from grip_bt.ros.transforms import Transforms
 
 ANSWER = 2.0

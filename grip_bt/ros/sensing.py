@@ -18,8 +18,7 @@ from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 from .client.types import ConversionError, Message
 from .convert import from_message
-from .convert_geometry import seconds
-from .convert_perception import camera_from_message, depth_from_message, image_from_message
+from .convert_values import camera_from_message, depth_from_message, image_from_message, seconds
 from .frames import FrameError, frame_of, mounted_frames, transformed
 from .interface import RosInterface
 from .process import Process, child_environment, stop_all

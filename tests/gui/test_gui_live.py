@@ -147,7 +147,7 @@ def test_values_are_the_same_after_being_text() -> None:
     [
         ("poses", "reference_frame: world\nposition: {x: 1}\norientation: {r: 0, p: 0, y: 0}\n", "has x, y and z"),
         ("poses", "reference_frame: world\nthumb: {position: {x: 0, y: 0, z: 0}}\n", "missing"),
-        ("joint_states", "a: fast\n", "expected a number"),
+        ("joint_states", "a: fast\n", "a valid number"),
         ("words", "- 1\n", "expected a mapping"),
         ("words", "a: [1\n", "there"),
     ],

@@ -211,7 +211,7 @@ def test_two_action_servers_on_one_name_are_refused(bus, act):
 
 
 def _servers(bus):
-    from grip_bt.ros.client.server_check import action_servers
+    from grip_bt.ros.client.graph import action_servers
 
     return action_servers(bus.node, "/work")
 

@@ -234,7 +234,7 @@ def tf_messages():
 
 def stamped(child: str, time: float, pose: Pose):
     """Return a transform of `child` at a time."""
-    from grip_bt.ros.convert_geometry import header, pose_to_transform_stamped
+    from grip_bt.ros.convert_values import header, pose_to_transform_stamped
 
     made = pose_to_transform_stamped(pose)
     made.child_frame_id, made.header = child, header(pose.frame, time)

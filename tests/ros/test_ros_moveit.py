@@ -198,7 +198,7 @@ def test_every_shape_reaches_move_group_as_what_it_is(planning, robot, scene, sh
 
 
 def test_what_a_hand_takes_moves_with_it_and_may_be_touched_until_it_is_let_go(planning, robot, scene, shared, model):
-    from grip_bt.ros.convert_geometry import pose_from_message
+    from grip_bt.ros.convert_values import pose_from_message
 
     planner, grasp = planning(), model.grasp_pose(home(robot))
     scene.set_box("cube", (0.05, 0.05, 0.05), grasp)
@@ -448,7 +448,7 @@ def tolerances(constraints) -> list[float]:
 
 
 def test_a_free_turn_is_a_tolerance_about_the_links_axis_or_several_goals(mounted):
-    from grip_bt.ros.convert_geometry import pose_from_message
+    from grip_bt.ros.convert_values import pose_from_message
     from grip_bt.ros.moveit.goals import ANY, TURN, TURNS, at_pose
 
     ordered, askew = mounted

@@ -45,6 +45,11 @@ from .parts import Opening, Resources, load_part
 
 if TYPE_CHECKING:
     from grip_bt.ros.client.bus import Bus
+from grip_bt.runtime.lockstep import InTurn, Lockstep
+from grip_sim import start_simulation
+
+from ..project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
+from ..project.worlds import regions_of, room_of, world_of
 
 
 @dataclass(frozen=True)
@@ -264,3 +269,44 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
     asked = {name: getattr(arm, name) for name in MotionSettings.model_fields}
     preferred = {name: field(name) for name in ("planner", "kinematics", "speed", "acceleration")}
     return PlanningSettings(**{**asked, **preferred}, seed=seed, parameters=tuple(parameters.items()))
+
+
+class SimulatedBackend:
+    """Implements `RobotBackend`: the project's world, which waits for the run unless it has a pace."""
+
+    def open(self, opening: Opening, stack: ExitStack) -> Resources:
+        """Start the simulator and the planner."""
+        project, file, progress = opening.project, opening.project.file, opening.progress
+        check(faults_of_simulation(project))
+        progress("starting", "the simulator and the planner")
+        robot = PlannedRobot.begin(opening, stack)
+        jerks = jerks_of_arms(file.arms, robot.description)
+        spec = replace(world_of(project, opening.seed), jerks=jerks)
+        spec = replace(spec, faults={} if opening.faults is None else {**spec.faults, **opening.faults})
+        check(faults_of_faults(project, spec, robot.description))
+        simulation = stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
+        objects = ", ".join(thing.name for thing in spec.objects)
+        progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")
+        plans: PlanningService = with_move_group(opening, robot.description, robot.process, stack)
+        lockstep = Lockstep(simulation) if opening.pace is None else None
+        if lockstep is not None:
+            plans = InTurn(plans, lockstep, patient=True)
+        parts = commanded(
+            opening,
+            robot.description,
+            plans,
+            {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
+            {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
+            room_of(spec),
+            regions_of(spec),
+        )
+        cameras = {name: simulation.camera(s.camera) for name, s in file.sensors.items() if s.camera is not None}
+        robot.wait_until_ready(opening)
+        return replace(
+            parts,
+            cameras=cameras,
+            pausable=(simulation,),
+            clock=simulation.clock,
+            lockstep=lockstep,
+            world=simulation,
+        )

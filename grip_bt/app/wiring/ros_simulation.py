@@ -19,8 +19,13 @@ from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.interfaces.packages import child_paths
-from grip_bt.ros.robot_state import ClockPublisher, RobotStatePublisher
-from grip_bt.ros.served import CameraPublisher, JointStatePublisher, TrajectoryActionServer
+from grip_bt.ros.served import (
+    CameraPublisher,
+    ClockPublisher,
+    JointStatePublisher,
+    RobotStatePublisher,
+    TrajectoryActionServer,
+)
 from grip_sim import start_simulation
 from grip_sim.simulation import Simulation
 from grip_sim.specs import CameraSpec

@@ -31,8 +31,7 @@ from ..watchdog import Watchdog
 from .base import Request, ServedClient
 from .connection import Connection
 from .goal import LIVE, Ask, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase
-from .graph import explained
-from .server_check import GRACE, action_servers, check_action_servers
+from .graph import GRACE, action_servers, check_action_servers, explained
 from .service import SERVICE_QOS
 from .types import InterfaceType, Message
 

@@ -14,7 +14,7 @@ from grip_bt.base.failures import CanceledError, IncompatibleServerError, Server
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
-from .server_check import SETTLE, STALE, TRUST, gids_of
+from .graph import SETTLE, STALE, TRUST, gids_of
 from .types import InterfaceType, Message
 
 IN_FLIGHT = 8

@@ -19,8 +19,7 @@ from grip_bt.base.operation import Operation
 
 from .base import Request, ServedClient
 from .connection import Connection
-from .graph import explained
-from .server_check import GRACE, check_servers, servers_of
+from .graph import GRACE, check_servers, explained, servers_of
 from .types import InterfaceType, Message
 
 SERVICE_QOS = QoSProfile(

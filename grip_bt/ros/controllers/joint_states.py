@@ -16,7 +16,7 @@ from grip_bt.base.values import JointState
 
 from ..client.bus import Bus
 from ..client.topic import Received
-from ..convert_geometry import seconds
+from ..convert_values import seconds
 
 MESSAGE = "sensor_msgs/msg/JointState"
 STALE = 1.0

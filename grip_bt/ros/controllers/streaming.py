@@ -24,7 +24,7 @@ from grip_bt.commanders.trajectory.stopping import accelerations_of, jerks_of, s
 
 from ..client.bus import Bus
 from ..client.types import load_type
-from ..convert_geometry import trajectory_to_message
+from ..convert_values import trajectory_to_message
 from .joint_states import JointStates
 from .motion import START_TOLERANCE, RosExecutor, settle
 

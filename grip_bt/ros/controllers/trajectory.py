@@ -22,7 +22,7 @@ from grip_bt.ros.client.goal import GoalEnd
 from grip_bt.ros.controllers.following import Following
 from grip_bt.ros.controllers.joint_states import JointStates
 from grip_bt.ros.controllers.motion import RosExecutor
-from grip_bt.ros.convert_geometry import trajectory_to_message
+from grip_bt.ros.convert_values import trajectory_to_message
 from grip_bt.ros.interfaces.build import ensure_package
 
 from ..client.types import Message, constant_name, load_type

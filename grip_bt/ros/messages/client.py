@@ -13,7 +13,7 @@ from grip_bt.base.operation import Operation
 from ..client.bus import Bus
 from ..client.topic import Received
 from ..client.types import ConversionError, Message, load_type
-from ..convert_geometry import seconds
+from ..convert_values import seconds
 from ..interface import BadRequestError
 from ..interfaces.build import ensure_package
 from .wire import CHANGES, PREFIX, RawMessage, message_of, pack, unpack

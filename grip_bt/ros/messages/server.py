@@ -16,7 +16,7 @@ from grip_bt.base.message_store import Change, Entry, MessageLibrary, MessageSto
 
 from ..client.bus import Bus
 from ..client.types import Message, load_type
-from ..convert_geometry import seconds
+from ..convert_values import seconds
 from ..interfaces.build import ensure_package
 from .wire import CHANGES, MESSAGES, PREFIX, RawMessage, message_of, pack
 

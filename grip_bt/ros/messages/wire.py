@@ -17,7 +17,7 @@ from grip_bt.base.values import Grasp, JointState, Pose
 
 from ..client.types import ConversionError, InterfaceType, Message, load_type, type_name
 from ..convert import from_message, to_message
-from ..convert_geometry import header, pose_from_message, pose_to_message
+from ..convert_values import header, pose_from_message, pose_to_message
 from ..interface import BadRequestError
 
 PREFIX = "/grip/messages"

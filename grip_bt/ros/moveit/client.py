@@ -36,7 +36,7 @@ from ..client.service import ServiceClient
 from ..client.types import Message, constant_name, load_type
 from ..controllers import JointStates, RosExecutor
 from ..controllers.trajectory import LATE, follow_goal
-from ..convert_geometry import trajectory_to_message
+from ..convert_values import trajectory_to_message
 from ..interfaces.build import ensure_package
 
 ANSWER = 10.0

@@ -22,7 +22,7 @@ from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphe
 from grip_bt.commanders.description.robot import RobotDescription
 
 from ..client.types import Message, load_type
-from ..convert_geometry import header, pose_to_message
+from ..convert_values import header, pose_to_message
 
 JOINT_TOLERANCE = 1e-4
 """How near to a goal a joint has to come [rad or m]."""

@@ -39,7 +39,7 @@ from grip_bt.commanders.planning.requests import (
 )
 
 from ..client.types import Message, load_type
-from ..convert_geometry import header, joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
+from ..convert_values import header, joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
 from .client import MoveGroup
 from .goals import ArmMapping, at_joints, at_pose, on_the_way
 from .scene import PlanningSceneSync

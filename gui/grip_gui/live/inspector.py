@@ -20,7 +20,7 @@ from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.graph import topics
 from grip_bt.ros.client.types import load_type, type_name
 from grip_bt.ros.convert import from_message
-from grip_bt.ros.convert_perception import depth_from_message
+from grip_bt.ros.convert_values import depth_from_message
 from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
 from grip_bt.ros.messages.wire import entry_rows, joint_states_of, text_of_entry, value_from_text
