@@ -19,7 +19,7 @@ from grip_bt.base import values
 from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
 
-from . import convert_values as conversions
+from . import convert_values as turn
 from .client.types import (
     ConversionError,
     FieldType,
@@ -32,22 +32,22 @@ from .client.types import (
 )
 
 _CONVERSIONS: dict[tuple[type, str], tuple[Callable[[Any], Message], Callable[[Any], object] | None]] = {
-    (Pose, "geometry_msgs/msg/Pose"): (conversions.pose_to_message, conversions.pose_from_message),
-    (Pose, "geometry_msgs/msg/PoseStamped"): (conversions.pose_to_stamped, conversions.pose_from_stamped),
-    (Pose, "geometry_msgs/msg/Transform"): (conversions.pose_to_transform, conversions.pose_from_message),
+    (Pose, "geometry_msgs/msg/Pose"): (turn.pose_to_message, turn.pose_from_message),
+    (Pose, "geometry_msgs/msg/PoseStamped"): (turn.pose_to_stamped, turn.pose_from_stamped),
+    (Pose, "geometry_msgs/msg/Transform"): (turn.pose_to_transform, turn.pose_from_message),
     (Pose, "geometry_msgs/msg/TransformStamped"): (
-        conversions.pose_to_transform_stamped,
-        conversions.pose_from_stamped,
+        turn.pose_to_transform_stamped,
+        turn.pose_from_stamped,
     ),
-    (JointState, "sensor_msgs/msg/JointState"): (conversions.joints_to_message, conversions.joints_from_message),
+    (JointState, "sensor_msgs/msg/JointState"): (turn.joints_to_message, turn.joints_from_message),
     (Trajectory, "trajectory_msgs/msg/JointTrajectory"): (
-        conversions.trajectory_to_message,
-        conversions.trajectory_from_message,
+        turn.trajectory_to_message,
+        turn.trajectory_from_message,
     ),
-    (PointCloud, "sensor_msgs/msg/PointCloud2"): (conversions.cloud_to_message, conversions.cloud_from_message),
-    (Image, "sensor_msgs/msg/Image"): (conversions.image_to_message, conversions.image_from_message),
-    (DepthImage, "sensor_msgs/msg/Image"): (conversions.depth_to_message, None),  # needs the camera's geometry too
-    (CameraInfo, "sensor_msgs/msg/CameraInfo"): (conversions.camera_to_message, conversions.camera_from_message),
+    (PointCloud, "sensor_msgs/msg/PointCloud2"): (turn.cloud_to_message, turn.cloud_from_message),
+    (Image, "sensor_msgs/msg/Image"): (turn.image_to_message, turn.image_from_message),
+    (DepthImage, "sensor_msgs/msg/Image"): (turn.depth_to_message, None),  # needs the camera's geometry too
+    (CameraInfo, "sensor_msgs/msg/CameraInfo"): (turn.camera_to_message, turn.camera_from_message),
 }
 """What has a counterpart in ROS: value, message -> to the message, from the message."""
 

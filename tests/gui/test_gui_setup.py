@@ -261,7 +261,7 @@ WAY = "approach:\n- {name: home, interpolate_time: 2.0, pause_time: 0.0}\n"
             "home: {panda_joint1: up}\n",
             "error",
             ["home", "panda_joint1"],
-            "a valid number",
+            "valid number",
         ),
         (
             "messages/joint_states.yaml",
@@ -291,7 +291,7 @@ WAY = "approach:\n- {name: home, interpolate_time: 2.0, pause_time: 0.0}\n"
             WAY.replace("2.0", "soon"),
             "error",
             ["approach", "0", "interpolate_time"],
-            "a valid number",
+            "valid number",
         ),
     ],
 )

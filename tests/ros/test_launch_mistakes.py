@@ -127,4 +127,4 @@ def test_substitutions_in_a_file_of_parameters_are_refused_not_left_out(tmp_path
     with pytest.raises(LaunchError, match="substitutions in a file of parameters aren't made here"):
         read_launch_file(file)
     file.write_text(f"<launch>{WITH % node % 'false'}</launch>")
-    assert "--params-file" in read_launch_file(file).processes[0].command
+    assert "--params-file" in read_launch_file(file)[0].command

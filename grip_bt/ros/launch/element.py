@@ -44,10 +44,18 @@ def read_elements(path: Path) -> Element:
     Raises:
         LaunchError: it can't be read or isn't well-formed.
     """
+    if path.suffix == ".py":
+        said = "is a program for `ros2 launch`, which isn't here; source a ROS that has it"
+        other = (
+            f"(source /opt/ros/jazzy/setup.bash), or say the same in XML ({path.name.removesuffix('.py')}.xml) or YAML"
+        )
+        reason = f"a launch file in Python {said} {other}" if path.is_file() else "there is no such file"
+        raise LaunchError(str(path), None, reason)
     try:
         text = read_file(path)
         if path.suffix in (".yaml", ".yml"):
             return _from_yaml(text, str(path))
+        check_not_legacy(text, path)
     except DocumentError as error:
         raise LaunchError(str(path), error.line, error.message) from None
     return _from_xml(text, str(path))
@@ -150,40 +158,44 @@ class LaunchError(GripError):
         super().__init__(f"{source}:{line}: {reason}" if line else f"{source}: {reason}")
 
 
-_OF_ROS_1 = {
-    "rosparam": '<param from="FILE"/> inside the <node> whose parameters they are',
-    "machine": "a launch file on each machine",
-    "node type": 'exec="..."',
-    "node ns": 'namespace="..."',
-    "node required": 'on_exit="shutdown"',
-    "group ns": '<push_ros_namespace namespace="..."/> as the first element of the group',
-    "include ns": 'a <group> with <push_ros_namespace namespace="..."/> around the include',
-    "include pass_all_args": "nothing: includes see the arguments of the file that includes them",
-    "param command": "value=\"$(command '...')\"",
-    "param textfile": "value=\"$(command 'cat FILE')\"",
-    "$(find": "$(find-pkg-share PACKAGE)",
-    "$(arg": "$(var NAME)",
-    "$(optenv": "$(env NAME DEFAULT)",
-}
-"""An element, an attribute or a substitution that only ROS 1 has -> what ROS 2 has."""
+_OF_ROS_1 = re.compile(
+    r"\$\((?:find|arg|optenv) |<rosparam|<node[^>]* type=|<(?:group|include|node)[^>]* ns=|<param[^>]* command="
+)
 
 
-def check_not_legacy(root: Element, path: Path) -> None:
-    """Refuse a launch file of ROS 1.
+def check_not_legacy(text: str, path: Path) -> None:
+    """Refuse the text of a launch file of ROS 1.
 
     Raises:
-        LaunchError: it is one; with every line that has to change.
+        LaunchError: it is one; with the first line that shows that.
     """
-    changes = "".join(f"\n  line {line}: {old}: {_OF_ROS_1[old]}" for line, old in _of_ros_1(root))
-    if changes:
-        raise LaunchError(
-            str(path), None, f"this is a ROS 1 launch file; to make it one of ROS 2 (.launch.xml), change:{changes}"
+    if found := _OF_ROS_1.search(text):
+        line, change = text.count("\n", 0, found.start()) + 1, "docs/launching.md lists what to change"
+        raise LaunchError(str(path), line, f"this is a ROS 1 launch file: {found[0].split()[0]!r}; {change}")
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An argument that a launch file declares."""
+
+    name: str
+    default: str | None
+    doc: str
+    choices: tuple[str, ...] = ()
+
+
+def read_arguments(path: Path) -> list[Argument]:
+    """Return the arguments that an XML or YAML launch file itself declares, with their defaults as they are written.
+
+    Raises:
+        LaunchError: it can't be read, or is one of ROS 1.
+    """
+    return [
+        Argument(
+            element.attributes.get("name", ""),
+            element.attributes.get("default"),
+            element.attributes.get("description", ""),
+            tuple(choice.attributes.get("value", "") for choice in element.of("choice")),
         )
-
-
-def _of_ros_1(element: Element) -> Iterator[tuple[int, str]]:
-    for child in element.children:
-        substitutions = re.findall(r"\$\(\w+(?= )", " ".join(child.attributes.values()))
-        found = [child.tag, *(f"{child.tag} {name}" for name in child.attributes), *substitutions]
-        yield from ((child.line, name) for name in found if name in _OF_ROS_1)
-        yield from _of_ros_1(child)
+        for element in read_elements(path).of("arg")
+    ]

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TextIO
 
 from grip_bt.base.errors import GripError
 from grip_bt.task.catalog.component_parts import Ready, Restart
@@ -22,7 +22,7 @@ from ..process import Process
 if TYPE_CHECKING:
     from ..client.connection import Connection
 
-State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped", "says"]
+State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped"]
 LOOK = 0.1
 """How often the group is looked at [s]."""
 SILENCE = 5.0
@@ -60,21 +60,6 @@ class Member:
     after: float = 0.0
 
 
-@dataclass(frozen=True)
-class LaunchEvent:
-    """What a launch file does beside starting processes.
-
-    Attributes:
-        text: what is said.
-        after: how long after the beginning [s].
-        ends: whether everything ends then (`shutdown`).
-    """
-
-    text: str
-    after: float = 0.0
-    ends: bool = False
-
-
 @dataclass
 class _Running:
     member: Member
@@ -108,8 +93,7 @@ class ProcessGroup:
         members: the processes, in the order in which they are started; each waits until those before it are ready.
         logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
-        on_change: told of every change, and, as `says` of `launch`, of the events.
-        events: what happens beside processes.
+        on_change: told of every change.
     """
 
     def __init__(
@@ -118,12 +102,9 @@ class ProcessGroup:
         logs: Path,
         domain_id: int | None = None,
         on_change: Listener = lambda name, state, detail: None,
-        events: Sequence[LaunchEvent] = (),
     ):
         self._all = {member.name: _Running(member) for member in members}
         self._logs, self._on_change = logs, on_change
-        self._events = sorted(events, key=lambda event: event.after)
-        self._began = 0.0
         self._watch = GraphWatch(domain_id)
         self._lock = threading.RLock()
         self._stopping = threading.Event()
@@ -148,13 +129,13 @@ class ProcessGroup:
         Raises:
             StartError: one isn't ready in time or ended before; all are ended again.
         """
-        self._began = time.monotonic()
+        began = time.monotonic()
         try:
             for running in self._all.values():
                 if self._stopping.is_set():
                     return
                 if running.member.after > 0:
-                    running.again_at = self._began + running.member.after
+                    running.again_at = began + running.member.after
                     continue
                 self._begin(running)
                 self._until_ready(running)
@@ -169,14 +150,14 @@ class ProcessGroup:
             What failed; empty when nothing did.
         """
         try:
-            while not self._tell_events() and not self._stopping.wait(LOOK):
+            while not self._stopping.wait(LOOK):
                 for running in self._all.values():
                     self._look(running)
                 failed = [r for r in self._all.values() if r.state == "failed"]
                 if given_up := [r for r in failed if r.member.required or r.member.ends_all]:
                     return given_up[0].why
                 over = [r for r in self._all.values() if r.state in ("ended", "failed")]
-                if (len(over) == len(self._all) and not self._events) or any(r.member.ends_all for r in over):
+                if len(over) == len(self._all) or any(r.member.ends_all for r in over):
                     return failed[0].why if failed else ""
             return ""
         finally:
@@ -205,14 +186,6 @@ class ProcessGroup:
 
     def __exit__(self, *_: object) -> None:
         self.stop()
-
-    def _tell_events(self) -> bool:
-        while self._events and time.monotonic() >= self._began + self._events[0].after:
-            event = self._events.pop(0)
-            self._on_change("launch", "says", event.text)
-            if event.ends:
-                return True
-        return False
 
     # --- one process ---
 
@@ -357,3 +330,44 @@ class GraphWatch:
         asked = self._connection.post(lambda: served_names(node))
         if asked.wait(LOOKING):
             self._names, self._looked = asked.result(), time.monotonic()
+
+
+class Follower:
+    """Copies new lines of the logs of a group.
+
+    Args:
+        group: whose.
+        names: of its members.
+        output: where lines go, as `[name] line`.
+    """
+
+    def __init__(self, group: ProcessGroup, names: Sequence[str], output: TextIO):
+        self._group, self._names, self._output = group, names, output
+        self._read: dict[Path, int] = {}
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._follow, name="grip_follow", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Copy what is left, and end."""
+        self._stop.set()
+        self._thread.join(2.0)
+
+    def _follow(self) -> None:
+        while not self._stop.wait(LOOK):
+            self._copy(last=False)
+        self._copy(last=True)
+
+    def _copy(self, last: bool) -> None:
+        for name in self._names:
+            log = self._group.log(name)
+            if log is None or not log.is_file():
+                continue
+            with log.open("rb") as file:
+                file.seek(self._read.get(log, 0))
+                new = file.read()
+            whole = new if last else new[: new.rfind(b"\n") + 1]
+            self._read[log] = self._read.get(log, 0) + len(whole)
+            for line in whole.decode("utf-8", "replace").splitlines():
+                self._output.write(f"[{name}] {line}\n")
+        self._output.flush()

@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.ros.interfaces.packages import PackageError, executable_of
 
-from .element import Element, LaunchError, check_not_legacy, read_elements
-from .group import LaunchEvent, Member
+from ..process import child_environment
+from .element import Element, LaunchError, read_elements
+from .group import Member
 from .substitutions import LaunchContext, substitute, truth
 
 DEEPEST = 30
@@ -22,29 +24,42 @@ DEEPEST = 30
 _CONDITIONS = {"if", "unless"}
 
 
-@dataclass(frozen=True)
-class Argument:
-    """An argument that a launch file declares."""
-
-    name: str
-    default: str | None
-    doc: str
-    choices: tuple[str, ...] = ()
+SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 
 
-@dataclass
-class Launch:
-    """What a launch file asks for."""
+def is_launch_file(name: str) -> bool:
+    """Tell whether a name is that of a launch file."""
+    return name.endswith(SUFFIXES)
 
-    processes: list[Member] = field(default_factory=list)
-    events: list[LaunchEvent] = field(default_factory=list)
+
+def members_of_file(path: Path, arguments: Mapping[str, str], own_reader: bool = False) -> list[Member]:
+    """Return the processes that run a launch file.
+
+    With ROS's tools there is one, which sees to all others; without them, one for each node and executable.
+
+    Args:
+        path: the file.
+        arguments: values of its arguments.
+        own_reader: whether our own reader is used also where ROS's tools are.
+
+    Raises:
+        LaunchError: the file can't be run here; it says why, and what to do.
+    """
+    if not path.is_file():
+        raise LaunchError(str(path), None, "there is no such file")
+    env = child_environment(())
+    given = [f"{name}:={value}" for name, value in arguments.items()]
+    ros2 = None if own_reader else shutil.which("ros2")
+    if ros2 is not None:
+        return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)]
+    return read_launch_file(path, arguments, env)
 
 
 def read_launch_file(
     path: Path | str,
     arguments: Mapping[str, str] | None = None,
     env: Mapping[str, str] | None = None,
-) -> Launch:
+) -> list[Member]:
     """Read an XML or YAML launch file and return the processes that it asks for.
 
     Args:
@@ -54,32 +69,10 @@ def read_launch_file(
 
     Raises:
         LaunchError: it is wrong, asks for something that isn't here, or uses what isn't understood; by name and line.
-        LegacyLaunchFileError: it is one of ROS 1; it says what to change.
     """
     reader = _Reader(env or {})
     reader.read_file(Path(path), dict(arguments or {}), _Scope({}, {}), ())
-    return reader.launch
-
-
-def read_arguments(path: Path) -> list[Argument]:
-    """Return the arguments that an XML or YAML launch file itself declares, with their defaults as they are written.
-
-    Raises:
-        LaunchError: it can't be read, or is one of ROS 1.
-    """
-    if path.suffix == ".py":
-        raise _in_python(path)
-    root = read_elements(path)
-    check_not_legacy(root, path)
-    return [
-        Argument(
-            element.attributes.get("name", ""),
-            element.attributes.get("default"),
-            element.attributes.get("description", ""),
-            tuple(choice.attributes.get("value", "") for choice in element.of("choice")),
-        )
-        for element in root.of("arg")
-    ]
+    return reader.processes
 
 
 @dataclass
@@ -196,7 +189,7 @@ class _Element(LaunchContext):
 
 class _Reader:
     def __init__(self, env: Mapping[str, str]):
-        self.launch = Launch()
+        self.processes: list[Member] = []
         self._env = env
         self._names: dict[str, int] = {}
         self._files: tuple[Path, ...] = ()
@@ -205,10 +198,7 @@ class _Reader:
     def read_file(self, path: Path, given: dict[str, str], scope: _Scope, above: tuple[Path, ...]) -> None:
         if len(above) >= DEEPEST:
             raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
-        if path.suffix == ".py":
-            raise _in_python(path)
         root = read_elements(path)
-        check_not_legacy(root, path)
         files, outer, self._files, self._given = self._files, self._given, (*above, path), given
         scope.variables.update(given)
         declared = {e.attributes.get("name", "") for e in root.of("arg")}
@@ -274,13 +264,12 @@ class _Reader:
         self._all(at.children, inner)
 
     def _log(self, at: _Element) -> None:
-        said = at.text("message")
-        level = at.text("level", at.tag.removeprefix("log").strip("_") or "info").lower()
-        self.launch.events.append(LaunchEvent(said if level == "info" else f"{level}: {said}", at.scope.after))
+        """Pass over what is only said."""
 
     def _shutdown(self, at: _Element) -> None:
-        reason = at.text("reason", "the launch file ends everything")
-        self.launch.events.append(LaunchEvent(reason, at.scope.after, ends=True))
+        """Have a process that does nothing, and with which all end, started in its time."""
+        at.attributes = {"on_exit": "shutdown"}
+        self._start(at, ["true"], "shutdown")
 
     def _namespace(self, at: _Element) -> None:
         at.scope.namespace = at.scope.within(at.text("namespace"))
@@ -379,7 +368,7 @@ class _Reader:
         if not most.lstrip("-").isdigit():
             raise at.error(f"respawn_max_retries is a whole number, -1 for no end, not {most!r}")
         respawn = at.flag("respawn", "false")
-        self.launch.processes.append(
+        self.processes.append(
             Member(
                 name if count == 1 else f"{name}-{count}",
                 tuple([*prefix, *command]),
@@ -455,14 +444,3 @@ _INNER: dict[str, dict[str, set[str]]] = {
     "executable": {"env": _NAMED},
 }
 """What can stand in an element, with its attributes."""
-
-
-def _in_python(path: Path) -> LaunchError:
-    """Return the error of a Python launch file."""
-    if not path.is_file():
-        return LaunchError(str(path), None, "there is no such file")
-    reason = (
-        "a launch file in Python is a program for `ros2 launch`, which isn't here; source a ROS that has it"
-        f" (source /opt/ros/jazzy/setup.bash), or say the same in XML, as {path.name.removesuffix('.py')}.xml, or YAML"
-    )
-    return LaunchError(str(path), None, reason)
