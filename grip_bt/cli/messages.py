@@ -23,8 +23,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import type_name
-from grip_bt.ros.messages.client import RosMessages
-from grip_bt.ros.messages.server import MessageServer
+from grip_bt.ros.messages.service import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import entry_rows, joint_states_of, plain_of_entry, text_of_message, value_from_text
 
 from .terminal import on_stop

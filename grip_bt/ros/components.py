@@ -49,11 +49,7 @@ class Components(Closing):
         self._running = dict(running)
 
     def client(self, name: str) -> Component:
-        """Return a component; an empty name means the only one.
-
-        Raises:
-            UnknownNameError: there is none of that name.
-        """
+        """Return a component; an empty name means the only one. Raises UnknownNameError: there is none of that name."""
         if not name and len(self._running) == 1:
             return next(iter(self._running.values())).component
         if name not in self._running:

@@ -72,11 +72,7 @@ def environment(env: Mapping[str, str] | None = None, wheels: Path | None | Lite
 
 
 def require() -> RosEnvironment:
-    """Return the environment's ROS.
-
-    Raises:
-        MissingPartError: there is none, or two are mixed.
-    """
+    """Return the environment's ROS. Raises MissingPartError: there is none, or two are mixed."""
     here = environment()
     if not here.usable:
         what = "ROS 2" if here.kind == "none" else f"one ROS 2 ({here.detail})"

@@ -54,11 +54,7 @@ def taken(
 
 
 class TopicSensor:
-    """A sensor on topics; implements `grip_bt.base.ports.Sensor`.
-
-    Args:
-        process: its driver, where we started it.
-    """
+    """A sensor on topics; implements `grip_bt.base.ports.Sensor`; `process`: its driver, where we started it."""
 
     def __init__(self, name: str, config: SensorConfig, ros: RosInterface, process: Process | None = None):
         self.name, self.config, self.process = name, config, process
@@ -215,11 +211,7 @@ class RosCamera:
             ros.transforms.listen()
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry, as of the last frame.
-
-        Raises:
-            SensorError: none was taken yet.
-        """
+        """Return the camera's geometry, as of the last frame. Raises SensorError: none was taken yet."""
         if self._info is None:
             raise SensorError(f"camera {self._name}: nothing was heard on {self._config.info} yet")
         return self._info

@@ -68,11 +68,7 @@ class PlannedRobot:
         return cls(description, process)
 
     def wait_until_ready(self, opening: Opening) -> None:
-        """Block until the planner plans.
-
-        Raises:
-            GripError: it doesn't come up.
-        """
+        """Block until the planner plans. Raises GripError: it doesn't come up."""
         if not self.process.wait_until_ready():
             raise GripError("the planning process does not start; run `grip doctor`")
         names = planners_in_force(opening.project, self.description)

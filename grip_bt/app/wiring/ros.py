@@ -19,7 +19,7 @@ from grip_bt.ros.environment import own_domain
 from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosClock, RosInterface
 from grip_bt.ros.interfaces.build import ensure_package
-from grip_bt.ros.messages.client import RosMessages
+from grip_bt.ros.messages.service import RosMessages
 from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
@@ -76,11 +76,7 @@ def open_ros(
 
 
 def simulated_clock(bus: Bus, stack: ExitStack) -> RosClock:
-    """Return a clock that follows `/clock`.
-
-    Raises:
-        ServerLostError: nobody publishes it.
-    """
+    """Return a clock that follows `/clock`. Raises ServerLostError: nobody publishes it."""
     clock = stack.enter_context(RosClock(bus))
     if not clock.wait_started(TIME_STARTS):
         reason = f"no simulated time within {TIME_STARTS:g} s: {clock.publishers()}"

@@ -160,11 +160,7 @@ class _PressingFingers:
 
 
 def _action(project: Project, name: str) -> str:
-    """Return the action of an arm or a hand.
-
-    Raises:
-        GripError: it is reached in another way, which isn't simulated.
-    """
+    """Return the action of an arm or a hand. Raises GripError: it is reached in another way, which isn't simulated."""
     controllers = project.file.ros.controllers if project.file.ros is not None else {}
     if name not in controllers:
         return f"/{name}_controller/follow_joint_trajectory"

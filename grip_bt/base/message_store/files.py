@@ -60,11 +60,7 @@ _WAY_POINTS = TypeAdapter(dict[str, Annotated[list[_WayPoint], Field(min_length=
 
 
 def read_joint_states(path: Path | str, text: str | None = None) -> dict[str, JointState]:
-    """Read named joint states.
-
-    Raises:
-        DocumentError: the file is wrong; with the place.
-    """
+    """Read named joint states. Raises DocumentError: the file is wrong; with the place."""
     found = _validated(_JOINTS, _tree(path, text), str(path))
     return {name: JointState.from_mapping(positions) for name, positions in found.items()}
 

@@ -98,11 +98,7 @@ class MessageStore(Generic[T]):
             return entry
 
     def push(self, value: T, provenance: str = "", at: float | None = None) -> Entry[T]:
-        """Put a value without a name at the end of the queue.
-
-        Raises:
-            WrongTypeError: it isn't of the store's type.
-        """
+        """Put a value without a name at the end of the queue. Raises WrongTypeError: it isn't of the store's type."""
         self._check("the queue", value)
         with self._lock:
             entry = self._made("", value, provenance, at)
@@ -111,11 +107,7 @@ class MessageStore(Generic[T]):
             return entry
 
     def take(self) -> Entry[T]:
-        """Remove the oldest value of the queue and return it.
-
-        Raises:
-            EmptyQueueError: there is none.
-        """
+        """Remove the oldest value of the queue and return it. Raises EmptyQueueError: there is none."""
         with self._lock:
             if not self._queue:
                 raise EmptyQueueError(self.name)
@@ -129,19 +121,11 @@ class MessageStore(Generic[T]):
         return len(self._queue)
 
     def get(self, name: str) -> T:
-        """Return a value.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
+        """Return a value. Raises UnknownNameError: there is none of this name."""
         return self.entry(name).value
 
     def entry(self, name: str) -> Entry[T]:
-        """Return a value with what is known of it.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
+        """Return a value with what is known of it. Raises UnknownNameError: there is none of this name."""
         with self._lock:
             if name not in self._entries:
                 raise UnknownNameError("entry", name, self._entries, where=f"store {self.name!r}")
@@ -163,11 +147,7 @@ class MessageStore(Generic[T]):
             return tuple(self._entries)
 
     def delete(self, name: str) -> None:
-        """Remove an entry.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
+        """Remove an entry. Raises UnknownNameError: there is none of this name."""
         with self._lock:
             self.get(name)
             del self._entries[name]

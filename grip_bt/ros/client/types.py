@@ -159,11 +159,7 @@ def field_types(cls: type) -> dict[str, FieldType]:
 
 
 def check_field(cls: type, name: str) -> FieldType:
-    """Return the type of a field.
-
-    Raises:
-        ConversionError: the message has no such field.
-    """
+    """Return the type of a field. Raises ConversionError: the message has no such field."""
     known = field_types(cls)
     if name not in known:
         reason = f"{type_name(cls)} has no such field{nearest(name, known)} (it has: {', '.join(known)})"

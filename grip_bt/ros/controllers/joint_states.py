@@ -154,11 +154,7 @@ class JointStates:
                 wait.operation.succeed(True)
 
     def wait_for(self, names: Sequence[str], within: float) -> None:
-        """Block until all joints are known; for start-up.
-
-        Raises:
-            SensorError: they aren't `within` [s].
-        """
+        """Block until all joints are known; for start-up. Raises SensorError: they aren't `within` [s]."""
         deadline = time.monotonic() + within
         while True:
             try:

@@ -132,11 +132,7 @@ class SwitchError(ExpectedError):
 
 
 class ControllerManager:
-    """Asks a controller manager.
-
-    Args:
-        wait: how long to wait for it to appear [s].
-    """
+    """Asks a controller manager; `wait`: how long to wait for it to appear [s]."""
 
     def __init__(self, bus: Bus, name: str = "/controller_manager", wait: float = 5.0):
         ensure_package("controller_manager_msgs")

@@ -64,11 +64,7 @@ class PackageError(GripError):
 
 
 def share_of(package: str) -> Path:
-    """Return the `share` folder of a package.
-
-    Raises:
-        PackageError: there is no such package.
-    """
+    """Return the `share` folder of a package. Raises PackageError: there is no such package."""
     roots = search_path()
     found = share_folder(package, roots)
     if found is None:
