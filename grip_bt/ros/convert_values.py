@@ -197,17 +197,7 @@ def cloud_from_message(message: PointCloud2) -> PointCloud:
 
 def image_to_message(image: Image) -> ImageMessage:
     """Convert a colour image to `rgb8`."""
-    rows, columns, _ = image.pixels.shape
-    message = ImageMessage(
-        header=header(image.frame, image.time),
-        height=rows,
-        width=columns,
-        encoding="rgb8",
-        is_bigendian=0,
-        step=3 * columns,
-    )
-    message.data = _bytes(image.pixels)
-    return message
+    return _image_message(image.pixels, "rgb8", header(image.frame, image.time))
 
 
 def image_from_message(message: ImageMessage) -> Image:
@@ -227,16 +217,14 @@ def image_from_message(message: ImageMessage) -> Image:
 
 def depth_to_message(depth: DepthImage) -> ImageMessage:
     """Convert a depth image to `32FC1` [m]; the camera's geometry goes by `camera_to_message`."""
-    rows, columns = depth.depth.shape
-    message = ImageMessage(
-        header=header(depth.info.pose.frame, depth.time),
-        height=rows,
-        width=columns,
-        encoding="32FC1",
-        is_bigendian=0,
-        step=4 * columns,
-    )
-    message.data = _bytes(depth.depth.astype("<f4", copy=False))
+    return _image_message(depth.depth.astype("<f4", copy=False), "32FC1", header(depth.info.pose.frame, depth.time))
+
+
+def _image_message(values: NDArray[Any], encoding: str, head: Header) -> ImageMessage:
+    rows, columns = values.shape[:2]
+    step = columns * values.itemsize * (values.shape[2] if values.ndim == 3 else 1)
+    message = ImageMessage(header=head, height=rows, width=columns, encoding=encoding, is_bigendian=0, step=step)
+    message.data = _bytes(values)
     return message
 
 

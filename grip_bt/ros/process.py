@@ -15,13 +15,12 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from grip_bt.base.errors import listing, nearest
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
 from grip_bt.ros.environment import DDS_PROFILE, PROFILE_VARIABLES
-from grip_bt.ros.interfaces.packages import PackageError, child_paths, executable_of, launch_file_of
+from grip_bt.ros.interfaces.packages import child_paths, executable_of, launch_file_in, launch_file_of
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.component_parts import Start
 
@@ -161,7 +160,7 @@ def command_of(start: Start, folder: Path) -> list[str]:
         PackageError: the package, its program or its launch file isn't here.
     """
     if start.launch is not None:
-        file = launch_file_of(start.package, start.launch) if start.package else _beside(folder, start.launch)
+        file = launch_file_of(start.package, start.launch) if start.package else launch_file_in(folder, start.launch)
         given = [f"{name}:={text_of(value)}" for name, value in start.arguments.items()]
         ros2 = shutil.which("ros2")
         if ros2 is not None:
@@ -170,15 +169,6 @@ def command_of(start: Start, folder: Path) -> list[str]:
     if start.executable is not None:
         return [str(executable_of(str(start.package), start.executable)), *start.args]
     return [word.replace("{python}", sys.executable) for word in start.command]
-
-
-def _beside(folder: Path, name: str) -> Path:
-    file = folder / name
-    if file.is_file():
-        return file
-    known = [path.relative_to(folder).as_posix() for path in sorted(folder.glob("**/*launch*")) if path.is_file()]
-    has = listing(known)
-    raise PackageError(f"there is no launch file {name!r} in {folder}{nearest(name, known)} (available: {has})")
 
 
 def text_of(value: str | bool | int | float) -> str:

@@ -21,7 +21,6 @@ from action_msgs.srv import CancelGoal
 from rclpy.client import Client as RclpyClient
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.task import Future
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 from unique_identifier_msgs.msg import UUID
 
 from grip_bt.base.failures import IncompatibleServerError
@@ -31,7 +30,7 @@ from ..watchdog import Watchdog
 from .base import Request, ServedClient
 from .connection import Connection
 from .goal import LIVE, Ask, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase
-from .graph import GRACE, action_servers, check_action_servers, explained
+from .graph import GRACE, explained
 from .service import SERVICE_QOS
 from .types import InterfaceType, Message
 
@@ -157,12 +156,6 @@ class ActionClient(ServedClient[_Entry]):
 
     def _unfit(self, request: _Entry, error: IncompatibleServerError) -> None:
         self._do(request, request.machine.server_unfit(error))
-
-    def _look(self) -> list[TopicEndpointInfo]:
-        return action_servers(self._bus.node, self.name)
-
-    def _check(self, servers: list[TopicEndpointInfo]) -> None:
-        check_action_servers(self._bus.node, self.type, self.name, servers)
 
     def _connected(self) -> bool:
         """Connect: an answer is rclpy's future; one that is cancelled is forgotten, and its answer ignored."""

@@ -14,7 +14,7 @@ from grip_bt.base.failures import CanceledError, IncompatibleServerError, Server
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
-from .graph import SETTLE, STALE, TRUST, gids_of
+from .graph import SETTLE, STALE, TRUST, check_servers, gids_of, servers_of
 from .types import InterfaceType, Message
 
 IN_FLIGHT = 8
@@ -176,7 +176,7 @@ class ServedClient(Client[R]):
         servers = self._look()
         if not servers:
             return False
-        self._check(servers)
+        check_servers(self._bus.node, self.type, self.name, servers)
         if not self._connected():
             return False
         present = gids_of(servers)
@@ -194,13 +194,8 @@ class ServedClient(Client[R]):
             self._found = frozenset()
         return present
 
-    @abstractmethod
     def _look(self) -> list[TopicEndpointInfo]:
-        """Return who serves the name."""
-
-    @abstractmethod
-    def _check(self, servers: list[TopicEndpointInfo]) -> None:
-        """Raise IncompatibleServerError for servers that don't fit."""
+        return servers_of(self._bus.node, self.type, self.name)
 
     @abstractmethod
     def _connected(self) -> bool:

@@ -121,8 +121,8 @@ def _one(name: str, types: list[str]) -> str:
 
 
 def _nodes(node: Node, service: str) -> tuple[str, ...]:
-    servers = node.get_subscriptions_info_by_topic(f"rq{service}Request", no_mangle=True)
-    return tuple(sorted(s.node_name for s in servers if s.node_name and s.node_name != "_NODE_NAME_UNKNOWN_"))
+    names = (server.node_name for server in endpoints_of(node, service))
+    return tuple(sorted(name for name in names if name and name != "_NODE_NAME_UNKNOWN_"))
 
 
 _HIDDEN = (
@@ -203,9 +203,15 @@ GRACE = 1.0
 _ACTION_PART = re.compile(r"_(SendGoal|GetResult|FeedbackMessage)$")
 
 
-def servers_of(node: Node, name: str) -> list[TopicEndpointInfo]:
+def servers_of(node: Node, type_: InterfaceType, name: str) -> list[TopicEndpointInfo]:
+    """Return what is known of each server of a service, or of an action, by the endpoint that takes its goals."""
+    taking = f"{name}/_action/send_goal" if hasattr(type_, "Impl") else name
+    return endpoints_of(node, taking)
+
+
+def endpoints_of(node: Node, service: str) -> list[TopicEndpointInfo]:
     """Return what is known of each server of a service: endpoint of its requests, node name, type, type hash, QoS."""
-    return list(node.get_subscriptions_info_by_topic(f"rq{name}Request", no_mangle=True))
+    return list(node.get_subscriptions_info_by_topic(f"rq{service}Request", no_mangle=True))
 
 
 def gids_of(servers: list[TopicEndpointInfo]) -> frozenset[bytes]:
@@ -213,54 +219,30 @@ def gids_of(servers: list[TopicEndpointInfo]) -> frozenset[bytes]:
     return frozenset(bytes(server.endpoint_gid) for server in servers)
 
 
-def check_servers(node: Node, service: InterfaceType, name: str, servers: list[TopicEndpointInfo]) -> None:
-    """Check that the servers of a name are one server that a client of type `service` can call.
+def check_servers(node: Node, type_: InterfaceType, name: str, servers: list[TopicEndpointInfo]) -> None:
+    """Check that the servers of a name are one server that a client of a service's or an action's type can use.
 
     Raises:
         IncompatibleServerError: another type, another definition of it, best-effort, or several servers.
     """
-    replies = node.get_publishers_info_by_topic(f"rr{name}Reply", no_mangle=True)
-    parts = [(service, servers, "Request"), (service, replies, "Response")]
-    _check_parts(name, parts, servers, "servers", "a request")
-
-
-def action_servers(node: Node, name: str) -> list[TopicEndpointInfo]:
-    """Return what is known of each server of an action, as `servers_of` does: endpoints that take its goals."""
-    return servers_of(node, f"{name}/_action/send_goal")
-
-
-def check_action_servers(node: Node, action: InterfaceType, name: str, servers: list[TopicEndpointInfo]) -> None:
-    """Check that the servers of an action are one server that a client of type `action` can use.
-
-    Raises:
-        IncompatibleServerError: as `check_servers`, for its goals and for its results.
-    """
-    impl, ends = action.Impl, node.get_publishers_info_by_topic
-    parts = [
-        (impl.SendGoalService, servers, "Request"),
-        (impl.GetResultService, servers_of(node, f"{name}/_action/get_result"), "Request"),
-        (impl.GetResultService, ends(f"rr{name}/_action/get_resultReply", no_mangle=True), "Response"),
-        (impl.FeedbackMessage, ends(f"rt{name}/_action/feedback", no_mangle=True), ""),
-    ]
-    _check_parts(name, parts, servers, "action servers", "a goal")
-
-
-def _check_parts(
-    name: str,
-    parts: list[tuple[InterfaceType, list[TopicEndpointInfo], str]],
-    servers: list[TopicEndpointInfo],
-    kind: str,
-    executed: str,
-) -> None:
-    for type_, endpoints, part in parts:
+    ends = node.get_publishers_info_by_topic
+    if hasattr(type_, "Impl"):
+        of, action = type_.Impl, f"{name}/_action"
+        parts = [
+            (of.SendGoalService, servers, "Request"),
+            (of.GetResultService, endpoints_of(node, f"{action}/get_result"), "Request"),
+            (of.GetResultService, ends(f"rr{action}/get_resultReply", no_mangle=True), "Response"),
+            (of.FeedbackMessage, ends(f"rt{action}/feedback", no_mangle=True), ""),
+        ]
+    else:
+        parts = [(type_, servers, "Request"), (type_, ends(f"rr{name}Reply", no_mangle=True), "Response")]
+    for part_type, endpoints, part in parts:
         for endpoint in endpoints:
-            _check_endpoint(type_, name, endpoint, part)
+            _check_endpoint(part_type, name, endpoint, part)
     if len(servers) > 1:
-        nodes = ", ".join(sorted(_node(s) for s in servers))
-        raise IncompatibleServerError(
-            f"{name}: {len(servers)} {kind} ({nodes}), each of which would execute {executed}; stop all but one",
-            server=name,
-        )
+        nodes, what = ", ".join(sorted(_node(s) for s in servers)), "a goal" if len(parts) > 2 else "a request"
+        reason = f"{len(servers)} servers ({nodes}), each of which would execute {what}; stop all but one"
+        raise IncompatibleServerError(f"{name}: {reason}", server=name)
 
 
 def _check_endpoint(service: InterfaceType, name: str, endpoint: TopicEndpointInfo, part: str) -> None:

@@ -19,7 +19,7 @@ from difflib import get_close_matches
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, GripError, nearest
+from grip_bt.base.errors import DocumentError, GripError, listing, nearest
 
 
 def search_path(overlays: Sequence[Path] = ()) -> list[Path]:
@@ -92,7 +92,7 @@ def executable_of(package: str, name: str) -> Path:
     if file.is_file() and os.access(file, os.X_OK):
         return file
     known = sorted(f.name for f in folder.iterdir() if f.is_file() and os.access(f, os.X_OK)) if folder.is_dir() else []
-    has = ", ".join(known) or "none"
+    has = listing(known)
     raise PackageError(f"{package} has no program {name!r}{nearest(name, known)} in {folder} (available: {has})")
 
 
@@ -103,12 +103,15 @@ def launch_file_of(package: str, name: str) -> Path:
         PackageError: there is no such package, or it has no such file.
     """
     share = share_of(package)
-    for candidate in (share / "launch" / name, share / name):
-        if candidate.is_file():
-            return candidate
-    known = sorted(f.relative_to(share).as_posix() for f in share.glob("**/*launch*") if f.is_file())
-    has = ", ".join(known) or "none"
-    raise PackageError(f"{package} has no launch file {name!r}{nearest(name, known)} in {share} (available: {has})")
+    return share / "launch" / name if (share / "launch" / name).is_file() else launch_file_in(share, name)
+
+
+def launch_file_in(folder: Path, name: str) -> Path:
+    """Return a launch file by its path in a folder. Raises PackageError: there is none; it says which there are."""
+    if (folder / name).is_file():
+        return folder / name
+    known = sorted(f.relative_to(folder).as_posix() for f in folder.glob("**/*launch*") if f.is_file())
+    raise PackageError(f"no launch file {name!r} in {folder}{nearest(name, known)} (available: {listing(known)})")
 
 
 class OverlayError(GripError):

@@ -1,4 +1,4 @@
-"""Named messages over ROS 2: the server, with stores of CDR behind services, and the port `Messages` over another one."""
+"""Named messages over ROS 2: the server, with stores of CDR behind services, and the port `Messages` over one."""
 
 from __future__ import annotations
 
