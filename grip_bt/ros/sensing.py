@@ -43,13 +43,14 @@ def taken(
         timeout: in all [s].
         made: makes it; with FrameError messages that come later are tried, since TF may be heard of only since then.
     """
-    deadline = time.monotonic() + timeout
+    left, deadline = timeout, time.monotonic() + timeout
     while True:
-        messages = yield ros.together(topics, slop, deadline - time.monotonic())
+        messages = yield ros.together(topics, slop, left)
         try:
             return (yield from made(messages))
         except FrameError:
-            if deadline - time.monotonic() < FRAME_WAIT:
+            left = deadline - time.monotonic()
+            if left < FRAME_WAIT:
                 raise
 
 
