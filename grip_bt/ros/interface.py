@@ -209,7 +209,7 @@ class MessageSynchroniser:
             reader.listen(listener)
             ends.callback(reader.ignore, listener)
         if math.isfinite(self._timeout):
-            timer = threading.Timer(self._timeout, self._bus.post, (self._give_up,))
+            timer = threading.Timer(self._timeout, lambda: self._bus.post(self._give_up))
             timer.daemon = True
             timer.start()
             ends.callback(timer.cancel)
