@@ -24,7 +24,15 @@ from grip_bt.base.yaml.tree import read_file
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import type_name
 from grip_bt.ros.messages.service import MessageServer, RosMessages
-from grip_bt.ros.messages.wire import entry_rows, joint_states_of, plain_of_entry, text_of_message, value_from_text
+from grip_bt.ros.messages.wire import (
+    entry_rows,
+    joint_states_of,
+    message_of,
+    pack,
+    text_of_entry,
+    unpack,
+    value_from_text,
+)
 
 from .terminal import on_stop
 
@@ -144,7 +152,8 @@ def _run_show(args: argparse.Namespace) -> int:
         about = {"store": args.store, "name": entry.name, "time": entry.time, "provenance": entry.provenance}
         print(json.dumps({**about, "type": type_name(type(entry.value)), "message": plain_of(entry.value)}))
     else:
-        said = text_of(entry.value) if args.message else text_of_message(args.store, entry.value)
+        value = entry.value if args.message else unpack(args.store, pack(args.store, entry.value))
+        said = text_of(value) if args.message else text_of_entry(args.store, value)
         print(said.rstrip() or f"# a {type_name(type(entry.value))}, too large to print")
     return 0
 
@@ -181,7 +190,7 @@ def _run_watch(args: argparse.Namespace) -> int:
 
 def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> str:
     if as_json:
-        message = None if value is None else plain_of_entry(store, value)
+        message = None if value is None else plain_of(message_of(pack(store, value)))
         return json.dumps({"store": store, "change": kind, "name": name, "message": message})
     words = "" if value is None else " ".join(str(value).split())
     return f"{store:<14} {kind:<8} {name:<24} {words[:100]}{'...' if len(words) > 100 else ''}".rstrip()

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import bisect
 import xml.etree.ElementTree as ET
-from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -180,8 +180,8 @@ KEPT = 10.0
 
 @dataclass
 class _Track:
-    stamps: deque[float] = field(default_factory=deque)
-    poses: deque[Pose] = field(default_factory=deque)
+    poses: list[tuple[float, Pose]] = field(default_factory=list)
+    """(stamp, pose), by their stamps."""
     heard: float = float("-inf")
 
 
@@ -201,46 +201,35 @@ class FrameHistory:
         """
         track = self._tracks.setdefault(child, _Track())
         track.heard = heard
-        newest = track.stamps[-1] if track.stamps else stamp
-        if stamp < newest - KEPT or (track.poses and track.poses[-1].frame != pose.frame):
-            track.stamps.clear()
+        if track.poses and (stamp < track.poses[-1][0] - KEPT or track.poses[-1][1].frame != pose.frame):
             track.poses.clear()
-        place = bisect.bisect_left(track.stamps, stamp)
-        if place < len(track.stamps) and track.stamps[place] == stamp:
-            track.poses[place] = pose
-        else:
-            track.stamps.insert(place, stamp)
-            track.poses.insert(place, pose)
-        while track.stamps[-1] - track.stamps[0] > KEPT:
-            track.stamps.popleft()
-            track.poses.popleft()
+        place = bisect.bisect_left(track.poses, stamp, key=itemgetter(0))
+        same = track.poses[place : place + 1] and track.poses[place][0] == stamp
+        track.poses[place : place + bool(same)] = [(stamp, pose)]
+        del track.poses[: bisect.bisect_left(track.poses, track.poses[-1][0] - KEPT, key=itemgetter(0))]
 
     def latest(self, heard_since: float) -> dict[str, Pose]:
         """Return the last transform of each frame that was heard of since then."""
-        return {child: track.poses[-1] for child, track in self._tracks.items() if track.heard > heard_since}
+        return {child: track.poses[-1][1] for child, track in self._tracks.items() if track.heard > heard_since}
 
     def at(self, time: float) -> dict[str, Pose]:
         """Return where each frame was at a time [s]; frames of which that isn't known are left out."""
-        found = {}
-        for child, track in self._tracks.items():
-            pose = _at(track, time)
-            if pose is not None:
-                found[child] = pose
-        return found
+        found = ((child, _at(track, time)) for child, track in self._tracks.items())
+        return {child: pose for child, pose in found if pose is not None}
 
     def spans(self) -> dict[str, tuple[float, float]]:
         """Return from when to when each frame is known [s]."""
-        return {child: (track.stamps[0], track.stamps[-1]) for child, track in self._tracks.items()}
+        return {child: (track.poses[0][0], track.poses[-1][0]) for child, track in self._tracks.items()}
 
 
 def _at(track: _Track, time: float) -> Pose | None:
-    if not track.stamps[0] <= time <= track.stamps[-1]:
+    if not track.poses[0][0] <= time <= track.poses[-1][0]:
         return None
-    after = bisect.bisect_left(track.stamps, time)
-    if track.stamps[after] == time:
-        return track.poses[after]
-    begin, end = track.stamps[after - 1], track.stamps[after]
-    return between(track.poses[after - 1], track.poses[after], (time - begin) / (end - begin))
+    after = bisect.bisect_left(track.poses, time, key=itemgetter(0))
+    if track.poses[after][0] == time:
+        return track.poses[after][1]
+    (begin, one), (end, other) = track.poses[after - 1 : after + 1]
+    return between(one, other, (time - begin) / (end - begin))
 
 
 def between(one: Pose, other: Pose, part: float) -> Pose:

@@ -81,8 +81,7 @@ class RosInterface:
 
     def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
         """Return a parameter of a node."""
-        service = load_type("rcl_interfaces/srv/GetParameters")
-        client = self.bus.service(service, f"{node}/get_parameters")
+        service = "rcl_interfaces/srv/GetParameters"
 
         def value(response: Message) -> Operation[Any]:
             (found,) = response.values or (None,)
@@ -91,12 +90,11 @@ class RosInterface:
             held = getattr(found, _KINDS[found.type])
             return Operation.finished(list(held) if found.type > 4 else held)
 
-        return client.call(service.Request(names=[name]), timeout + ANSWER, timeout).then(value)
+        return self.bus.call(service, f"{node}/get_parameters", timeout + ANSWER, timeout, names=[name]).then(value)
 
     def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
         """Set a parameter of a node."""
-        service = load_type("rcl_interfaces/srv/SetParameters")
-        client = self.bus.service(service, f"{node}/set_parameters")
+        service = "rcl_interfaces/srv/SetParameters"
         try:
             parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=_parameter(value))
         except BadRequestError as error:
@@ -108,7 +106,8 @@ class RosInterface:
                 raise BadReplyError(f"{node} refuses {name} = {value!r}: {result.reason or 'it gave no reason'}")
             return Operation.finished(None)
 
-        return client.call(service.Request(parameters=[parameter]), timeout + ANSWER, timeout).then(check)
+        given = {"parameters": [parameter]}
+        return self.bus.call(service, f"{node}/set_parameters", timeout + ANSWER, timeout, **given).then(check)
 
 
 def _as(topic: str, message: Message, value: str) -> Operation[Any]:

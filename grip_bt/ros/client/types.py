@@ -180,23 +180,14 @@ def primitive(kind: FieldType, value: object) -> Any:
 
 
 def _scalar(base: str, value: Any) -> Any:
-    if base in ("float", "double"):
-        if isinstance(value, (str, bool)):
-            raise TypeError(f"got {value!r}")
-        return float(value)
-    if base == "boolean":
-        if not isinstance(value, (bool, np.bool_)):
-            raise TypeError(f"got {value!r}")
-        return bool(value)
-    if base == "octet":
-        return bytes([value]) if isinstance(value, int) else value
-    if base.startswith(("string", "wstring")):
-        if not isinstance(value, str):
-            raise TypeError(f"got {value!r}")
-        return value
-    if isinstance(value, (bool, float, str)) or int(value) != value:
+    """Return a primitive as rclpy wants it, which checks the rest when it is set."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool) and base != "boolean":
         raise TypeError(f"got {value!r}")
-    return int(value)
+    if base in ("float", "double") and isinstance(value, int):
+        return float(value)
+    return bytes([value]) if base == "octet" and isinstance(value, int) else value
 
 
 def _sequence(kind: FieldType, value: Any) -> Any:

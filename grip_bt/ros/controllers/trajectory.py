@@ -181,9 +181,8 @@ class ControllerManager:
             self._wait_for(self.switch(start, stop))
 
     def _ask(self, service: str, type_: str, **fields: object) -> Operation[Message]:
-        cls = load_type(f"controller_manager_msgs/srv/{type_}")
-        client = self._bus.service(cls, f"{self._name}/{service}")
-        return client.call(cls.Request(**fields), ANSWER, self._wait)
+        interface = f"controller_manager_msgs/srv/{type_}"
+        return self._bus.call(interface, f"{self._name}/{service}", ANSWER, self._wait, **fields)
 
     def _wait_for(self, operation: Operation[T]) -> T:
         began = time.monotonic()

@@ -108,7 +108,6 @@ class ProcessGroup:
         self._watch = GraphWatch(domain_id)
         self._lock = threading.RLock()
         self._stopping = threading.Event()
-        self._over = threading.Event()
 
     def states(self) -> dict[str, State]:
         """Return how each process is."""

@@ -298,13 +298,11 @@ class RosMessages:
         refusal: Callable[[Message], Exception] = lambda answer: NoEntryError(answer.message),
         **fields: object,
     ) -> Operation[Message]:
-        cls = load_type(f"grip_msgs/srv/{type_}")
-        client = self._bus.service(cls, f"{self._prefix}/{service}")
-
         def check(answer: Message) -> Operation[Message]:
             return Operation.finished(answer) if answer.success else Operation.failed(refusal(answer))
 
-        return client.call(cls.Request(**fields), self._timeout, self._wait).then(check)
+        name = f"{self._prefix}/{service}"
+        return self._bus.call(f"grip_msgs/srv/{type_}", name, self._timeout, self._wait, **fields).then(check)
 
 
 def _nothing(answer: Message) -> Operation[None]:

@@ -10,7 +10,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import STANDARD
-from grip_bt.base.message_store.files import plain_of, text_of, value_of
+from grip_bt.base.message_store.files import text_of, value_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Messages
 from grip_bt.base.values import Grasp, JointState, Pose
@@ -141,16 +141,6 @@ def entry_rows(answer: Message) -> list[dict[str, Any]]:
 def text_of_entry(store: str, value: object) -> str:
     """Return a value of a store as YAML: as a project's files have it, else field by field; empty for a big one."""
     return text_of(value) or text_of(message_of(pack(store, value)))
-
-
-def text_of_message(store: str, message: Message) -> str:
-    """Return a message of a store likewise."""
-    return text_of_entry(store, unpack(store, pack(store, message)))
-
-
-def plain_of_entry(store: str, value: object) -> Any:
-    """Return the fields of a value's message as plain data, None for a big one."""
-    return plain_of(message_of(pack(store, value)))
 
 
 def joint_states_of(messages: Messages, done: Callable[[Operation[Any]], Any]) -> dict[str, JointState]:
