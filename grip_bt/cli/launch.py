@@ -21,7 +21,7 @@ from grip_bt.cli import NODE_ERROR, STOPPED
 from grip_bt.cli.parser import add_no_code, number
 from grip_bt.cli.terminal import complain, on_stop, progress
 from grip_bt.ros.launch import read_arguments
-from grip_bt.ros.launch.group import Follower, Member, ProcessGroup
+from grip_bt.ros.launch.group import Member, ProcessGroup
 from grip_bt.ros.launch.interpreter import is_launch_file, members_of_file
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _write(args: argparse.Namespace) -> int:
 
 def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
     stopped: list[int] = []
-    group = ProcessGroup(members, logs, on_change=_tell)
+    group = ProcessGroup(members, logs, on_change=_tell, output=sys.stdout if follow else None)
 
     def stop(number: int, frame: object) -> None:
         stopped.append(number)
@@ -124,13 +124,8 @@ def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
 
     for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(each, stop)
-    follower = Follower(group, [member.name for member in members], sys.stdout) if follow else None
-    try:
-        group.start()
-        why = group.run()
-    finally:
-        if follower is not None:
-            follower.close()
+    group.start()
+    why = group.run()
     if stopped:
         return STOPPED
     return complain(why, NODE_ERROR) if why else 0

@@ -59,7 +59,7 @@ def load_type(name: str) -> InterfaceType:
         module = import_module(f"{package}.{kind}")
     except ImportError as error:
         absent = isinstance(error, ModuleNotFoundError) and error.name == package
-        why = package_like(package, search_path()) if absent else str(error)
+        why = package_like(package, search_path()).removeprefix("; ") if absent else str(error)
         what = f"the interface package {package!r} of {name}{why and f' ({why})'}"
         raise MissingPartError(what, "grip interfaces build FOLDER") from None
     try:

@@ -91,7 +91,7 @@ def _installed_file(type_name: str) -> Path:
     share = share_folder(package, search_path())
     if share is None:
         hint = package_like(package, search_path())
-        raise DocumentError(f"no package {package!r} is installed or built here{hint and '; ' + hint}", type_name)
+        raise DocumentError(f"no package {package!r} is installed or built here{hint}", type_name)
     file = share / kind / f"{name}.{kind}"
     if not file.is_file():
         known = sorted(f.stem for f in (share / kind).glob(f"*.{kind}"))
@@ -195,15 +195,6 @@ def fields_within(folder: Path | None, message: str) -> tuple[FieldSpec, ...] | 
         return None  # a build says what is wrong with it
 
 
-_C = """auto break case char const continue default do double else enum extern float for goto if inline int long
-register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""
-_CPP = """alignas alignof and and_eq asm bitand bitor bool catch char16_t char32_t class compl constexpr const_cast
-decltype delete dynamic_cast explicit export false friend mutable namespace new noexcept not not_eq nullptr operator or
-or_eq private protected public reinterpret_cast static_assert static_cast template this thread_local throw true try
-typeid typename using virtual wchar_t xor xor_eq"""
-_RESERVED = frozenset({*keyword.kwlist, *_C.split(), *_CPP.split()})
-
-
 def check_package(package: Package, prefixes: Sequence[Path], beside: Set[str] = frozenset()) -> None:
     """Read every interface of a package and check that it can be built.
 
@@ -218,8 +209,8 @@ def check_package(package: Package, prefixes: Sequence[Path], beside: Set[str] =
         path = package.folder / file
         spec = parse_interface(read_text(path), package.name, file.suffix[1:], file.stem, str(path))
         for field in (*spec.request, *spec.response, *spec.feedback):
-            if field.name in _RESERVED:
-                told = f"it is a keyword of Python, C or C++; rename it, for example to '{field.name}_value'"
+            if keyword.iskeyword(field.name):
+                told = f"it is a keyword of Python; rename it, for example to '{field.name}_value'"
                 raise _wrong(spec, field, told)
             _check_type(spec, field, own, prefixes, beside - package.depends)
 

@@ -15,7 +15,6 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -40,12 +39,8 @@ def interface_packages(prefixes: Sequence[Path]) -> set[str]:
 
 
 def package_like(package: str, prefixes: Sequence[Path]) -> str:
-    """Return ``did you mean 'x'?`` for a package that isn't there, or an empty string.
-
-    Names end alike (`_msgs`, `_interfaces`), so that they have to be nearer to one another than other words.
-    """
-    close = get_close_matches(package, interface_packages(prefixes), n=1, cutoff=0.8)
-    return f"did you mean {close[0]!r}?" if close else ""
+    """Return ``; did you mean 'x'?`` for a package that isn't there, or an empty string."""
+    return nearest(package, sorted(interface_packages(prefixes)))
 
 
 def python_folder(prefix: Path) -> Path | None:

@@ -71,6 +71,7 @@ class _Running:
     seen: float = 0.0
     why: str = ""
     logs: list[Path] = field(default_factory=list)
+    copied: int = 0
 
     @property
     def failed(self) -> bool:
@@ -94,6 +95,7 @@ class ProcessGroup:
         logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
         on_change: told of every change.
+        output: where new lines of all logs are copied to, as `[name] line`; None for nowhere.
     """
 
     def __init__(
@@ -102,9 +104,10 @@ class ProcessGroup:
         logs: Path,
         domain_id: int | None = None,
         on_change: Listener = lambda name, state, detail: None,
+        output: TextIO | None = None,
     ):
         self._all = {member.name: _Running(member) for member in members}
-        self._logs, self._on_change = logs, on_change
+        self._logs, self._on_change, self._output = logs, on_change, output
         self._watch = GraphWatch(domain_id)
         self._lock = threading.RLock()
         self._stopping = threading.Event()
@@ -172,6 +175,7 @@ class ProcessGroup:
             for process in processes:
                 process.stop()
             for running in self._all.values():
+                self._copy(running)
                 if running.state not in ("ended", "failed", "stopped", "waiting"):
                     self._set_state(running, "stopped", "")
             self._watch.close()
@@ -198,6 +202,7 @@ class ProcessGroup:
                 return
             running.process = Process(member.name, member.command, member.folder, member.env, log)
         running.logs.append(log)
+        running.copied = 0
         running.began = running.seen = time.monotonic()
         self._set_state(running, "starting", f"process {running.process.pid}, log {log}")
         if member.ready is None:
@@ -219,6 +224,7 @@ class ProcessGroup:
 
     def _look(self, running: _Running) -> None:
         process, now = running.process, time.monotonic()
+        self._copy(running)
         if running.state == "restarting" or (running.state == "waiting" and running.again_at):
             if now >= running.again_at:
                 self._begin(running)
@@ -230,6 +236,18 @@ class ProcessGroup:
             self._set_state(running, "ready", f"after {now - running.began:.1f} s")
         elif running.state in ("ready", "silent"):
             self._check_health(running, now)
+
+    def _copy(self, running: _Running) -> None:
+        """Copy the whole lines that are new in a log, all of it when its process has ended."""
+        if self._output is None or running.process is None:
+            return
+        over = not running.process.alive
+        new = running.logs[-1].read_bytes()[running.copied :]
+        whole = new if over else new[: new.rfind(b"\n") + 1]
+        running.copied += len(whole)
+        for line in whole.decode("utf-8", "replace").splitlines():
+            self._output.write(f"[{running.member.name}] {line}\n")
+        self._output.flush()
 
     def _is_ready(self, running: _Running) -> bool:
         ready = running.member.ready
@@ -329,44 +347,3 @@ class GraphWatch:
         asked = self._connection.post(lambda: served_names(node))
         if asked.wait(LOOKING):
             self._names, self._looked = asked.result(), time.monotonic()
-
-
-class Follower:
-    """Copies new lines of the logs of a group.
-
-    Args:
-        group: whose.
-        names: of its members.
-        output: where lines go, as `[name] line`.
-    """
-
-    def __init__(self, group: ProcessGroup, names: Sequence[str], output: TextIO):
-        self._group, self._names, self._output = group, names, output
-        self._read: dict[Path, int] = {}
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._follow, name="grip_follow", daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """Copy what is left, and end."""
-        self._stop.set()
-        self._thread.join(2.0)
-
-    def _follow(self) -> None:
-        while not self._stop.wait(LOOK):
-            self._copy(last=False)
-        self._copy(last=True)
-
-    def _copy(self, last: bool) -> None:
-        for name in self._names:
-            log = self._group.log(name)
-            if log is None or not log.is_file():
-                continue
-            with log.open("rb") as file:
-                file.seek(self._read.get(log, 0))
-                new = file.read()
-            whole = new if last else new[: new.rfind(b"\n") + 1]
-            self._read[log] = self._read.get(log, 0) + len(whole)
-            for line in whole.decode("utf-8", "replace").splitlines():
-                self._output.write(f"[{name}] {line}\n")
-        self._output.flush()
