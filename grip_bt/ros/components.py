@@ -39,7 +39,6 @@ class Components(Closing):
     """Components that answer.
 
     Attributes:
-        bus: the connection to ROS.
         build_seconds: how long the interfaces took to build; 0 when all were in the cache.
         ready_seconds: how long it took from the start of the processes until all servers were there.
     """

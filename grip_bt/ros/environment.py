@@ -37,7 +37,6 @@ class RosEnvironment:
     Attributes:
         kind: `wheels` (from PyPI, in this environment), `sourced` (a system installation), `none`, or `mixed`, which is
             refused: libraries of the two would be loaded in one process, at random.
-        detail: what was found, for people.
         remedy: what to do about it; empty when nothing.
     """
 

@@ -39,7 +39,6 @@ class UrdfJoint:
 
     Attributes:
         type: such as `fixed` or `prismatic`.
-        link: the link that it carries.
         origin: of the joint in its parent link's frame.
         axis: shape (3,), of unit length.
     """

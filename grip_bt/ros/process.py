@@ -30,12 +30,7 @@ _OURS = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "ROS_PYTHON_CHECK_FIELDS")
 
 
 class Process:
-    """A command that runs until it ends or is stopped.
-
-    Args:
-        env: all of its environment.
-        log: file that takes what it prints; its folder is made.
-    """
+    """A command that runs until it ends or is stopped; `log`: file that takes what it prints; its folder is made."""
 
     def __init__(self, name: str, command: Sequence[str], folder: Path, env: Mapping[str, str], log: Path):
         self.name, self.command, self.log = name, tuple(command), log
@@ -190,7 +185,6 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
     Args:
         error: why there is no server.
         alive: whether a process of ours runs that should serve it.
-        said: what that process printed last.
     """
     start, home = file.start, f"component.yaml of {file.name}"
     if isinstance(error, IncompatibleServerError):

@@ -75,8 +75,6 @@ def serve_world(
     Args:
         project: with a robot, arms and hands; its sensors that say `camera` are served too. Where `ros/controllers`
             names actions these are served, else `/NAME_controller/follow_joint_trajectory`.
-        world: the world's name.
-        seed: of the world.
         pace: simulated seconds a second.
         progress: told of each part that came up.
         camera_rate: frames a second of each camera that somebody listens to.

@@ -215,7 +215,6 @@ def save(stores: Mapping[str, MessageStore[T]], file: Path, encode: Callable[[T]
 
     Args:
         file: written beside itself first: what was there stays whole when we are killed.
-        encode: makes bytes of a value.
     """
     beside = file.with_name(f"{file.name}.{os.getpid()}.new")
     beside.unlink(missing_ok=True)

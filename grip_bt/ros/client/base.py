@@ -30,7 +30,6 @@ class Request:
         began: when it was asked for [s].
         deadline: until when it may take in all [s].
         wait_until: until when a server may appear [s].
-        operation: what its owner has.
     """
 
     message: Message | None
@@ -44,12 +43,7 @@ R = TypeVar("R", bound=Request)
 
 
 class Client(ABC, Generic[R]):
-    """A client of one name, of whose requests each ends; made by `Bus`.
-
-    Attributes:
-        type: the class of the service, action or message.
-        name: its full name.
-    """
+    """A client of one name, of whose requests each ends; made by `Bus`."""
 
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         self.type, self.name, self._bus = type_, name, bus

@@ -81,7 +81,6 @@ class GoalEnd:
     """How the server says that a goal ended.
 
     Attributes:
-        status: `succeeded`, `aborted` or `canceled`.
         result: the result message; often with nothing in it unless it succeeded.
     """
 
@@ -114,7 +113,6 @@ class Goal:
         now: the time [s], of the same clock as in every event.
 
     Attributes:
-        phase: where it is.
         refused: whether the server refused to cancel it, so that it goes on although its owner is gone.
     """
 

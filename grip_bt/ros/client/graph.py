@@ -42,7 +42,6 @@ class Served:
     """Something in the running graph.
 
     Attributes:
-        name: its full name.
         kind: `action`, `srv` or `msg`.
         type: its type, such as `std_srvs/srv/Trigger`.
         nodes: names of the nodes that serve it, where they are known.
@@ -167,7 +166,6 @@ def instead(node: Node, name: str, wanted: str, done: Done) -> str:
 
     Args:
         wanted: its type; empty where nobody said it.
-        done: what should be done with it.
     """
     ends = node.get_subscriptions_info_by_topic if done == "heard" else node.get_publishers_info_by_topic
     carried = [(n, sorted({end.topic_type for end in ends(n)})) for n, _ in node.get_topic_names_and_types()]

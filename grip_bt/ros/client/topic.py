@@ -48,7 +48,6 @@ class TopicReader(Client[Request]):
 
     Attributes:
         type: the message's class; None until a publisher is seen, where nobody has said which.
-        name: the topic's full name.
         latest: the last message, None before the first.
     """
 

@@ -119,7 +119,6 @@ class ConversionError(GripError):
 
     Attributes:
         path: the field, such as `returned_object[2].pose`; empty for the whole.
-        reason: what is wrong.
     """
 
     def __init__(self, path: str, reason: str):
@@ -138,7 +137,6 @@ class FieldType:
 
     Attributes:
         base: primitive (`double`) or message (`geometry_msgs/Point`), without the array part.
-        array: whether it holds several.
         size: the exact number of elements, or None.
     """
 

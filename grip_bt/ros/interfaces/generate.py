@@ -27,13 +27,7 @@ _OF_EVERY_ACTION = {"action_msgs", "unique_identifier_msgs"}
 
 
 class InterfaceBuildError(GripError):
-    """A generator, the compiler or the linker failed.
-
-    Attributes:
-        package: which package.
-        command: what was run.
-        output: what it said.
-    """
+    """A generator, the compiler or the linker failed."""
 
     def __init__(self, package: str, command: Sequence[str], output: str):
         self.package, self.command, self.output = package, tuple(command), output
@@ -47,7 +41,6 @@ class Generated:
     """What was generated for a package.
 
     Attributes:
-        package: what it was generated from.
         folder: holds `idl/`, `hash/` and one sub-folder per generator.
         idl: the .idl files, relative to `folder / "idl" / package.name`.
         depends: every package that it needs, also indirectly, with the prefix where it is installed.

@@ -194,7 +194,6 @@ class Package:
     """One ordinary ROS interface package.
 
     Attributes:
-        name: its name in package.xml.
         folder: where package.xml is; absolute.
         files: the .msg, .srv and .action files, relative to `folder`, sorted by kind and name.
         depends: names of the packages that package.xml asks for.

@@ -145,13 +145,7 @@ def text_of(value: object) -> str:
 
 
 class LaunchError(GripError):
-    """A launch file can't be run as it is.
-
-    Attributes:
-        source: the file.
-        line: 1-based line, or None.
-        reason: what is wrong, and what to do.
-    """
+    """A launch file can't be run as it is."""
 
     def __init__(self, source: str, line: int | None, reason: str):
         self.source, self.line, self.reason = source, line, reason

@@ -35,8 +35,6 @@ class Member:
 
     Attributes:
         name: unique in the group.
-        command: program and arguments.
-        folder: working directory.
         env: all of its environment.
         ready: the sign that it does its work; None: as soon as it runs.
         restart: when it is started again after it ended by itself.
@@ -92,9 +90,7 @@ class ProcessGroup:
 
     Args:
         members: the processes, in the order in which they are started; each waits until those before it are ready.
-        logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
-        on_change: told of every change.
         output: where new lines of all logs are copied to, as `[name] line`; None for nowhere.
     """
 

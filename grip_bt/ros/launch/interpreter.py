@@ -38,8 +38,6 @@ def members_of_file(path: Path, arguments: Mapping[str, str], own_reader: bool =
     With ROS's tools there is one, which sees to all others; without them, one for each node and executable.
 
     Args:
-        path: the file.
-        arguments: values of its arguments.
         own_reader: whether our own reader is used also where ROS's tools are.
 
     Raises:
@@ -63,8 +61,6 @@ def read_launch_file(
     """Read an XML or YAML launch file and return the processes that it asks for.
 
     Args:
-        path: the file.
-        arguments: values of its arguments.
         env: what its processes inherit; nothing by default.
 
     Raises:
@@ -80,11 +76,7 @@ class _Scope:
     """What a group has of its own; children change a copy, elements of one group share it.
 
     Attributes:
-        variables: what `arg` and `let` have set.
         env: environment variables that were set; None for those that were taken away.
-        namespace: of nodes; empty for none.
-        remaps: (from, to) of every node.
-        parameters: arguments of every node.
         after: how long after the beginning it all happens [s].
     """
 

@@ -23,14 +23,7 @@ _QUOTED = re.compile(r"""(['"])((?:\\.|(?!\1).)*)\1""", re.DOTALL)
 
 @dataclass
 class LaunchContext:
-    """Where a text stands, and what its substitutions see.
-
-    Attributes:
-        source: the launch file.
-        line: of the element.
-        variables: what `arg` and `let` have set.
-        env: the environment.
-    """
+    """Where a text stands, and what its substitutions see."""
 
     source: Path
     line: int

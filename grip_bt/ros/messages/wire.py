@@ -40,12 +40,7 @@ _POSTURES = ("pre_posture", "posture")
 
 @dataclass(frozen=True, slots=True)
 class RawMessage:
-    """A message as it is sent: nothing of it is lost, whatever its type.
-
-    Attributes:
-        type: its ROS type.
-        data: CDR.
-    """
+    """A message as it is sent: nothing of it is lost, whatever its type; `data`: CDR."""
 
     type: str
     data: bytes

@@ -74,7 +74,6 @@ class MoveGroup:
         """Plan without executing; the result is the `MoveGroup` action's, and cancelling it stops the search.
 
         Args:
-            request: a `MotionPlanRequest`.
             timeout: what it was given [s]; a move_group that takes much longer is taken for lost.
         """
         goal = load_type("moveit_msgs/action/MoveGroup").Goal(request=request)
@@ -210,7 +209,6 @@ class MoveGroupExecutor(RosExecutor):
     """Implements `grip_bt.base.ports.Executor` over move_group's action ExecuteTrajectory.
 
     Args:
-        action: such as `/execute_trajectory`.
         wait: how long to wait for move_group to appear [s].
     """
 

@@ -164,7 +164,6 @@ class ArmMapping:
 
     Attributes:
         group: MoveIt's group of the arm's joints.
-        joints: these joints.
         link: the link that the grasp frame is fixed to.
         frame: the grasp frame in that link.
         hand_links: links of the hand, which may touch what it holds.
