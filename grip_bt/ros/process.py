@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
@@ -119,12 +119,11 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
         domain_id: the DDS domain; this process's by default.
     """
     env = {k: v for k, v in os.environ.items() if k not in _OURS}
-    folders = [Path(p) for p in _split(env.get("LD_LIBRARY_PATH"))]
+    folders = [Path(p) for p in env.get("LD_LIBRARY_PATH", "").split(os.pathsep)]
     bundled = [p for p in folders if p == Path(sys.prefix) / "lib" or (p.name[:4], p.suffix) == ("ros_", ".libs")]
-    _join(env, "LD_LIBRARY_PATH", [str(p) for p in folders if p not in bundled])
+    _put(env, "LD_LIBRARY_PATH", (), bundled)
     for variable, folders in child_paths(overlays).items():
-        rest = [p for p in _split(env.get(variable)) if Path(p) not in folders]
-        _join(env, variable, [*map(str, folders), *rest])
+        _put(env, variable, folders, folders)
     if domain_id is not None:
         env["ROS_DOMAIN_ID"] = str(domain_id)
     env.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -134,15 +133,11 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
     return env
 
 
-def _split(text: str | None) -> list[str]:
-    return [p for p in (text or "").split(os.pathsep) if p]
-
-
-def _join(env: dict[str, str], variable: str, folders: Sequence[str]) -> None:
-    if folders:
-        env[variable] = os.pathsep.join(folders)
-    else:
-        env.pop(variable, None)
+def _put(env: dict[str, str], variable: str, first: Sequence[Path], but: Collection[Path]) -> None:
+    """Put folders in front of a search path, without some that it has."""
+    rest = [p for p in env.pop(variable, "").split(os.pathsep) if p and Path(p) not in but]
+    if first or rest:
+        env[variable] = os.pathsep.join([*map(str, first), *rest])
 
 
 def command_of(start: Start, folder: Path) -> list[str]:

@@ -126,7 +126,9 @@ def serve_world(
         stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
-        yield Served(simulation, joints, actions, cameras, mounts, _room(simulation), shell_setup())
+        yield Served(
+            simulation, joints, actions, cameras, mounts, scene_text("room", room_of(simulation.spec)), shell_setup()
+        )
 
 
 class _PressingFingers:
@@ -191,10 +193,6 @@ def shell_setup() -> str:
         lines += [f'export {variable}="{given}${{{variable}:+:${variable}}}"'] if given else []
     settings = {name: os.environ.get(name, "") for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")}
     return "\n".join([*lines, *(f"export {name}={value}" for name, value in settings.items() if value), ""])
-
-
-def _room(simulation: Simulation) -> str:
-    return scene_text("room", room_of(simulation.spec))
 
 
 @contextmanager

@@ -179,15 +179,13 @@ def instead(node: Node, name: str, wanted: str, done: Done) -> str:
 def in_words(name: str, wanted: str, there: Iterable[tuple[str, Sequence[str]]], done: Done, domain: int) -> str:
     """Return in words what is there, as names with types: first the name itself, then its type, then names like it."""
     where = f"{done} in ROS_DOMAIN_ID {domain}"
-    names = sorted(there, key=lambda o: (o[0] != name, wanted not in o[1], -_alike(name, o[0]), o))
+    names = sorted(
+        there, key=lambda o: (o[0] != name, wanted not in o[1], -SequenceMatcher(None, name, o[0]).ratio(), o)
+    )
     if not names:
         return f"; nothing of its kind is {where}"
     more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
     return f"; {where}: {listing(f'{n} ({types[0]})' for n, types in names[:MOST])}{more}"
-
-
-def _alike(name: str, other: str) -> float:
-    return SequenceMatcher(None, name, other).ratio()
 
 
 TRUST = 0.5

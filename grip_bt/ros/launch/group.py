@@ -192,7 +192,8 @@ class ProcessGroup:
         member = running.member
         running.starts += 1
         number = f".{running.starts}" if running.starts > 1 else ""
-        log = self._logs / f"{_file_name(member.name)}{number}.log"
+        name = re.sub(r"[^A-Za-z0-9_.-]", "_", member.name).strip(".") or "process"
+        log = self._logs / f"{name}{number}.log"
         with self._lock:
             if self._stopping.is_set():
                 return
@@ -286,10 +287,6 @@ class ProcessGroup:
     def _set_state(self, running: _Running, state: State, detail: str) -> None:
         running.state = state
         self._on_change(running.member.name, state, detail)
-
-
-def _file_name(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_.-]", "_", name).strip(".") or "process"
 
 
 FRESH = 0.25

@@ -113,9 +113,7 @@ class MessageServer:
         self._store(request.store).delete(request.name)
 
     def _on_reset(self, request: Message, response: Message) -> None:
-        if request.store:
-            self._store(request.store)
-        self._reset(request.store)
+        self._reset(request.store and self._store(request.store).name)
 
     def _on_save(self, request: Message, response: Message) -> None:
         file = Path(request.file) if request.file else self._archive
