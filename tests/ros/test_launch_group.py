@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import subprocess
@@ -260,3 +261,12 @@ def test_what_is_there_is_the_likeliest_name(bus, domain):
     finally:
         watch.close()
         bus.post(lambda: bus.node.destroy_service(service)).wait(PATIENCE)
+
+
+def test_what_processes_print_is_copied_line_by_line_with_their_names(tmp_path):
+    output = io.StringIO()
+    one = member(tmp_path, "one", "print('a'); print('b', end='')", required=False)
+    group = ProcessGroup([one], tmp_path / "logs", output=output)
+    group.start()
+    group.run()
+    assert output.getvalue() == "[one] a\n[one] b\n"

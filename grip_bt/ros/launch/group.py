@@ -239,7 +239,9 @@ class ProcessGroup:
         if self._output is None or running.process is None:
             return
         over = not running.process.alive
-        new = running.logs[-1].read_bytes()[running.copied :]
+        with running.logs[-1].open("rb") as file:
+            file.seek(running.copied)
+            new = file.read()
         whole = new if over else new[: new.rfind(b"\n") + 1]
         running.copied += len(whole)
         for line in whole.decode("utf-8", "replace").splitlines():
