@@ -161,7 +161,7 @@ def check_not_legacy(text: str, path: Path) -> None:
     """Refuse the text of a launch file of ROS 1. Raises LaunchError: it is one; with the first line that shows that."""
     if found := _OF_ROS_1.search(text):
         line, change = text.count("\n", 0, found.start()) + 1, "docs/launching.md lists what to change"
-        raise LaunchError(str(path), line, f"this is a ROS 1 launch file: {found[0].split()[0]!r}; {change}")
+        raise LaunchError(str(path), line, f"this is a ROS 1 launch file: {found[0].split()[-1]!r}; {change}")
 
 
 @dataclass(frozen=True)
