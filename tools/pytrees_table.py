@@ -56,7 +56,7 @@ def alone(where: str, ticks: int) -> list[Any]:
 
     found = find_tree(place_of(where))
     if not found.ready and "rclpy" in sys.modules:
-        from grip_bt.ros.tree_node import TreeNode
+        from grip_bt.ros.client.connection import TreeNode
 
         found.tree.setup(node=TreeNode().node)
     elif not found.ready:

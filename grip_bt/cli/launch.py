@@ -21,8 +21,8 @@ from grip_bt.cli import NODE_ERROR, STOPPED
 from grip_bt.cli.parser import add_no_code, number
 from grip_bt.cli.terminal import complain, on_stop, progress
 from grip_bt.ros.launch import read_arguments
-from grip_bt.ros.launch.group import LaunchEvent, Member, ProcessGroup
-from grip_bt.ros.launch.run import Follower, is_launch_file, members_of_file
+from grip_bt.ros.launch.group import Member, ProcessGroup
+from grip_bt.ros.launch.interpreter import is_launch_file, members_of_file
 
 if TYPE_CHECKING:
     from grip_bt.app.wiring.ros_simulation import Served
@@ -55,14 +55,14 @@ def _run_launch(args: argparse.Namespace) -> int:
         return _write(args)
     if args.show_args:
         return _show_arguments(args.what)
-    project, members, events = _members(args)
+    project, members = _members(args)
     if args.check:
         _print_members(members, args.json)
         return 0
-    if not members and not events:
+    if not members:
         raise GripError(_nothing_to_launch(args.project))
     refuse(f"{member.name}: starts {shlex.join(member.command)}" for member in members)
-    return _supervise(members, events, project.state_folder / "logs" / "launch", args.follow)
+    return _supervise(members, project.state_folder / "logs" / "launch", args.follow)
 
 
 def _show_arguments(what: Sequence[str]) -> int:
@@ -84,7 +84,7 @@ def _nothing_to_launch(place: Path) -> str:
     return f"{file} {said}name a launch file, or add `processes:`"
 
 
-def _members(args: argparse.Namespace) -> tuple[Project, list[Member], list[LaunchEvent]]:
+def _members(args: argparse.Namespace) -> tuple[Project, list[Member]]:
     project = find_project(args.project)
     if args.what and is_launch_file(args.what[0]):
         found = {}
@@ -93,8 +93,8 @@ def _members(args: argparse.Namespace) -> tuple[Project, list[Member], list[Laun
             if not sign or not name:
                 raise GripError(f"{word!r} isn't an argument of a launch file: NAME:=VALUE")
             found[name] = value
-        return project, *members_of_file(Path(args.what[0]), found, own_reader=args.own)
-    return project, project_members(project, args.what), []
+        return project, members_of_file(Path(args.what[0]), found, own_reader=args.own)
+    return project, project_members(project, args.what)
 
 
 def _print_members(members: Sequence[Member], as_json: bool) -> None:
@@ -114,9 +114,9 @@ def _write(args: argparse.Namespace) -> int:
     return 0
 
 
-def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: Path, follow: bool) -> int:
+def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
     stopped: list[int] = []
-    group = ProcessGroup(members, logs, on_change=_tell, events=events)
+    group = ProcessGroup(members, logs, on_change=_tell, output=sys.stdout if follow else None)
 
     def stop(number: int, frame: object) -> None:
         stopped.append(number)
@@ -124,13 +124,8 @@ def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: P
 
     for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(each, stop)
-    follower = Follower(group, [member.name for member in members], sys.stdout) if follow else None
-    try:
-        group.start()
-        why = group.run()
-    finally:
-        if follower is not None:
-            follower.close()
+    group.start()
+    why = group.run()
     if stopped:
         return STOPPED
     return complain(why, NODE_ERROR) if why else 0

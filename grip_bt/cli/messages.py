@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,14 +18,21 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.wiring.parts import report_if_slow
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError, ServerTimeOutError
-from grip_bt.base.message_store.yaml import plain_of, text_of
+from grip_bt.base.message_store.files import plain_of, text_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import type_name
-from grip_bt.ros.messages.client import RosMessages
-from grip_bt.ros.messages.server import MessageServer
-from grip_bt.ros.messages.wire import ServerStates, entry_rows, plain_of_entry, text_of_message, value_from_text
+from grip_bt.ros.messages.service import MessageServer, RosMessages
+from grip_bt.ros.messages.wire import (
+    entry_rows,
+    joint_states_of,
+    message_of,
+    pack,
+    text_of_entry,
+    unpack,
+    value_from_text,
+)
 
 from .terminal import on_stop
 
@@ -144,7 +152,8 @@ def _run_show(args: argparse.Namespace) -> int:
         about = {"store": args.store, "name": entry.name, "time": entry.time, "provenance": entry.provenance}
         print(json.dumps({**about, "type": type_name(type(entry.value)), "message": plain_of(entry.value)}))
     else:
-        said = text_of(entry.value) if args.message else text_of_message(args.store, entry.value)
+        value = entry.value if args.message else unpack(args.store, pack(args.store, entry.value))
+        said = text_of(value) if args.message else text_of_entry(args.store, value)
         print(said.rstrip() or f"# a {type_name(type(entry.value))}, too large to print")
     return 0
 
@@ -181,7 +190,7 @@ def _run_watch(args: argparse.Namespace) -> int:
 
 def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> str:
     if as_json:
-        message = None if value is None else plain_of_entry(store, value)
+        message = None if value is None else plain_of(message_of(pack(store, value)))
         return json.dumps({"store": store, "change": kind, "name": name, "message": message})
     words = "" if value is None else " ".join(str(value).split())
     return f"{store:<14} {kind:<8} {name:<24} {words[:100]}{'...' if len(words) > 100 else ''}".rstrip()
@@ -208,7 +217,7 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
     else:
         text, source = (sys.stdin.read() if args.value == "-" else args.value), "value"
     type_ = args.type or next((e.type for e in _done(server.listing()).entries if e.store == args.store), "")
-    return value_from_text(args.store, source, text, type_, ServerStates(server, _done))
+    return value_from_text(args.store, source, text, type_, partial(joint_states_of, server, _done))
 
 
 @contextmanager

@@ -10,6 +10,7 @@ message of somebody's own may have the fields that a value needs.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from grip_bt.base.errors import ContractError, listing, nearest
 from grip_bt.base.expression import parse_expression
@@ -233,8 +234,9 @@ def _faults(port: PortType, field: FieldSpec, sent: bool, fields_of: FieldsOf) -
         wanted = parse_type(port.type)
     except ValueError:
         return  # that is told already
-    if (reason := _unlike(wanted, field, port, sent, fields_of)) is not None:
-        yield f"the field is {field.spelling}, which can't be `{wanted}`: {reason}"
+    if not _fits(wanted, field, port, sent, fields_of):
+        usual = port_type(replace(field, type=VALUE_OF.get(field.type, field.type)))
+        yield f"the field is {field.spelling}, which can't be `{wanted}`: write `{usual}`"
     innermost = wanted
     while innermost.item is not None:
         innermost = innermost.item
@@ -250,44 +252,33 @@ def _faults(port: PortType, field: FieldSpec, sent: bool, fields_of: FieldsOf) -
         yield f"`{wanted}` is in no frame; `frame` is for poses, clouds and grasps"
 
 
-def _unlike(wanted: Type, field: FieldSpec, port: PortType, sent: bool, fields_of: FieldsOf) -> str | None:
-    """Return what to write instead of a type that a field can never be; None where it may be."""
-    name, own = wanted.name, VALUE_OF.get(field.type, field.type)
-    if name in ("Any", "dict", "bytes") or (
-        name == "Pose" and field.array and (field.type in INTEGER_TYPES or field.type in ("float32", "float64"))
-    ):
-        return None  # a pose is 7 numbers, 4 or 3
+def _fits(wanted: Type, field: FieldSpec, port: PortType, sent: bool, fields_of: FieldsOf) -> bool:
+    """Tell whether a field may be of a type; what goes out as a message of somebody's own has fields of its names."""
+    name, own = wanted.name, VALUE_OF.get(field.type)
+    numbers = field.type in INTEGER_TYPES or field.type in ("float32", "float64")
+    if name in ("Any", "dict", "bytes") or (name == "Pose" and field.array and numbers):
+        return True  # a pose is 7 numbers, 4 or 3
     if field.array != (name == "list"):
-        return f"write `list[{_plain(own)}]`" if field.array else f"it is one, write `{_plain(own)}`"
+        return False
     item = wanted.item if field.array else wanted
     if item is None or item.name == "Any":
-        return None
+        return True
     if "/" not in field.type:
-        return None if item.name in _kinds(field.type, port, sent) else f"write `{_plain(own)}`"
+        return item.name in _kinds(field.type, port, sent)
     if "/" in item.name:
-        return None if item.name == field.type else f"write `{own}`" + f", or `{field.type}`" * (own != field.type)
+        return item.name == field.type
     if item.name in BUILTINS:
         inside = fields_of(field.type)
-        return None if inside is None or [f.name for f in inside] == ["data"] else f"write `{own}`"
+        return inside is None or [f.name for f in inside] == ["data"]
     if item.name == "DepthImage" and own == "Image":
-        return None if sent else "a depth image needs the camera's geometry too; take it as `Image`"
-    compared = _OWN if sent else VALUES  # of others, what goes out has fields of the same names
-    return f"write `{own}`" if field.type in VALUE_OF and item.name in compared and item.name != own else None
+        return sent  # one that is received needs the camera's geometry too
+    return own in (None, item.name) or item.name not in (_OWN if sent else VALUES)
 
 
 def _kinds(primitive: str, port: PortType, sent: bool) -> tuple[str, ...]:
-    """Return the types of ports that a primitive field can be, the usual one first."""
-    if primitive == "bool":
-        return ("bool",)
-    if primitive in INTEGER_TYPES:
-        if port.unit is not None:
-            return ("float", "int") if sent else ("float",)
+    """Return the types of ports that a primitive field can be."""
+    if primitive in INTEGER_TYPES and port.unit is None:
         return ("int",) if sent else ("int", "float")
-    if primitive in ("float32", "float64"):
+    if primitive in INTEGER_TYPES or primitive in ("float32", "float64"):
         return ("float", "int") if sent else ("float",)
-    return ("str",)
-
-
-def _plain(name: str) -> str:
-    """Return a primitive as a port spells it; anything else as it is."""
-    return name if "/" in name or name in VALUES else _kinds(name, PortType(type="Any"), True)[0]
+    return ("bool",) if primitive == "bool" else ("str",)

@@ -18,7 +18,6 @@ class Ending:
 
     Attributes:
         code: why it failed, None otherwise.
-        outputs: what it wrote, by port.
         request: what the component was sent, by field.
     """
 

@@ -134,11 +134,7 @@ _LENGTHS, _ANGLES = ("m", "cm", "mm", "in"), ("rad", "deg")
 
 
 class Adapter:
-    """Ports of one component, as fields of its messages.
-
-    Args:
-        frames: where frames are, for those that a port names.
-    """
+    """Ports of one component, as fields of its messages; `frames`: where frames are, for those that a port names."""
 
     def __init__(self, file: ComponentFile, frames: FrameTree | None = None):
         self._file, self._frames = file, frames or FrameTree()

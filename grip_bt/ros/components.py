@@ -39,7 +39,6 @@ class Components(Closing):
     """Components that answer.
 
     Attributes:
-        bus: the connection to ROS.
         build_seconds: how long the interfaces took to build; 0 when all were in the cache.
         ready_seconds: how long it took from the start of the processes until all servers were there.
     """
@@ -49,11 +48,7 @@ class Components(Closing):
         self._running = dict(running)
 
     def client(self, name: str) -> Component:
-        """Return a component; an empty name means the only one.
-
-        Raises:
-            UnknownNameError: there is none of that name.
-        """
+        """Return a component; an empty name means the only one. Raises UnknownNameError: there is none of that name."""
         if not name and len(self._running) == 1:
             return next(iter(self._running.values())).component
         if name not in self._running:

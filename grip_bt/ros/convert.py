@@ -19,8 +19,7 @@ from grip_bt.base import values
 from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
 from grip_bt.base.values import CameraInfo, DepthImage, Image, JointState, PointCloud, Pose, Trajectory
 
-from . import convert_geometry as geometry
-from . import convert_perception as perception
+from . import convert_values as turn
 from .client.types import (
     ConversionError,
     FieldType,
@@ -33,19 +32,22 @@ from .client.types import (
 )
 
 _CONVERSIONS: dict[tuple[type, str], tuple[Callable[[Any], Message], Callable[[Any], object] | None]] = {
-    (Pose, "geometry_msgs/msg/Pose"): (geometry.pose_to_message, geometry.pose_from_message),
-    (Pose, "geometry_msgs/msg/PoseStamped"): (geometry.pose_to_stamped, geometry.pose_from_stamped),
-    (Pose, "geometry_msgs/msg/Transform"): (geometry.pose_to_transform, geometry.pose_from_message),
-    (Pose, "geometry_msgs/msg/TransformStamped"): (geometry.pose_to_transform_stamped, geometry.pose_from_stamped),
-    (JointState, "sensor_msgs/msg/JointState"): (geometry.joints_to_message, geometry.joints_from_message),
-    (Trajectory, "trajectory_msgs/msg/JointTrajectory"): (
-        geometry.trajectory_to_message,
-        geometry.trajectory_from_message,
+    (Pose, "geometry_msgs/msg/Pose"): (turn.pose_to_message, turn.pose_from_message),
+    (Pose, "geometry_msgs/msg/PoseStamped"): (turn.pose_to_stamped, turn.pose_from_stamped),
+    (Pose, "geometry_msgs/msg/Transform"): (turn.pose_to_transform, turn.pose_from_message),
+    (Pose, "geometry_msgs/msg/TransformStamped"): (
+        turn.pose_to_transform_stamped,
+        turn.pose_from_stamped,
     ),
-    (PointCloud, "sensor_msgs/msg/PointCloud2"): (perception.cloud_to_message, perception.cloud_from_message),
-    (Image, "sensor_msgs/msg/Image"): (perception.image_to_message, perception.image_from_message),
-    (DepthImage, "sensor_msgs/msg/Image"): (perception.depth_to_message, None),  # needs the camera's geometry too
-    (CameraInfo, "sensor_msgs/msg/CameraInfo"): (perception.camera_to_message, perception.camera_from_message),
+    (JointState, "sensor_msgs/msg/JointState"): (turn.joints_to_message, turn.joints_from_message),
+    (Trajectory, "trajectory_msgs/msg/JointTrajectory"): (
+        turn.trajectory_to_message,
+        turn.trajectory_from_message,
+    ),
+    (PointCloud, "sensor_msgs/msg/PointCloud2"): (turn.cloud_to_message, turn.cloud_from_message),
+    (Image, "sensor_msgs/msg/Image"): (turn.image_to_message, turn.image_from_message),
+    (DepthImage, "sensor_msgs/msg/Image"): (turn.depth_to_message, None),  # needs the camera's geometry too
+    (CameraInfo, "sensor_msgs/msg/CameraInfo"): (turn.camera_to_message, turn.camera_from_message),
 }
 """What has a counterpart in ROS: value, message -> to the message, from the message."""
 

@@ -37,7 +37,6 @@ class RosEnvironment:
     Attributes:
         kind: `wheels` (from PyPI, in this environment), `sourced` (a system installation), `none`, or `mixed`, which is
             refused: libraries of the two would be loaded in one process, at random.
-        detail: what was found, for people.
         remedy: what to do about it; empty when nothing.
     """
 
@@ -72,11 +71,7 @@ def environment(env: Mapping[str, str] | None = None, wheels: Path | None | Lite
 
 
 def require() -> RosEnvironment:
-    """Return the environment's ROS.
-
-    Raises:
-        MissingPartError: there is none, or two are mixed.
-    """
+    """Return the environment's ROS. Raises MissingPartError: there is none, or two are mixed."""
     here = environment()
     if not here.usable:
         what = "ROS 2" if here.kind == "none" else f"one ROS 2 ({here.detail})"

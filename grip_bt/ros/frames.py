@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import bisect
 import xml.etree.ElementTree as ET
-from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
@@ -32,6 +33,47 @@ class FrameError(ExpectedError):
     code = "no_frame"
 
 
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint of a URDF.
+
+    Attributes:
+        type: such as `fixed` or `prismatic`.
+        origin: of the joint in its parent link's frame.
+        axis: shape (3,), of unit length.
+    """
+
+    name: str
+    type: str
+    link: str
+    origin: Pose
+    axis: Array
+
+    def pose(self, q: float) -> Pose:
+        """Return the pose of its link in the parent link, at a position [rad or m]."""
+        if self.type == "prismatic":
+            return self.origin @ Pose(self.axis * q)
+        return self.origin @ Pose((0.0, 0.0, 0.0), np.roll(Rotation.from_rotvec(self.axis * q).as_quat(), 1))
+
+
+def joints_of(urdf: str) -> Iterator[UrdfJoint]:
+    """Yield the joints of a URDF."""
+    for joint in ET.fromstring(urdf).findall("joint"):
+        parts = {part.tag: part.attrib for part in joint}
+        origin, axis = parts.get("origin", {}), parts.get("axis", {}).get("xyz", "1 0 0")
+        xyz, rpy, along = (
+            np.array(text.split(), float) for text in (origin.get("xyz", "0 0 0"), origin.get("rpy", "0 0 0"), axis)
+        )
+        pose = Pose(xyz, quaternion_of(*rpy), parts["parent"]["link"])
+        yield UrdfJoint(
+            joint.get("name", ""),
+            joint.get("type", ""),
+            parts["child"]["link"],
+            pose,
+            along / (np.linalg.norm(along) or 1.0),
+        )
+
+
 class FrameTree:
     """Frames that don't move.
 
@@ -45,22 +87,11 @@ class FrameTree:
     @classmethod
     def of_urdf(cls, urdf: str, root: str = ROOT) -> FrameTree:
         """Return the links that fixed joints connect; the description's own root link is where `root` is."""
-        robot = ET.fromstring(urdf)
-        poses, children = {}, set()
-        for joint in robot.findall("joint"):
-            parent, child = joint.find("parent"), joint.find("child")
-            if parent is None or child is None:
-                continue
-            children.add(child.attrib["link"])
-            if joint.attrib.get("type") == "fixed":
-                origin = joint.find("origin")
-                given = {} if origin is None else origin.attrib
-                xyz, rpy = ([float(v) for v in given.get(name, "0 0 0").split()] for name in ("xyz", "rpy"))
-                poses[child.attrib["link"]] = Pose(xyz, quaternion_of(*rpy), parent.attrib["link"])
-        for link in robot.findall("link"):
-            if link.attrib["name"] not in children and link.attrib["name"] != root:
-                poses[link.attrib["name"]] = Pose(frame=root)
-        return cls(poses)
+        joints = list(joints_of(urdf))
+        carried = {root, *(joint.link for joint in joints)}
+        links = [link.attrib["name"] for link in ET.fromstring(urdf).findall("link")]
+        bases = {link: Pose(frame=root) for link in links if link not in carried}
+        return cls({joint.link: joint.origin for joint in joints if joint.type == "fixed"} | bases)
 
     def with_poses(self, poses: Mapping[str, Pose]) -> FrameTree:
         """Return a tree with more frames."""
@@ -148,8 +179,8 @@ KEPT = 10.0
 
 @dataclass
 class _Track:
-    stamps: deque[float] = field(default_factory=deque)
-    poses: deque[Pose] = field(default_factory=deque)
+    poses: list[tuple[float, Pose]] = field(default_factory=list)
+    """(stamp, pose), by their stamps."""
     heard: float = float("-inf")
 
 
@@ -169,46 +200,35 @@ class FrameHistory:
         """
         track = self._tracks.setdefault(child, _Track())
         track.heard = heard
-        newest = track.stamps[-1] if track.stamps else stamp
-        if stamp < newest - KEPT or (track.poses and track.poses[-1].frame != pose.frame):
-            track.stamps.clear()
+        if track.poses and (stamp < track.poses[-1][0] - KEPT or track.poses[-1][1].frame != pose.frame):
             track.poses.clear()
-        place = bisect.bisect_left(track.stamps, stamp)
-        if place < len(track.stamps) and track.stamps[place] == stamp:
-            track.poses[place] = pose
-        else:
-            track.stamps.insert(place, stamp)
-            track.poses.insert(place, pose)
-        while track.stamps[-1] - track.stamps[0] > KEPT:
-            track.stamps.popleft()
-            track.poses.popleft()
+        place = bisect.bisect_left(track.poses, stamp, key=itemgetter(0))
+        same = track.poses[place : place + 1] and track.poses[place][0] == stamp
+        track.poses[place : place + bool(same)] = [(stamp, pose)]
+        del track.poses[: bisect.bisect_left(track.poses, track.poses[-1][0] - KEPT, key=itemgetter(0))]
 
     def latest(self, heard_since: float) -> dict[str, Pose]:
         """Return the last transform of each frame that was heard of since then."""
-        return {child: track.poses[-1] for child, track in self._tracks.items() if track.heard > heard_since}
+        return {child: track.poses[-1][1] for child, track in self._tracks.items() if track.heard > heard_since}
 
     def at(self, time: float) -> dict[str, Pose]:
         """Return where each frame was at a time [s]; frames of which that isn't known are left out."""
-        found = {}
-        for child, track in self._tracks.items():
-            pose = _at(track, time)
-            if pose is not None:
-                found[child] = pose
-        return found
+        found = ((child, _at(track, time)) for child, track in self._tracks.items())
+        return {child: pose for child, pose in found if pose is not None}
 
     def spans(self) -> dict[str, tuple[float, float]]:
         """Return from when to when each frame is known [s]."""
-        return {child: (track.stamps[0], track.stamps[-1]) for child, track in self._tracks.items()}
+        return {child: (track.poses[0][0], track.poses[-1][0]) for child, track in self._tracks.items()}
 
 
 def _at(track: _Track, time: float) -> Pose | None:
-    if not track.stamps[0] <= time <= track.stamps[-1]:
+    if not track.poses[0][0] <= time <= track.poses[-1][0]:
         return None
-    after = bisect.bisect_left(track.stamps, time)
-    if track.stamps[after] == time:
-        return track.poses[after]
-    begin, end = track.stamps[after - 1], track.stamps[after]
-    return between(track.poses[after - 1], track.poses[after], (time - begin) / (end - begin))
+    after = bisect.bisect_left(track.poses, time, key=itemgetter(0))
+    if track.poses[after][0] == time:
+        return track.poses[after][1]
+    (begin, one), (end, other) = track.poses[after - 1 : after + 1]
+    return between(one, other, (time - begin) / (end - begin))
 
 
 def between(one: Pose, other: Pose, part: float) -> Pose:

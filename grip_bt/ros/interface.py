@@ -7,6 +7,8 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
+from functools import partial
 from typing import Any
 
 from grip_bt.base.closing import Closing
@@ -14,11 +16,10 @@ from grip_bt.base.failures import BadReplyError, ExpectedError, ServerTimeOutErr
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.client.graph import MOST
 from grip_bt.ros.client.topic import Received, TopicReader
 from grip_bt.ros.client.types import ConversionError, Message, check_name, load_message, load_type
 from grip_bt.ros.convert import from_message, to_message
-from grip_bt.ros.convert_geometry import seconds
+from grip_bt.ros.convert_values import seconds
 from grip_bt.ros.transforms import Transforms
 
 ANSWER = 2.0
@@ -80,8 +81,7 @@ class RosInterface:
 
     def get_parameter(self, node: str, name: str, timeout: float) -> Operation[Any]:
         """Return a parameter of a node."""
-        service = load_type("rcl_interfaces/srv/GetParameters")
-        client = self.bus.service(service, f"{node}/get_parameters")
+        service = "rcl_interfaces/srv/GetParameters"
 
         def value(response: Message) -> Operation[Any]:
             (found,) = response.values or (None,)
@@ -90,17 +90,15 @@ class RosInterface:
             held = getattr(found, _KINDS[found.type])
             return Operation.finished(list(held) if found.type > 4 else held)
 
-        return client.call(service.Request(names=[name]), timeout + ANSWER, timeout).then(value)
+        return self.bus.call(service, f"{node}/get_parameters", timeout + ANSWER, timeout, names=[name]).then(value)
 
     def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
         """Set a parameter of a node."""
-        service = load_type("rcl_interfaces/srv/SetParameters")
-        client = self.bus.service(service, f"{node}/set_parameters")
+        service = "rcl_interfaces/srv/SetParameters"
         try:
-            wanted = _parameter(value)
+            parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=_parameter(value))
         except BadRequestError as error:
             return Operation.failed(BadReplyError(f"{node}: {name}: {error.message}"))
-        parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=wanted)
 
         def check(response: Message) -> Operation[None]:
             (result,) = response.results
@@ -108,7 +106,8 @@ class RosInterface:
                 raise BadReplyError(f"{node} refuses {name} = {value!r}: {result.reason or 'it gave no reason'}")
             return Operation.finished(None)
 
-        return client.call(service.Request(parameters=[parameter]), timeout + ANSWER, timeout).then(check)
+        given = {"parameters": [parameter]}
+        return self.bus.call(service, f"{node}/set_parameters", timeout + ANSWER, timeout, **given).then(check)
 
 
 def _as(topic: str, message: Message, value: str) -> Operation[Any]:
@@ -124,9 +123,8 @@ def _parameter(value: Any) -> Message:
     kinds = {type(v) for v in value} if several else {type(value)}
     kind = float if kinds == {int, float} else next(iter(kinds)) if len(kinds) == 1 else str if not kinds else None
     if kind not in _NUMBERS:
-        raise BadRequestError(
-            f"{value!r} can't be a parameter: a truth value, a number, a text, or a list of one of these"
-        )
+        allowed = "a truth value, a number, a text, or a list of one of these"
+        raise BadRequestError(f"{value!r} can't be a parameter: {allowed}")
     made.type = _NUMBERS[kind] + (5 if several else 0)
     setattr(made, _KINDS[made.type], [kind(v) for v in value] if several else value)
     return made
@@ -197,28 +195,24 @@ class MessageSynchroniser:
         self, bus: Bus, topics: Mapping[str, str], slop: float, timeout: float, now: Callable[[], float]
     ) -> None:
         self.whole: Operation[Mapping[str, Message]] = Operation()
-        self._now, self._asked, self._timeout = now, now(), timeout
+        self._now, self._asked, self._timeout, self._bus = now, now(), timeout, bus
         self._matcher = Synchroniser(topics, slop)
         self._readers: dict[str, TopicReader] = {t: bus.reader(m, t) for t, m in topics.items()}
         self._early: dict[str, float] = {}
-        self._bus = bus
 
     def start(self) -> Operation[Mapping[str, Message]]:
         """Listen from now on; the operation ends with the messages by topic, or with ServerTimeOutError."""
-        listeners = {t: (lambda received, t=t: self._heard(t, received)) for t in self._readers}
+        ends = ExitStack()
         for topic, reader in self._readers.items():
-            reader.listen(listeners[topic])
-        timer = threading.Timer(self._timeout, lambda: self._bus.post(self._give_up))
-        timer.daemon = True
+            listener = partial(self._heard, topic)
+            reader.listen(listener)
+            ends.callback(reader.ignore, listener)
         if math.isfinite(self._timeout):
+            timer = threading.Timer(self._timeout, lambda: self._bus.post(self._give_up))
+            timer.daemon = True
             timer.start()
-
-        def clean() -> None:
-            timer.cancel()
-            for topic, reader in self._readers.items():
-                reader.ignore(listeners[topic])
-
-        self.whole.add_done_callback(clean)
+            ends.callback(timer.cancel)
+        self.whole.add_done_callback(ends.close)
         return self.whole
 
     # --- on the bus's thread ---
@@ -228,31 +222,25 @@ class MessageSynchroniser:
             return
         header = getattr(received.message, "header", None)
         stamp = seconds(header.stamp) if header is not None else 0.0
-        if not stamp:
-            stamp = self._now()
-        elif -OURS < stamp - self._asked < 0:
+        if stamp and -OURS < stamp - self._asked < 0:
             self._early[topic] = self._asked - stamp
             return
-        found = self._matcher.add(topic, stamp, received.message)
+        found = self._matcher.add(topic, stamp or self._now(), received.message)
         if found is not None:
             self.whole.succeed(found)
 
     def _give_up(self) -> None:
-        silent = self._matcher.silent()
-        said = [f"{topic} ({self._about(topic, max(1, MOST // len(silent)))})" for topic in silent]
+        text = f"no set of messages within {self._timeout:.1f} s: {self._matcher.describe(self._about)}"
         if len(self._readers) == 1:
             (topic,) = self._readers
             text = f"{topic}: no message within {self._timeout:.1f} s; {self._about(topic)}"
-        else:
-            reason = f"nothing came on {', '.join(said)}" if silent else self._matcher.describe()
-            text = f"no set of messages within {self._timeout:.1f} s: {reason}"
         self.whole.fail(ServerTimeOutError(text, topics=list(self._readers)))
 
-    def _about(self, topic: str, most: int = MOST) -> str:
-        """Say why a topic gave nothing; of those that are published instead, `most` are named."""
+    def _about(self, topic: str) -> str:
+        """Say why a topic gave nothing."""
         if topic in self._early:
             return f"what came was taken before it was asked for, the last {self._early[topic]:.2f} s"
-        return self._readers[topic].publishers(most)
+        return self._readers[topic].publishers()
 
 
 KEPT = 30
@@ -287,14 +275,9 @@ class Synchroniser:
             return None
         return {name: entry[1] for name, entry in nearest.items()}
 
-    def silent(self) -> list[str]:
-        """Return the topics on which nothing came."""
-        return [topic for topic, kept in self._kept.items() if not kept]
-
-    def describe(self) -> str:
-        """Say what came so far, for the error of a wait that ends in vain."""
-        if silent := self.silent():
-            return f"nothing came on {', '.join(silent)}"
-        last = {topic: kept[-1][0] for topic, kept in self._kept.items()}
-        apart = max(last.values()) - min(last.values())
-        return f"the last stamps are {apart:.3f} s apart, at most {self.slop:.3f} s are allowed"
+    def describe(self, about: Callable[[str], str]) -> str:
+        """Say what came so far, for the error of a wait that ends in vain; `about` says why a topic gave nothing."""
+        if silent := [topic for topic, kept in self._kept.items() if not kept]:
+            return f"nothing came on {', '.join(f'{topic} ({about(topic)})' for topic in silent)}"
+        last = [kept[-1][0] for kept in self._kept.values()]
+        return f"the last stamps are {max(last) - min(last):.3f} s apart, at most {self.slop:.3f} s are allowed"

@@ -12,16 +12,15 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 
-from grip_bt.base.errors import listing, nearest
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
 from grip_bt.ros.environment import DDS_PROFILE, PROFILE_VARIABLES
-from grip_bt.ros.interfaces.packages import PackageError, child_paths, executable_of, launch_file_of
+from grip_bt.ros.interfaces.packages import child_paths, executable_of, launch_file_in, launch_file_of
 from grip_bt.task.catalog.component_file import ComponentFile
 from grip_bt.task.catalog.component_parts import Start
 
@@ -31,12 +30,7 @@ _OURS = ("_ROS_WHEELS_BOOTSTRAP_COMPLETE", "ROS_PYTHON_CHECK_FIELDS")
 
 
 class Process:
-    """A command that runs until it ends or is stopped.
-
-    Args:
-        env: all of its environment.
-        log: file that takes what it prints; its folder is made.
-    """
+    """A command that runs until it ends or is stopped; `log`: file that takes what it prints; its folder is made."""
 
     def __init__(self, name: str, command: Sequence[str], folder: Path, env: Mapping[str, str], log: Path):
         self.name, self.command, self.log = name, tuple(command), log
@@ -125,12 +119,11 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
         domain_id: the DDS domain; this process's by default.
     """
     env = {k: v for k, v in os.environ.items() if k not in _OURS}
-    folders = [Path(p) for p in _split(env.get("LD_LIBRARY_PATH"))]
+    folders = [Path(p) for p in env.get("LD_LIBRARY_PATH", "").split(os.pathsep)]
     bundled = [p for p in folders if p == Path(sys.prefix) / "lib" or (p.name[:4], p.suffix) == ("ros_", ".libs")]
-    _join(env, "LD_LIBRARY_PATH", [str(p) for p in folders if p not in bundled])
+    _put(env, "LD_LIBRARY_PATH", (), bundled)
     for variable, folders in child_paths(overlays).items():
-        rest = [p for p in _split(env.get(variable)) if Path(p) not in folders]
-        _join(env, variable, [*map(str, folders), *rest])
+        _put(env, variable, folders, folders)
     if domain_id is not None:
         env["ROS_DOMAIN_ID"] = str(domain_id)
     env.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -140,15 +133,11 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
     return env
 
 
-def _split(text: str | None) -> list[str]:
-    return [p for p in (text or "").split(os.pathsep) if p]
-
-
-def _join(env: dict[str, str], variable: str, folders: Sequence[str]) -> None:
-    if folders:
-        env[variable] = os.pathsep.join(folders)
-    else:
-        env.pop(variable, None)
+def _put(env: dict[str, str], variable: str, first: Sequence[Path], but: Collection[Path]) -> None:
+    """Put folders in front of a search path, without some that it has."""
+    rest = [p for p in env.pop(variable, "").split(os.pathsep) if p and Path(p) not in but]
+    if first or rest:
+        env[variable] = os.pathsep.join([*map(str, first), *rest])
 
 
 def command_of(start: Start, folder: Path) -> list[str]:
@@ -161,7 +150,7 @@ def command_of(start: Start, folder: Path) -> list[str]:
         PackageError: the package, its program or its launch file isn't here.
     """
     if start.launch is not None:
-        file = launch_file_of(start.package, start.launch) if start.package else _beside(folder, start.launch)
+        file = launch_file_of(start.package, start.launch) if start.package else launch_file_in(folder, start.launch)
         given = [f"{name}:={text_of(value)}" for name, value in start.arguments.items()]
         ros2 = shutil.which("ros2")
         if ros2 is not None:
@@ -170,15 +159,6 @@ def command_of(start: Start, folder: Path) -> list[str]:
     if start.executable is not None:
         return [str(executable_of(str(start.package), start.executable)), *start.args]
     return [word.replace("{python}", sys.executable) for word in start.command]
-
-
-def _beside(folder: Path, name: str) -> Path:
-    file = folder / name
-    if file.is_file():
-        return file
-    known = [path.relative_to(folder).as_posix() for path in sorted(folder.glob("**/*launch*")) if path.is_file()]
-    has = listing(known)
-    raise PackageError(f"there is no launch file {name!r} in {folder}{nearest(name, known)} (available: {has})")
 
 
 def text_of(value: str | bool | int | float) -> str:
@@ -200,40 +180,19 @@ def advice(file: ComponentFile, error: ExpectedError, alive: bool, said: str) ->
     Args:
         error: why there is no server.
         alive: whether a process of ours runs that should serve it.
-        said: what that process printed last.
     """
-    starts = file.start is not None and file.start.run
+    start, home = file.start, f"component.yaml of {file.name}"
     if isinstance(error, IncompatibleServerError):
         serves = str(error.data.get("serves", "")) or file.interface
-        meant = f"`interface: {serves}` in component.yaml of {file.name}, then `grip component add` again"
+        meant = f"`interface: {serves}` in {home}, then `grip component add` again"
         return "" if serves == file.interface else f". If that is meant: {meant}"
-    if "waited" not in error.data:
-        return _about_end(file, said) if starts else ""
-    if not starts:
-        off = (
-            "remove `run: false` from its `start`" if file.start is not None else "say under `start` how it is started"
-        )
-        return f". Start it, or {off} (component.yaml of {file.name})"
-    if alive:
-        return (
-            f". Its process runs: does it serve {file.server} (`server`), as {file.interface} (`interface`), and in "
-            "time (`timeouts: {ready: SECONDS}`)?"
-        )
-    return ""
-
-
-def _about_end(file: ComponentFile, said: str) -> str:
-    assert file.start is not None
-    program = file.start.command[0] if file.start.command else ""
-    missing = _MISSING.search(said)
-    if missing is None:
-        return "" if said else "\nA server runs until it is stopped; this one ended by itself."
-    own = missing[1] in ("rclpy", "std_msgs", "std_srvs", file.interface.partition("/")[0])
-    if own and program and not uses_our_python(file.start):
-        return (
-            f"\n{program!r} is a Python without ROS or the built interfaces: write "
-            '"{python}" in `command` for the one that runs GRIP, or name one that has them'
-        )
-    return (
-        f"\n{missing[1]!r} isn't installed for the Python that runs it: install it there, or name another in `command`"
-    )
+    if start is None or not start.run:
+        how = f"Start it, or say under `start` how it is started, without `run: false` ({home})"
+        return f". {how}" if "waited" in error.data else ""
+    if "waited" in error.data:
+        asked = f"does it serve {file.server} (`server`), as {file.interface} (`interface`), and in time"
+        return f". Its process runs: {asked} (`timeouts: {{ready: SECONDS}}`)?" if alive else ""
+    if missing := _MISSING.search(said):
+        ours = "`{python}` is the one that runs GRIP, with ROS and the built interfaces"
+        return f"\n{missing[1]!r} isn't installed for the Python in `command` ({home}); {ours}"
+    return "" if said else "\nA server runs until it is stopped; this one ended by itself."

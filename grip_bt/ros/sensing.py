@@ -18,8 +18,7 @@ from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 from .client.types import ConversionError, Message
 from .convert import from_message
-from .convert_geometry import seconds
-from .convert_perception import camera_from_message, depth_from_message, image_from_message
+from .convert_values import camera_from_message, depth_from_message, image_from_message, seconds
 from .frames import FrameError, frame_of, mounted_frames, transformed
 from .interface import RosInterface
 from .process import Process, child_environment, stop_all
@@ -44,8 +43,7 @@ def taken(
         timeout: in all [s].
         made: makes it; with FrameError messages that come later are tried, since TF may be heard of only since then.
     """
-    left = timeout
-    deadline = time.monotonic() + left
+    left, deadline = timeout, time.monotonic() + timeout
     while True:
         messages = yield ros.together(topics, slop, left)
         try:
@@ -57,11 +55,7 @@ def taken(
 
 
 class TopicSensor:
-    """A sensor on topics; implements `grip_bt.base.ports.Sensor`.
-
-    Args:
-        process: its driver, where we started it.
-    """
+    """A sensor on topics; implements `grip_bt.base.ports.Sensor`; `process`: its driver, where we started it."""
 
     def __init__(self, name: str, config: SensorConfig, ros: RosInterface, process: Process | None = None):
         self.name, self.config, self.process = name, config, process
@@ -89,12 +83,10 @@ class TopicSensor:
         return capture
 
     def _driver_ended(self) -> None:
-        """End the captures under way: nothing will come any more."""
         for capture in list(self._captures):
             capture.cancel()
 
     def _captured(self) -> Steps[Mapping[str, object]]:
-        """Take what is asked for, or say how the driver ended."""
         config = self.config
         try:
             return (yield from taken(self._ros, self._messages, config.slop, config.timeout, self._values))
@@ -220,11 +212,7 @@ class RosCamera:
             ros.transforms.listen()
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry, as of the last frame.
-
-        Raises:
-            SensorError: none was taken yet.
-        """
+        """Return the camera's geometry, as of the last frame. Raises SensorError: none was taken yet."""
         if self._info is None:
             raise SensorError(f"camera {self._name}: nothing was heard on {self._config.info} yet")
         return self._info

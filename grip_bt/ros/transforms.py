@@ -20,7 +20,7 @@ from grip_bt.base.values import Pose
 from .client.bus import Bus
 from .client.topic import Received
 from .client.types import load_type
-from .convert_geometry import pose_from_stamped, seconds
+from .convert_values import pose_from_stamped, seconds
 from .frames import FrameError, FrameHistory, FrameTree
 
 MESSAGE = "tf2_msgs/msg/TFMessage"

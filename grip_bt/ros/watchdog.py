@@ -49,11 +49,7 @@ class Watchdog(Closing):
         self._ready = False
 
     def wait_ready(self, within: float) -> None:
-        """Block until it can do its work, at most `within` [s].
-
-        Raises:
-            GripError: it can't.
-        """
+        """Block until it can do its work, at most `within` [s]. Raises GripError: it can't."""
         assert self._process.stdout is not None
         if not self._ready and select.select([self._process.stdout], [], [], within)[0]:
             self._ready = bool(self._process.stdout.read(1))

@@ -33,7 +33,7 @@ from .client.bus import Bus
 from .client.types import Message
 from .controllers.joint_states import JointStates
 from .controllers.motion import rest_of_joints
-from .convert_geometry import trajectory_to_message
+from .convert_values import trajectory_to_message
 from .watchdog import REPORT
 
 AGAIN = 0.1

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grip_bt.app.wiring.planners import PlannerByName
+from grip_bt.app.wiring.commanders import PlannerByName
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.planning.requests import (

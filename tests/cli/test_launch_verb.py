@@ -41,8 +41,8 @@ def test_a_file_without_arguments_says_so(tmp_path: Path, capsys) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        ("it.launch.py", "", "a program of ROS's own `launch` package"),
-        ("it.launch", '<launch><node pkg="a" type="b" name="c"/></launch>', "line 1: <node type="),
+        ("it.launch.py", "", "is a program for `ros2 launch`"),
+        ("it.launch", '<launch><node pkg="a" type="b" name="c"/></launch>', ":1: this is a ROS 1 launch file: 'type='"),
         ("gone.launch.xml", None, "gone.launch.xml"),
     ],
 )

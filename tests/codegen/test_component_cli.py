@@ -93,7 +93,7 @@ def test_outcomes_that_all_mean_success_are_told(project, capsys, monkeypatch):
 def test_a_type_without_its_kind_is_told_whole(project, capsys, monkeypatch):
     monkeypatch.chdir(project)
     assert main(["component", "add", "std_srvs/SetBool", "--outcomes", "done: success"]) == 1
-    assert "std_srvs/SetBool: is neither a .msg, .srv or .action file nor a type; write 'std_srvs/srv/SetBool'" in (
+    assert "std_srvs/SetBool: is neither a .msg, .srv or .action file nor a type such as 'std_srvs/srv/Trigger'" in (
         capsys.readouterr().err
     )
 

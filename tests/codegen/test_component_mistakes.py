@@ -56,15 +56,15 @@ def told(ports):
     ("ports", "words"),
     [
         ({"input": "Image"}, "the field is sensor_msgs/PointCloud2, which can't be `Image`: write `PointCloud`"),
-        ({"input": "sensor_msgs/msg/Pointcloud2"}, "write `PointCloud`, or `sensor_msgs/msg/PointCloud2`"),
-        ({"input": "list[PointCloud]"}, "it is one, write `PointCloud`"),
+        ({"input": "sensor_msgs/msg/Pointcloud2"}, "which can't be `sensor_msgs/msg/Pointcloud2`: write `PointCloud`"),
+        ({"input": "list[PointCloud]"}, "which can't be `list[PointCloud]`: write `PointCloud`"),
         ({"input": "float"}, None),  # a message of one field `data`, for all that is known of it
         ({"goal": "float"}, "which can't be `float`: write `my_pkg/msg/Goal`"),
         ({"all": "Pose"}, "the field is geometry_msgs/PoseStamped[], which can't be `Pose`: write `list[Pose]`"),
         ({"label": "int"}, "the field is string, which can't be `int`: write `str`"),
         ({"width_mm": "float"}, "which can't be `float`: write `int`"),
         ({"score": "int"}, "which can't be `int`: write `float`"),
-        ({"seen": "DepthImage"}, "a depth image needs the camera's geometry too"),
+        ({"seen": "DepthImage"}, "which can't be `DepthImage`: write `Image`"),
         ({"input": {"type": "PointCloud", "unit": "kg"}}, "`PointCloud` has nothing in kg; `unit` is for numbers"),
         ({"input": {"type": "PointCloud", "unit": "deg"}}, "`unit` is for numbers and JointStates"),
         ({"label": {"type": "str", "unit": "mm"}}, "`str` has nothing in mm; `unit` is for numbers and Poses and Poin"),

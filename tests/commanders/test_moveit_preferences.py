@@ -9,7 +9,7 @@ import pytest
 from robot_files import description_package, moveit_package
 
 from grip_bt.app.project.folder import ArmConfig, find_project
-from grip_bt.app.wiring.planners import planners_in_force, settings_of
+from grip_bt.app.wiring.commanders import planners_in_force, settings_of
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.cli.__main__ import main
 from grip_bt.commanders.description.config import RobotConfig

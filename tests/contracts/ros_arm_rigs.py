@@ -69,7 +69,7 @@ def arm_of_controllers(ros_robot: tuple[Any, Any]) -> Iterator[ArmRig]:
 @contextmanager
 def arm_of_move_group(ros_move_group: tuple[Any, Any]) -> Iterator[ArmRig]:
     """MoveIt plans and moves; our planner answers what is about given motions, as in a project."""
-    from grip_bt.app.wiring.planners import PlannerByName
+    from grip_bt.app.wiring.commanders import PlannerByName
     from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 
     bus, _ = ros_move_group

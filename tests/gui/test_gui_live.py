@@ -14,7 +14,7 @@ from played import TASK, TestClient
 from test_gui_e2e import SCENARIO, browser, editing
 
 from grip_bt.base.errors import GripError
-from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
+from grip_bt.base.message_store.files import plain_of, text_of, value_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.ros.environment import own_domain
 from grip_bt.runtime import Journal
@@ -147,7 +147,7 @@ def test_values_are_the_same_after_being_text() -> None:
     [
         ("poses", "reference_frame: world\nposition: {x: 1}\norientation: {r: 0, p: 0, y: 0}\n", "has x, y and z"),
         ("poses", "reference_frame: world\nthumb: {position: {x: 0, y: 0, z: 0}}\n", "missing"),
-        ("joint_states", "a: fast\n", "expected a number"),
+        ("joint_states", "a: fast\n", "a valid number"),
         ("words", "- 1\n", "expected a mapping"),
         ("words", "a: [1\n", "there"),
     ],

@@ -256,7 +256,13 @@ WAY = "approach:\n- {name: home, interpolate_time: 2.0, pause_time: 0.0}\n"
     ("path", "text", "severity", "key", "reason"),
     [
         ("grip.yaml", GRIP.replace("RRTConnect", "RTR"), "error", ["arms", "right", "planner"], "there is no 'RTR'"),
-        ("messages/joint_states.yaml", "home: {panda_joint1: up}\n", "error", ["home", "panda_joint1"], "a number"),
+        (
+            "messages/joint_states.yaml",
+            "home: {panda_joint1: up}\n",
+            "error",
+            ["home", "panda_joint1"],
+            "valid number",
+        ),
         (
             "messages/joint_states.yaml",
             "home: {panda_joint1: 0, panda_jont2: 0}\n",
@@ -270,7 +276,7 @@ WAY = "approach:\n- {name: home, interpolate_time: 2.0, pause_time: 0.0}\n"
             POSE.replace("orien", "orein"),
             "error",
             ["bin", "oreintation"],
-            "has: reference_frame,",
+            "available: position, orientation",
         ),
         (
             "messages/poses.yaml",
@@ -285,7 +291,7 @@ WAY = "approach:\n- {name: home, interpolate_time: 2.0, pause_time: 0.0}\n"
             WAY.replace("2.0", "soon"),
             "error",
             ["approach", "0", "interpolate_time"],
-            "a number",
+            "valid number",
         ),
     ],
 )

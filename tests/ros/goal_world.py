@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import count
 
 from grip_bt.base.failures import ExpectedError, IncompatibleServerError
-from grip_bt.ros.client.goal import Goal, GoalEnd, GoalTimeouts, Notify, Phase, RequestCancel, RequestResult, Send
+from grip_bt.ros.client.goal import Ask, Goal, GoalEnd, GoalTimeouts, Notify, Phase
 
 POLL = 0.05
 ACCEPTED, SUCCEEDED, CANCELED, ABORTED, UNKNOWN = 1, 4, 5, 6, 0
@@ -96,12 +96,12 @@ class World:
         for command in commands:
             self.result.history.append((round(self.now, 3), type(command).__name__, self.goal.phase.name))
             match command:
-                case Send():
+                case Ask.GOAL:
                     self.sent_to = self.incarnation
                     self.wire(self._take_goal)
-                case RequestResult():
+                case Ask.RESULT:
                     self.wire(self._want_result)
-                case RequestCancel():
+                case Ask.CANCEL:
                     self.wire(self._hear_cancel)
                 case Notify(end):
                     self.result.told.append(end)

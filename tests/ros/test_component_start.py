@@ -93,5 +93,5 @@ def test_what_a_package_does_not_have_is_named_with_what_it_has(prefix):
         share_of("trigger_pk")
     with pytest.raises(PackageError, match=r"has no program 'serve'; did you mean 'server'"):
         executable_of("trigger_pkg", "serve")
-    with pytest.raises(PackageError, match=r"has no launch file 'up.launch.py'; .*available: launch/up.launch.xml"):
+    with pytest.raises(PackageError, match=r"no launch file 'up.launch.py' in .*available: .*up.launch.xml"):
         launch_file_of("trigger_pkg", "up.launch.py")

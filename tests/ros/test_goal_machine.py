@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from grip_bt.base.failures import CanceledError, GoalRejectedError, ServerLostError, ServerTimeOutError
 from grip_bt.base.operation import STOPPED
-from grip_bt.ros.client.goal import LIVE, Goal, GoalEnd, GoalTimeouts, Notify, Phase, RequestCancel, RequestResult, Send
+from grip_bt.ros.client.goal import LIVE, Ask, Goal, GoalEnd, GoalTimeouts, Notify, Phase
 
 RACES = int(os.environ.get("GRIP_FUZZ_RACES", "200"))
 PATIENCE = GoalTimeouts(server=5.0, result=10.0, cancel=2.0)
@@ -22,11 +22,11 @@ PATIENCE = GoalTimeouts(server=5.0, result=10.0, cancel=2.0)
 def goal(phase=Phase.WAITING, patience=PATIENCE) -> Goal:
     made = Goal("/act", patience, 0.0)
     if phase is not Phase.WAITING:
-        assert made.server_fits(0.1) == [Send()]
+        assert made.server_fits(0.1) == [Ask.GOAL]
     if phase in (Phase.RUNNING, Phase.CANCELING):
-        assert made.accepted(0.2) == [RequestResult()]
+        assert made.accepted(0.2) == [Ask.RESULT]
     if phase is Phase.CANCELING:
-        assert made.cancel(0.3) == [RequestCancel()]
+        assert made.cancel(0.3) == [Ask.CANCEL]
     assert made.phase is phase
     return made
 
@@ -69,7 +69,7 @@ def test_a_cancel_before_sending_sends_nothing():
 def test_a_cancel_before_the_acceptance_is_sent_with_it():
     made = goal(Phase.SENT)
     assert made.cancel(0.2) == []
-    assert made.accepted(0.3) == [RequestResult(), RequestCancel()]
+    assert made.accepted(0.3) == [Ask.RESULT, Ask.CANCEL]
     assert told(made.result(5, None)).status == "canceled"
 
 
@@ -87,7 +87,7 @@ def test_a_cancel_after_the_result_does_nothing():
 def test_a_cancel_that_nobody_answers_is_sent_again():
     made = goal(Phase.CANCELING)
     assert made.tick(0.4) == []
-    assert made.tick(0.9) == [RequestCancel()]
+    assert made.tick(0.9) == [Ask.CANCEL]
 
 
 def test_a_refused_cancel_ends_for_the_owner_and_says_so():
@@ -101,7 +101,7 @@ def test_a_refused_cancel_ends_for_the_owner_and_says_so():
 @pytest.mark.parametrize("number", [4, 5, 6])
 def test_a_goal_whose_time_is_over_is_cancelled_and_its_owner_told_when_it_has_ended(number):
     made = goal(Phase.RUNNING)
-    assert made.tick(10.0) == [RequestCancel()]
+    assert made.tick(10.0) == [Ask.CANCEL]
     assert made.cancel_answered(True, True, 10.1) == []
     assert made.tick(11.9) == []
     error = told(made.result(number, None))
@@ -114,28 +114,28 @@ def test_a_goal_whose_time_is_over_is_cancelled_and_its_owner_told_when_it_has_e
 @pytest.mark.parametrize("phase", [Phase.SENT, Phase.RUNNING])
 def test_a_goal_that_nobody_says_has_ended_in_time_is_told_as_one_that_may_go_on(phase):
     made = goal(phase)
-    assert made.tick(10.0) == [RequestCancel()]
+    assert made.tick(10.0) == [Ask.CANCEL]
     error, *more = made.tick(12.0)
     assert isinstance(error.end, ServerTimeOutError)
     assert error.end.data[STOPPED] is False
     assert "did not confirm the cancelling" in str(error.end)
-    assert more == [RequestCancel()]
+    assert more == [Ask.CANCEL]
     assert told(goal(Phase.CANCELING).tick(2.4)).data[STOPPED] is False
 
 
 def test_a_goal_taken_after_its_time_is_cancelled_then():
     made = goal(Phase.SENT)
-    assert made.tick(10.0) == [RequestCancel()]
+    assert made.tick(10.0) == [Ask.CANCEL]
     assert "did not accept the goal after 10.0 s" in str(made.tick(12.0)[0].end)
     assert made.phase is Phase.ORPHANED_SENT
-    assert made.accepted(30.0) == [RequestCancel()]
+    assert made.accepted(30.0) == [Ask.CANCEL]
     assert made.result(5, None) == []
     assert made.phase is Phase.OVER
 
 
 def test_a_goal_whose_acceptance_was_lost_runs_on_when_its_status_is_published():
     made = goal(Phase.SENT)
-    assert made.status(1, 0.2) == [RequestResult()]
+    assert made.status(1, 0.2) == [Ask.RESULT]
     assert made.accepted(0.3) == []
     assert told(made.result(4, "r")) == GoalEnd("succeeded", "r")
 
@@ -144,20 +144,20 @@ def test_a_cancel_without_an_acceptance_goes_out_by_the_goals_id():
     made = goal(Phase.SENT)
     assert made.cancel(0.2) == []
     assert made.tick(0.5) == []
-    assert made.tick(0.7) == [RequestCancel()]
-    assert made.cancel_answered(True, True, 0.8) == [RequestResult()]
+    assert made.tick(0.7) == [Ask.CANCEL]
+    assert made.cancel_answered(True, True, 0.8) == [Ask.RESULT]
     assert told(made.result(5, None)).status == "canceled"
 
 
 def test_a_cancel_long_after_the_goal_was_sent_waits_for_no_acceptance():
-    assert goal(Phase.SENT).cancel(3.0) == [RequestCancel()]
+    assert goal(Phase.SENT).cancel(3.0) == [Ask.CANCEL]
 
 
 @pytest.mark.parametrize("stops", [True, False])
 def test_a_goal_that_nobody_saw_accepted_is_cancelled_when_its_time_is_over(stops):
     made = goal(Phase.SENT)
-    assert made.tick(10.0) == [RequestCancel()]
-    assert made.cancel_answered(stops, True, 10.1) == [RequestResult()]
+    assert made.tick(10.0) == [Ask.CANCEL]
+    assert made.cancel_answered(stops, True, 10.1) == [Ask.RESULT]
     assert (made.phase, made.refused) == (Phase.CANCELING, not stops)
     assert "did not accept the goal" in str(told(made.result(5, None)))
 
@@ -168,7 +168,7 @@ def test_a_cancel_that_overtakes_its_goal_is_sent_again():
     made.tick(12.0)
     assert made.cancel_answered(False, False, 12.1) == []
     assert made.phase is Phase.ORPHANED_SENT
-    assert made.tick(12.5) == [RequestCancel()]
+    assert made.tick(12.5) == [Ask.CANCEL]
 
 
 def test_a_goal_that_the_server_never_knew_is_given_up_after_long():
@@ -193,7 +193,7 @@ def test_a_server_that_was_only_out_of_sight_is_told_to_stop_when_it_is_back():
     made = goal(Phase.RUNNING)
     assert told(made.server_seen(False, 1.0)).code == "server_lost"
     assert made.server_seen(True, 2.0) == []
-    assert made.tick(2.0) == [RequestCancel()]
+    assert made.tick(2.0) == [Ask.CANCEL]
 
 
 def test_a_goal_of_a_server_that_stays_away_is_forgotten():
@@ -219,14 +219,14 @@ def test_a_result_that_does_not_come_is_asked_for_again():
     assert made.status(2, 1.0) == []
     assert made.status(4, 1.1) == []
     assert made.status(4, 1.5) == []
-    assert made.status(4, 1.6) == [RequestResult()]
+    assert made.status(4, 1.6) == [Ask.RESULT]
     assert told(made.result(4, "r")) == GoalEnd("succeeded", "r")
     assert made.status(4, 9.0) == []
 
 
 def test_a_result_that_stays_away_is_asked_for_now_and_then_not_at_every_look():
     made = goal(Phase.RUNNING)
-    asked = [tenths for tenths in range(40) if made.status(4, tenths / 10) == [RequestResult()]]
+    asked = [tenths for tenths in range(40) if made.status(4, tenths / 10) == [Ask.RESULT]]
     assert asked == list(range(asked[0], 40, 5))
 
 
@@ -234,7 +234,7 @@ def test_a_goal_that_never_answers_a_cancel_is_told_to_stop_after_its_owner_has_
     made = goal(Phase.CANCELING)
     assert "did not confirm the cancelling" in str(told(made.tick(2.4)))
     assert made.phase is Phase.ORPHANED
-    assert [made.tick(now) for now in (2.5, 3.0)] == [[], [RequestCancel()]]
+    assert [made.tick(now) for now in (2.5, 3.0)] == [[], [Ask.CANCEL]]
     assert made.cancel_answered(True, True, 3.1) == []
     assert made.phase is Phase.OVER
 
@@ -242,7 +242,7 @@ def test_a_goal_that_never_answers_a_cancel_is_told_to_stop_after_its_owner_has_
 def test_closing_cancels_what_runs():
     end, cancel = goal(Phase.RUNNING).close(1.0)
     assert isinstance(end.end, CanceledError)
-    assert cancel == RequestCancel()
+    assert cancel == Ask.CANCEL
 
 
 def test_a_stale_answer_of_any_kind_changes_nothing():
@@ -309,7 +309,7 @@ def test_any_order_of_events_tells_the_owner_at_most_once_and_surely_in_the_end(
         commands += happen(made, name, now)
     tells = sum(isinstance(c, Notify) for c in commands)
     assert tells == (made.phase not in (*LIVE, Phase.WAITING))
-    assert sum(isinstance(c, Send) for c in commands) <= 1
+    assert sum(c is Ask.GOAL for c in commands) <= 1
     later = [*made.tick(now + 100.0), *made.tick(now + 200.0)]
     assert tells + sum(isinstance(c, Notify) for c in later) == 1
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from grip_bt.ros.launch import LaunchError, read_launch_file
-from grip_bt.ros.launch.element import LegacyLaunchFileError
-from grip_bt.ros.launch.run import has_launch_package, members_of_file
+from grip_bt.ros.launch.interpreter import members_of_file
 
 
 @pytest.fixture
@@ -38,7 +35,7 @@ def read(tmp_path: Path, text: str, prefix: Path | None = None, name="it.launch.
 
 
 def commands(launch) -> list[str]:
-    return [" ".join(p.command) for p in launch.processes]
+    return [" ".join(p.command) for p in launch]
 
 
 XML = """<launch>
@@ -86,7 +83,7 @@ YAML = """launch:
 
 
 def test_a_node_gets_its_name_name_space_remappings_and_parameters(tmp_path, prefix):
-    (process,) = read(tmp_path, XML, prefix).processes
+    (process,) = read(tmp_path, XML, prefix)
     program = str(prefix / "lib" / "arm_driver" / "driver")
     assert process.command == (
         *(program, "--fast", "two words", "--ros-args", "-r", "__node:=driver", "-r", "__ns:=/left/arm"),
@@ -97,11 +94,11 @@ def test_a_node_gets_its_name_name_space_remappings_and_parameters(tmp_path, pre
 
 
 def test_an_argument_decides_over_conditions(tmp_path, prefix):
-    assert len(read(tmp_path, XML, prefix, ip="1.2.3.4").processes) == 2
+    assert len(read(tmp_path, XML, prefix, ip="1.2.3.4")) == 2
 
 
 def test_settings_of_a_group_end_with_it(tmp_path, prefix):
-    second = read(tmp_path, XML, prefix, ip="1.2.3.4").processes[1]
+    second = read(tmp_path, XML, prefix, ip="1.2.3.4")[1]
     assert second.command[1:] == ()
 
 
@@ -118,8 +115,8 @@ def test_includes_take_arguments_and_relative_files(tmp_path, prefix):
 
 def test_the_yaml_form_means_the_same(tmp_path, prefix):
     for given in ({}, {"ip": "1.2.3.4"}):
-        yaml = read(tmp_path, YAML, prefix, "it.launch.yaml", **given).processes
-        xml = read(tmp_path, XML, prefix, **given).processes
+        yaml = read(tmp_path, YAML, prefix, "it.launch.yaml", **given)
+        xml = read(tmp_path, XML, prefix, **given)
         assert [(p.name, p.command, p.env) for p in yaml] == [(p.name, p.command, p.env) for p in xml]
 
 
@@ -130,7 +127,7 @@ def test_environment_of_the_shell_defaults_and_nested_logic(tmp_path, monkeypatc
       <executable cmd="no" if="$(or 0 false)"/>
       <unset_env name="CELL"/> <executable cmd="env"/>
     </launch>"""
-    said, env = read(tmp_path, text, env={"CELL": "3", "HOME": "/"}).processes
+    said, env = read(tmp_path, text, env={"CELL": "3", "HOME": "/"})
     assert said.command == ("echo", "3", "none")
     assert (said.env, env.env) == ({"CELL": "3", "HOME": "/"}, {"HOME": "/"})
 
@@ -139,10 +136,16 @@ def test_environment_of_the_shell_defaults_and_nested_logic(tmp_path, monkeypatc
     ("text", "reason"),
     [
         ("<launch><nodes/></launch>", ":1: <nodes> is not supported; did you mean 'node'"),
-        ('<launch>\n<node pkg="a" exe="b"/></launch>', ":2: <node>: the attribute 'exe' is not supported; wri"),
+        (
+            '<launch>\n<node pkg="a" exe="b"/></launch>',
+            ":2: <node>: the attribute 'exe' is not supported; did you mean 'exec'",
+        ),
         ('<launch><node pkg="nope" exec="b"/></launch>', "no ROS package 'nope' here"),
         ('<launch><node pkg="arm_driver" exec="drive"/></launch>', "no program 'drive'; did you mean 'driver'"),
-        ('<launch><executable cmd="echo $(var nam)"/><arg name="name" default=""/></launch>', "no such argument"),
+        (
+            '<launch><executable cmd="echo $(var nam)"/><arg name="name" default=""/></launch>',
+            r"\$\(var nam\): there is none",
+        ),
         ('<launch><executable cmd="echo $(evil x)"/></launch>', r"unknown substitution \$\(evil ...\)"),
         ('<launch><executable cmd="echo $(command ls)"/></launch>', r"\$\(command ...\) isn't run here"),
         ('<launch><executable cmd="echo $(var a"/></launch>', "closing bracket is missing"),
@@ -150,7 +153,7 @@ def test_environment_of_the_shell_defaults_and_nested_logic(tmp_path, monkeypatc
         ('<launch><executable cmd="x" if="maybe"/></launch>', "`if` is true, false, 1 or 0, not 'maybe'"),
         ('<launch><include file="gone.launch.xml"/></launch>', "gone.launch.xml"),
         ('<launch><node pkg="arm_driver" exec="driver"><param from="gone.yaml"/></node></launch>', "no file gone.yaml"),
-        ("<launch><executable></launch>", "isn't well-formed XML: mismatched tag"),
+        ("<launch><executable></launch>", "of XML: mismatched tag"),
         ("<robot/>", "begins with <launch>, not with <robot>"),
         ('<!DOCTYPE l [<!ENTITY a "b">]><launch/>', "declares no entities"),
         ('<launch><composable_node pkg="a" plugin="b"/></launch>', "<composable_node> is not supported"),
@@ -192,7 +195,7 @@ def test_a_bringup_file_as_robots_come_with_expands_its_description(tmp_path, pr
     (urdf / "arm.urdf.xacro").write_text(ARM)
     (tmp_path / "common.yaml").write_text("/**: {ros__parameters: {rate: 10}}\n")
     launch = read(tmp_path, BRINGUP, prefix, ur_type="ur10e", use_sim_time="true")
-    (process,) = launch.processes
+    (process,) = launch
     words = list(process.command)
     assert {"__ns:=/left", "use_sim_time:=true", str(tmp_path / "common.yaml"), "gains.p:=1.5"} <= set(words)
     (description,) = [w for w in words if w.startswith("robot_description:='")]
@@ -216,26 +219,19 @@ def test_nothing_of_a_file_is_executed_while_it_is_read(tmp_path):
     assert not (tmp_path / "x").exists()
 
 
-def test_a_ros_1_file_is_answered_with_every_line_that_has_to_change(tmp_path):
-    text = """<launch>
-  <arg name="model" default="$(find ur_description)/x.urdf"/>
-  <param name="robot_description" command="xacro $(arg model)"/>
-  <group ns="left">
-    <node pkg="p" type="talker.py" name="talker" required="true"/>
-    <rosparam command="load" file="x.yaml"/>
-  </group>
-</launch>"""
-    with pytest.raises(LegacyLaunchFileError) as caught:
-        read(tmp_path, text, name="old.launch")
-    changes = {(line, new) for line, _, new in caught.value.changes}
-    assert {
-        (2, "$(find-pkg-share PACKAGE)"),
-        (3, "$(var NAME)"),
-        (5, 'exec="..."'),
-        (5, 'on_exit="shutdown"'),
-    } <= changes
-    assert {line for line, _, _ in caught.value.changes} == {2, 3, 4, 5, 6}
-    assert "this is a ROS 1 launch file" in str(caught.value)
+@pytest.mark.parametrize(
+    "line",
+    [
+        '<arg name="model" default="$(find ur_description)/x.urdf"/>',
+        '<param name="robot_description" command="xacro x"/>',
+        '<group ns="left"/>',
+        '<node pkg="p" type="talker.py" name="talker" required="true"/>',
+        '<rosparam command="load" file="x.yaml"/>',
+    ],
+)
+def test_a_ros_1_file_is_told_as_such_with_where_to_read_what_changes(tmp_path, line):
+    with pytest.raises(LaunchError, match=r"old.launch:2: this is a ROS 1 launch file: .*docs/launching.md lists"):
+        read(tmp_path, f"<launch>\n  {line}\n</launch>", name="old.launch")
 
 
 def test_a_python_launch_file_is_refused_where_the_launch_package_is_missing(tmp_path, monkeypatch):
@@ -254,42 +250,5 @@ def test_ros_own_tools_are_used_where_they_are(tmp_path, monkeypatch):
     file = tmp_path / "it.launch.py"
     file.write_text("")
     monkeypatch.setenv("PATH", f"{ros2.parent}:/usr/bin:/bin")
-    (member,), events = members_of_file(file, {"robot_ip": "10.0.0.2"})
+    (member,) = members_of_file(file, {"robot_ip": "10.0.0.2"})
     assert list(member.command) == [str(ros2), "launch", str(file), "robot_ip:=10.0.0.2"]
-    assert not events
-
-
-def test_another_project_of_the_name_launch_is_not_taken_for_ros(tmp_path, monkeypatch):
-    (tmp_path / "launch").mkdir()
-    (tmp_path / "launch" / "__init__.py").write_text("")
-    monkeypatch.syspath_prepend(tmp_path)
-    assert not has_launch_package()
-    (tmp_path / "launch" / "launch_description_sources").mkdir()
-    assert has_launch_package()
-
-
-def test_ros_own_package_is_given_the_file_and_its_arguments(tmp_path):
-    """A stand-in of the package tells how it was asked; the real one isn't on PyPI."""
-    package = tmp_path / "launch"
-    package.mkdir()
-    (package / "__init__.py").write_text(
-        "class LaunchDescription(list): pass\n"
-        "class LaunchService:\n"
-        "    def __init__(self, argv): self.argv = argv\n"
-        "    def include_launch_description(self, description): self.description = description\n"
-        "    def run(self):\n"
-        "        (action,) = self.description\n"
-        "        print(self.argv, action.source.path, action.arguments)\n"
-        "        return 3\n"
-    )
-    (package / "actions.py").write_text(
-        "class IncludeLaunchDescription:\n"
-        "    def __init__(self, source, launch_arguments): self.source, self.arguments = source, launch_arguments\n"
-    )
-    (package / "launch_description_sources.py").write_text(
-        "class AnyLaunchDescriptionSource:\n    def __init__(self, path): self.path = path\n"
-    )
-    command = [sys.executable, "-m", "grip_bt.ros.launch.run", "it.launch.py", "ip:=1:=2"]
-    env = dict(os.environ, PYTHONPATH=str(tmp_path))
-    done = subprocess.run(command, env=env, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (3, "['ip:=1:=2'] it.launch.py [('ip', '1:=2')]\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import subprocess
@@ -14,7 +15,7 @@ from patience import PATIENCE, Ahead, until
 from ros_bench import ended
 
 from grip_bt.ros.client.types import load_type
-from grip_bt.ros.launch.group import GraphWatch, LaunchEvent, Member, ProcessGroup, StartError
+from grip_bt.ros.launch.group import GraphWatch, Member, ProcessGroup, StartError
 from grip_bt.ros.process import child_environment
 from grip_bt.task.catalog.component_parts import Ready
 
@@ -219,37 +220,21 @@ time.sleep(600)
 
 def test_what_a_timer_holds_back_comes_in_its_time_and_keeps_nobody_waiting(tmp_path, ahead):
     late = member(tmp_path, "late", "print('late')", after=1000, required=False)
+    over = member(tmp_path, "over", "", after=2000, required=False, ends_all=True)
     first = member(tmp_path, "first", SLEEP, required=False)
-    events = [LaunchEvent("over", 3000, ends=True), LaunchEvent("hello"), LaunchEvent("meanwhile", 2000)]
     told = []
 
     def tell(name: str, state: str, detail: str) -> None:
-        told.append((name, state, detail) if state == "says" else (name, state))
-        if told[-1] in (("launch", "says", "hello"), ("late", "starting"), ("launch", "says", "meanwhile")):
+        told.append((name, state))
+        if told[-1] in (("first", "ready"), ("late", "ended")):
             ahead.skip(1000)  # what comes next is due now, and nothing else
 
-    group = ProcessGroup([late, first], tmp_path / "logs", on_change=tell, events=events)
+    group = ProcessGroup([late, over, first], tmp_path / "logs", on_change=tell)
     group.start()
-    assert group.states() == {"late": "waiting", "first": "ready"}
+    assert group.states() == {"late": "waiting", "over": "waiting", "first": "ready"}
     assert group.run() == ""
-    due = [
-        ("launch", "says", "hello"),
-        ("late", "starting"),
-        ("launch", "says", "meanwhile"),
-        ("launch", "says", "over"),
-    ]
+    due = [("late", "starting"), ("over", "starting"), ("first", "stopped")]
     assert [one for one in told if one in due] == due
-    assert group.states()["first"] == "stopped"
-
-
-def test_a_file_of_messages_alone_runs_until_the_last_of_them(tmp_path):
-    told = []
-    group = ProcessGroup(
-        [], tmp_path / "logs", on_change=lambda *event: told.append(event), events=[LaunchEvent("a", 0.3)]
-    )
-    group.start()
-    assert group.run() == ""
-    assert told == [("launch", "says", "a")]
 
 
 @pytest.mark.ros
@@ -268,11 +253,20 @@ def test_what_is_there_is_the_likeliest_name(bus, domain):
     try:
         assert watch.instead(Ready(log="done")) == ""
         lamp = watch.instead(Ready(topic="/lamp"))
-        assert lamp == "; did you mean '/lamps', which is published as std_msgs/msg/Bool?"
+        assert lamp == f"; published in ROS_DOMAIN_ID {domain}: /lamps (std_msgs/msg/Bool)"
         assert watch.instead(Ready(topic="/swich")) == "; /swich is a service, of type std_srvs/srv/Trigger"
-        assert watch.instead(Ready(service="/lamps")) == "; /lamps is a topic, of type std_msgs/msg/Bool"
+        assert "/lamps (std_msgs/msg/Bool)" in watch.instead(Ready(service="/lamps"))
         switch = watch.instead(Ready(service="/switch"))
         assert switch == "; did you mean '/swich', which is served as std_srvs/srv/Trigger?"
     finally:
         watch.close()
         bus.post(lambda: bus.node.destroy_service(service)).wait(PATIENCE)
+
+
+def test_what_processes_print_is_copied_line_by_line_with_their_names(tmp_path):
+    output = io.StringIO()
+    one = member(tmp_path, "one", "print('a'); print('b', end='')", required=False)
+    group = ProcessGroup([one], tmp_path / "logs", output=output)
+    group.start()
+    group.run()
+    assert output.getvalue() == "[one] a\n[one] b\n"

@@ -206,14 +206,14 @@ def test_two_action_servers_on_one_name_are_refused(bus, act):
     act()
     client = bus.action(WORK, "/work")
     until(lambda: len(ended(bus.post(lambda: _servers(bus)))) == 2, "the servers aren't seen")
-    with pytest.raises(IncompatibleServerError, match="2 action servers .*each of which would execute a goal"):
+    with pytest.raises(IncompatibleServerError, match="2 servers .*each of which would execute a goal"):
         ended(client.send(work(), wait=5))
 
 
 def _servers(bus):
-    from grip_bt.ros.client.server_check import action_servers
+    from grip_bt.ros.client.graph import endpoints_of
 
-    return action_servers(bus.node, "/work")
+    return endpoints_of(bus.node, "/work/_action/send_goal")
 
 
 def test_a_name_has_one_type(bus, act):

@@ -34,7 +34,7 @@ def component(**more):
 def test_who_waits_in_vain_is_told_who_serves_the_type(bus, serve):
     serve("std_srvs/SetBool", "/other/set")
     ended(bus.service(SET, "/other/set").wait_ready(PATIENCE))
-    with pytest.raises(ServerLostError, match=rf"/set: no server within 0\.2 s; {SET} is served in .* as /other/set"):
+    with pytest.raises(ServerLostError, match=rf"/set: no server within 0\.2 s; served in .*: /other/set \({SET}\)"):
         ended(bus.service(SET, "/set").wait_ready(0.2))
 
 
@@ -42,9 +42,9 @@ def test_a_goal_that_waits_in_vain_is_told_that_its_name_is_a_service(bus, serve
     serve("std_srvs/SetBool", "/set")
     ended(bus.service(SET, "/set").wait_ready(PATIENCE))
     client = bus.action("trial_interfaces/action/Work", "/set")
-    with pytest.raises(ServerLostError, match=rf"/set: no server within 0\.2 s; /set is a service, of type {SET}"):
+    with pytest.raises(ServerLostError, match=rf"/set: no server within 0\.2 s; served in .*: /set \({SET}\)"):
         ended(client.wait_ready(0.2))
-    with pytest.raises(ServerLostError, match=rf"; did you mean '/set', which is served as {SET}\?"):
+    with pytest.raises(ServerLostError, match=rf"; served in .*: /set \({SET}\)"):
         ended(bus.service(TRIGGER, "/sett").wait_ready(0.2))
 
 
@@ -69,13 +69,19 @@ OURS, THEIRS = {"command": ["{python}", "server.py"]}, {"command": ["python3", "
 @pytest.mark.parametrize(
     ("start", "error", "alive", "said", "todo"),
     [
-        (None, LOST, False, "", ". Start it, or say under `start` how it is started (component.yaml of c)"),
-        ({**OURS, "run": False}, LOST, False, "", "remove `run: false` from its `start`"),
+        (
+            None,
+            LOST,
+            False,
+            "",
+            "say under `start` how it is started, without `run: false` (component.yaml of c)",
+        ),
+        ({**OURS, "run": False}, LOST, False, "", "without `run: false`"),
         (OURS, LOST, True, "", "Its process runs: does it serve /set (`server`), as std_srvs/srv/SetBool"),
         (None, IncompatibleServerError("", serves=TRIGGER), False, "", f". If that is meant: `interface: {TRIGGER}`"),
         (None, IncompatibleServerError("", serves=SET), False, "", ""),
-        (THEIRS, ENDED, False, "No module named 'rclpy'", "'python3' is a Python without ROS or the built interfaces"),
-        (OURS, ENDED, False, "No module named 'torch'", "'torch' isn't installed for the Python that runs it"),
+        (THEIRS, ENDED, False, "No module named 'rclpy'", "'rclpy' isn't installed for the Python in `command`"),
+        (OURS, ENDED, False, "No module named 'torch'", "'torch' isn't installed for the Python in `command`"),
         (OURS, ENDED, False, "", "A server runs until it is stopped; this one ended by itself."),
         (OURS, ENDED, False, "ValueError: no model", ""),
     ],
@@ -118,19 +124,16 @@ IMAGE, STRING = "sensor_msgs/msg/Image", "std_msgs/msg/String"
         (
             IMAGE,
             [("/z", [IMAGE]), ("/cam/color/image", [IMAGE]), ("/s", [STRING])],
-            f"; {IMAGE} is published in ROS_DOMAIN_ID 7 as /cam/color/image, /z",
+            f"; published in ROS_DOMAIN_ID 7: /cam/color/image ({IMAGE}), /z ({IMAGE}), /s ({STRING})",
         ),
-        (IMAGE, [("/cam/imag", [STRING])], f"; did you mean '/cam/imag', which is published as {STRING}?"),
         (
             IMAGE,
-            [("/cam/imag", [STRING]), ("/z", [IMAGE])],
-            f"; {IMAGE} is published in ROS_DOMAIN_ID 7 as /z; "
-            f"did you mean '/cam/imag', which is published as {STRING}?",
+            [("/a", [STRING]), ("/cam/imag", [STRING]), ("/z", [IMAGE])],
+            f": /z ({IMAGE}), /cam/imag ({STRING}), /a ({STRING})",
         ),
-        (IMAGE, [("/q", [STRING])], f"; published in ROS_DOMAIN_ID 7: /q ({STRING})"),
         (IMAGE, [(f"/q{i}", [STRING]) for i in range(12)], f"/q7 ({STRING}) and 4 more"),
-        (IMAGE, [(f"/cam/{i}", [IMAGE]) for i in range(12)], "/cam/7 and 4 more"),
-        ("", [("/cam/image_raw", [IMAGE])], f"; did you mean '/cam/image_raw', which is published as {IMAGE}?"),
+        (STRING, [("/z", [STRING]), ("/cam/image", ["std_srvs/srv/Trigger"])], f"Trigger), /z ({STRING})"),
+        ("", [("/a", [IMAGE]), ("/cam/image_raw", [IMAGE])], f": /cam/image_raw ({IMAGE}), /a ({IMAGE})"),
     ],
 )
 def test_which_topics_there_are_instead_is_told_the_likeliest_first(wanted, there, said):
@@ -159,12 +162,12 @@ def test_who_waits_for_a_topic_that_nobody_publishes_is_told_those_that_are(bus,
     published(bus, STRING, "/cam/words")
     published(bus, "std_msgs/msg/Bool", "/lamp")
     ros = RosInterface(bus)
-    said = r"no message within 0\.2 s; it has no publisher; std_msgs/msg/String is published in .* as /cam/words$"
+    said = r"no message within 0\.2 s; it has no publisher; published in .*: /cam/words \(std_msgs/msg/String\), "
     with pytest.raises(ServerTimeOutError, match=f"/words: {said}"):
         ended(ros.next("/words", STRING, "Any", 0.2))
-    with pytest.raises(ServerTimeOutError, match=r"did you mean '/cam/words', which is published as std_msgs/msg/Str"):
+    with pytest.raises(ServerTimeOutError, match=r"no publisher; published in .*: /cam/words \(std_msgs/msg/Str"):
         ended(ros.recent("/cam/wrds", IMAGE, "Any", 0.0, 0.2))
-    several = r"on /a/far \(it has no publisher; published in .*: /.*\), /lam \(it has no .* did you mean '/lamp'"
+    several = r"on /a/far \(it has no publisher; published in .*: /.*\), /lam \(it has no .*: .*/lamp"
     with pytest.raises(ServerTimeOutError, match=several):
         ended(ros.together({"/a/far": IMAGE, "/lam": STRING}, 0.1, 0.2))
 
@@ -173,7 +176,7 @@ def test_a_topic_of_another_type_is_told_with_what_to_do(bus, published):
     published(bus, STRING, "/cam/words")
     published(bus, IMAGE, "/cam/image")
     wrong = "/cam/image: .*it is published as sensor_msgs/msg/Image, not as std_msgs/msg/String; name that type, or ano"
-    with pytest.raises(ServerTimeOutError, match=wrong + r"ther topic; std_msgs/msg/String is .* as /cam/words$"):
+    with pytest.raises(ServerTimeOutError, match=wrong + r"ther topic; published in .*: /cam/words \(std_"):
         ended(RosInterface(bus).next("/cam/image", STRING, "Any", 0.2))
     published(bus, STRING, "/cam/image")
     with pytest.raises(ServerTimeOutError, match="but no message arrived; others publish it as sensor_msgs/msg/Image$"):
@@ -183,7 +186,7 @@ def test_a_topic_of_another_type_is_told_with_what_to_do(bus, published):
 def test_a_topic_that_is_a_service_is_told_so(bus, serve):
     serve("std_srvs/SetBool", "/set")
     ended(bus.service(SET, "/set").wait_ready(PATIENCE))
-    with pytest.raises(ServerTimeOutError, match=rf"it has no publisher; /set is a service, of type {SET}$"):
+    with pytest.raises(ServerTimeOutError, match=rf"it has no publisher; published in .*: /set \({SET}\)"):
         ended(RosInterface(bus).next("/set", STRING, "Any", 0.2))
 
 
@@ -193,7 +196,7 @@ def test_who_publishes_to_nobody_is_told_what_is_heard(bus, domain):
         ended(hearer.post(lambda: hearer.node.create_subscription(kind, "/say", print, 1)))
         until(lambda: ended(bus.post(lambda: bus.node.count_subscribers("/say"))), "the subscriber isn't seen")
         ros = RosInterface(bus)
-        with pytest.raises(ServerTimeOutError, match=f"1 are needed; {STRING} is heard in .* as /say$"):
+        with pytest.raises(ServerTimeOutError, match=rf"1 are needed; heard in .*: /say \({STRING}\)"):
             ended(ros.publish("/sya", STRING, {"data": "x"}, 1, 0.2))
-        with pytest.raises(ServerTimeOutError, match=f"; it is subscribed to as {STRING}, not as std_msgs/msg/Bool$"):
+        with pytest.raises(ServerTimeOutError, match=f"; it is subscribed to as {STRING}, not as std_msgs/msg/Bool"):
             ended(ros.publish("/say", "std_msgs/msg/Bool", {"data": True}, 1, 0.2))

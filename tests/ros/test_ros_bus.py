@@ -261,9 +261,9 @@ def test_a_script_that_uses_the_bus_ends_as_it_should(domain, ending, status):
 
 
 def _wait_for_servers(bus, name, number):
-    from grip_bt.ros.client.server_check import servers_of
+    from grip_bt.ros.client.graph import endpoints_of
 
-    until(lambda: len(ended(bus.post(lambda: servers_of(bus.node, name)))) == number, "the servers aren't seen")
+    until(lambda: len(ended(bus.post(lambda: endpoints_of(bus.node, name)))) == number, "the servers aren't seen")
 
 
 def test_the_domain_keeps_buses_apart(bus, serve, other_domain):

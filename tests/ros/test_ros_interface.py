@@ -57,14 +57,14 @@ def test_messages_of_one_moment_are_found_among_others():
     assert matcher.add("a", 1.00, "a1") is None
     assert matcher.add("a", 1.10, "a2") is None
     assert matcher.add("b", 1.05, "b1") is None
-    assert "0.050 s apart, at most 0.020" in matcher.describe()
+    assert "0.050 s apart, at most 0.020" in matcher.describe(str)
     assert matcher.add("b", 1.11, "b2") == {"a": "a2", "b": "b2"}
 
 
 def test_topics_that_are_silent_are_named():
     matcher = Synchroniser(("a", "b"), slop=0.02)
     matcher.add("a", 1.0, None)
-    assert matcher.describe() == "nothing came on b"
+    assert matcher.describe(str) == "nothing came on b (b)"
 
 
 @pytest.mark.parametrize(
@@ -234,7 +234,7 @@ def tf_messages():
 
 def stamped(child: str, time: float, pose: Pose):
     """Return a transform of `child` at a time."""
-    from grip_bt.ros.convert_geometry import header, pose_to_transform_stamped
+    from grip_bt.ros.convert_values import header, pose_to_transform_stamped
 
     made = pose_to_transform_stamped(pose)
     made.child_frame_id, made.header = child, header(pose.frame, time)

@@ -49,7 +49,7 @@ def test_a_field_deep_in_an_installed_message_is_looked_up(component):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["add", "std_srvs/SetBool"], "nor a type; write 'std_srvs/srv/SetBool'"),
+        (["add", "std_srvs/SetBool"], "nor a type such as 'std_srvs/srv/Trigger'"),
         (["add", "nowhere/srv/Do.srv"], "there is no such file"),
         (["add", "wrok"], "there is no such folder; did you mean 'work'? (available in {home}: work)"),
         (

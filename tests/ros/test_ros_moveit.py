@@ -145,10 +145,9 @@ def test_a_plan_to_joints_begins_and_ends_where_it_was_asked_to(planning, robot,
     assert plan.trajectory.duration > 0
 
 
-@pytest.mark.parametrize("by_service", [False, True])
-def test_a_plan_to_a_pose_brings_the_grasp_frame_there(planning, robot, scene, model, by_service):
+def test_a_plan_to_a_pose_brings_the_grasp_frame_there(planning, robot, scene, model):
     goal = model.grasp_pose(moved(robot, shoulder_pan_joint=0.4, wrist_1_joint=0.3))
-    plan = ended(planning(by_service=by_service).submit(PlanTo(situation(robot, scene), goal)))
+    plan = ended(planning().submit(PlanTo(situation(robot, scene), goal)))
     reached = model.grasp_pose(plan.trajectory.end())
     assert reached.position == pytest.approx(goal.position, abs=2e-3)
     assert np.abs((goal.inverse() @ reached).rotation() - np.eye(3)).max() < 0.02
@@ -193,13 +192,13 @@ def test_every_shape_reaches_move_group_as_what_it_is(planning, robot, scene, sh
     assert list(world["ball"].primitives[0].dimensions) == [0.04]
     assert (len(world["hull"].meshes[0].vertices), len(world["hull"].meshes[0].triangles)) == (8, 12)
     assert max(v.z for v in world["thick"].meshes[0].vertices) == pytest.approx(0.31)
-    assert (len(world["cells"].meshes[0].vertices), len(world["cells"].meshes[0].triangles)) == (12, 20)
+    assert (len(world["cells"].meshes[0].vertices), len(world["cells"].meshes[0].triangles)) == (16, 24)
     assert world["box"].header.frame_id == robot.base_link
     assert (world["ball"].pose.position.x, world["ball"].pose.position.y) == (3.0, 3.0)
 
 
 def test_what_a_hand_takes_moves_with_it_and_may_be_touched_until_it_is_let_go(planning, robot, scene, shared, model):
-    from grip_bt.ros.convert_geometry import pose_from_message
+    from grip_bt.ros.convert_values import pose_from_message
 
     planner, grasp = planning(), model.grasp_pose(home(robot))
     scene.set_box("cube", (0.05, 0.05, 0.05), grasp)
@@ -449,7 +448,7 @@ def tolerances(constraints) -> list[float]:
 
 
 def test_a_free_turn_is_a_tolerance_about_the_links_axis_or_several_goals(mounted):
-    from grip_bt.ros.convert_geometry import pose_from_message
+    from grip_bt.ros.convert_values import pose_from_message
     from grip_bt.ros.moveit.goals import ANY, TURN, TURNS, at_pose
 
     ordered, askew = mounted

@@ -1,19 +1,21 @@
-"""The commanders of a project's arms and hands, over whatever moves their joints."""
+"""The commanders of a project's arms and hands, over whatever moves their joints, and who plans for them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grip_bt.app.project.folder import ArmConfig
+from grip_bt.app.project.folder import ArmConfig, Project
 from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
-from grip_bt.base.values import JointState, Pose
+from grip_bt.base.values import JointState, Plan, Pose
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import joints_of_fingers, limits_of_joints, links_of_groups
@@ -21,15 +23,33 @@ from grip_bt.commanders.hand import HandCommander
 from grip_bt.commanders.joined import JoinedExecutor
 from grip_bt.commanders.kinematics.fingertips import fingertip_posture
 from grip_bt.commanders.kinematics.model import RobotModel
-from grip_bt.commanders.planning.requests import PlanningService
+from grip_bt.commanders.planning.requests import (
+    ChooseGrasp,
+    ChosenGrasp,
+    PlanningService,
+    PlanStraight,
+    PlanThrough,
+    PlanTo,
+    Request,
+    Searcher,
+)
 from grip_bt.commanders.planning.service import PlanningProcess
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.commanders.scene_state import HandMount, SceneObject
+from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.commanders.taught import TaughtStates
+from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
-from ..project.faults import TAUGHT, check, common_states, faults_of_parts
-from .parts import Opening, Resources
-from .planners import planners_in_force, settings_of
+from ..project.faults import TAUGHT, check, common_states, faults_of_fields, faults_of_parts, field_of
+from .parts import Opening, Resources, load_part
+
+if TYPE_CHECKING:
+    from grip_bt.ros.client.bus import Bus
+from grip_bt.runtime.lockstep import InTurn, Lockstep
+from grip_sim import start_simulation
+
+from ..project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
+from ..project.worlds import regions_of, room_of, world_of
 
 
 @dataclass(frozen=True)
@@ -48,11 +68,7 @@ class PlannedRobot:
         return cls(description, process)
 
     def wait_until_ready(self, opening: Opening) -> None:
-        """Block until the planner plans.
-
-        Raises:
-            GripError: it doesn't come up.
-        """
+        """Block until the planner plans. Raises GripError: it doesn't come up."""
         if not self.process.wait_until_ready():
             raise GripError("the planning process does not start; run `grip doctor`")
         names = planners_in_force(opening.project, self.description)
@@ -184,3 +200,109 @@ def _hand_of(name: str, arm: ArmConfig, hands: Mapping[str, object]) -> str:
 def _states_of(description: RobotDescription, group: str) -> Mapping[str, JointState]:
     description.group(group)
     return description.named_states.get(group, {})
+
+
+class PlannerByName:
+    """Implements `planning.service.PlanningService`: a search goes to who its arm's settings name.
+
+    Args:
+        own: answers what nobody else is named for, every request about a motion that is given, and motions
+            through way points (with the default planner): nobody else blends as ours does.
+        others: planner's name -> who searches.
+    """
+
+    def __init__(self, own: PlanningService, others: Mapping[str, Searcher]):
+        self._own, self._others = own, others
+
+    def submit(self, request: Request) -> Operation[Plan | ChosenGrasp | None]:
+        """Ask; see `PlanningService`."""
+        situation = request.situation
+        if isinstance(request, PlanThrough) and situation.settings.planner in self._others:
+            usual = situation.settings.model_copy(update={"planner": PlanningSettings().planner})
+            request = replace(request, situation=replace(situation, settings=usual))
+        if isinstance(request, PlanTo | PlanStraight | ChooseGrasp):
+            return self._others.get(request.situation.settings.planner, self._own).submit(request)
+        return self._own.submit(request)
+
+
+def planners_in_force(project: Project, description: RobotDescription) -> str:
+    """Return the names of the planners that the project's arms are planned for with, for people."""
+    return ", ".join(sorted({settings_of(arm, description, 0).planner for arm in project.file.arms.values()}))
+
+
+def with_move_group(
+    opening: Opening, description: RobotDescription, own: PlanningService, stack: ExitStack, bus: Bus | None = None
+) -> PlanningService:
+    """Return a planner that has MoveIt answer for the arms that say so.
+
+    Args:
+        bus: the connection to ROS; one of its own, in the user's domain, when there is none.
+
+    Raises:
+        MissingPartError: ROS isn't installed, or MoveIt's messages aren't and can't be built.
+        UnknownNameError: an arm names a hand or a group that isn't there.
+    """
+    if all(arm.planner != MOVE_GROUP for arm in opening.project.file.arms.values()):
+        return own
+    loaded = load_part("ros", f"ROS, for `planner: {MOVE_GROUP}`", "ros")
+    return PlannerByName(own, {MOVE_GROUP: loaded.open_move_group(opening.project, description, stack, bus)})
+
+
+def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningSettings:
+    """Return how an arm is planned for: its fields in `grip.yaml`, else what the robot's files say, else defaults.
+
+    Raises:
+        UnknownNameError: there is no such solver or planner.
+    """
+    check(faults_of_fields(arm, robot, "grip.yaml: arms"))
+
+    def field(name: str) -> Any:
+        return field_of(arm, robot, name)
+
+    planner = field("planner")
+    configured = robot.preferences.get(arm.group, {}).get("planner")
+    parameters = {} if configured is None else configured.parameters.get(planner, {})
+    asked = {name: getattr(arm, name) for name in MotionSettings.model_fields}
+    preferred = {name: field(name) for name in ("planner", "kinematics", "speed", "acceleration")}
+    return PlanningSettings(**{**asked, **preferred}, seed=seed, parameters=tuple(parameters.items()))
+
+
+class SimulatedBackend:
+    """Implements `RobotBackend`: the project's world, which waits for the run unless it has a pace."""
+
+    def open(self, opening: Opening, stack: ExitStack) -> Resources:
+        """Start the simulator and the planner."""
+        project, file, progress = opening.project, opening.project.file, opening.progress
+        check(faults_of_simulation(project))
+        progress("starting", "the simulator and the planner")
+        robot = PlannedRobot.begin(opening, stack)
+        jerks = jerks_of_arms(file.arms, robot.description)
+        spec = replace(world_of(project, opening.seed), jerks=jerks)
+        spec = replace(spec, faults={} if opening.faults is None else {**spec.faults, **opening.faults})
+        check(faults_of_faults(project, spec, robot.description))
+        simulation = stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
+        objects = ", ".join(thing.name for thing in spec.objects)
+        progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")
+        plans: PlanningService = with_move_group(opening, robot.description, robot.process, stack)
+        lockstep = Lockstep(simulation) if opening.pace is None else None
+        if lockstep is not None:
+            plans = InTurn(plans, lockstep, patient=True)
+        parts = commanded(
+            opening,
+            robot.description,
+            plans,
+            {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
+            {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
+            room_of(spec),
+            regions_of(spec),
+        )
+        cameras = {name: simulation.camera(s.camera) for name, s in file.sensors.items() if s.camera is not None}
+        robot.wait_until_ready(opening)
+        return replace(
+            parts,
+            cameras=cameras,
+            pausable=(simulation,),
+            clock=simulation.clock,
+            lockstep=lockstep,
+            world=simulation,
+        )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -127,23 +126,6 @@ _GRIPPED = 0.6
 """How far fingers close before they touch what is between them, of the way from `open` to `closed`."""
 
 
-@dataclass(frozen=True)
-class HandFacts:
-    """What a fake hand has.
-
-    Attributes:
-        postures: its named postures, `open` and `closed` among them.
-        fingers: finger -> its joints.
-        thing: where something between the fingers stops them.
-        forces: link -> force [N] while they press on it.
-    """
-
-    postures: Mapping[str, JointState]
-    fingers: Mapping[str, tuple[str, ...]]
-    thing: JointState
-    forces: Mapping[str, float]
-
-
 def description_of(project: Project) -> RobotDescription | None:
     """Return the project's robot, or None where there is none yet, or what describes it isn't installed.
 
@@ -158,37 +140,48 @@ def description_of(project: Project) -> RobotDescription | None:
         return None  # a task can be tried before there is a robot
 
 
-def arm_states(robot: RobotDescription | None, group: str) -> tuple[JointState | None, dict[str, JointState]]:
-    """Return where a group's joints rest, and its named states.
+def _arm(name: str, robot: RobotDescription | None, group: str, taught: TaughtStates) -> FakeArm:
+    """Return a fake arm whose joints rest, and whose states are, as the robot's files say.
 
     Each state but `home` is a place of the fake's own too, 5 cm above one another, since fakes know no kinematics.
     """
     if robot is None or group not in robot.groups:
-        return None, {}
+        return FakeArm(name, states={}, taught=taught, own=None)
     joints, at_rest = robot.group(group), robot.at_rest
     own = JointState(joints, [at_rest.get(joint, 0.0) for joint in joints])
     states, known = {}, robot.named_states.get(group, {})
-    for number, name in enumerate(name for name in known if name != "home"):
+    for number, state in enumerate(state for state in known if state != "home"):
         place = FakeArm(home=Pose((0.3, -0.4, 0.55 + 0.05 * number))).state()
-        states[name] = JointState((*joints, *place.names), [*known[name].ordered(joints), *place.position])
-    return own, states
+        states[state] = JointState((*joints, *place.names), [*known[state].ordered(joints), *place.position])
+    return FakeArm(name, states=states, taught=taught, own=own)
 
 
-def hand_facts(robot: RobotDescription | None, group: str) -> HandFacts:
-    """Return what a fake of a hand has: its robot's own joints, fingers and postures, or two fingers of one joint."""
-    known = {} if robot is None else robot.named_states.get(group, {})
-    if robot is None or not {"open", "closed"} <= set(known):
-        shares = dict.fromkeys(known, 0.5) | {"open": 0.0, "closed": 1.0}
-        postures = {name: JointState(FINGERS, np.full(2, share)) for name, share in shares.items()}
-        thing = JointState(FINGERS, np.full(2, _GRIPPED))
-        return HandFacts(postures, {joint: (joint,) for joint in FINGERS}, thing, {"thumb": 2.0})
-
-    joints, fingers = robot.group(group), joints_of_fingers(robot, group)
-    begin, end = (known[name].ordered(joints) for name in ("open", "closed"))
-    tips = [robot.finger_links[finger][-1] for finger in fingers]
-    return HandFacts(
-        known, fingers, JointState(joints, begin + _GRIPPED * (end - begin)), dict.fromkeys(tips or joints[-1:], 2.0)
+def _hand(
+    name: str, robot: RobotDescription | None, group: str, taught: TaughtStates
+) -> tuple[FakeHand, HandCommander]:
+    """Return a fake hand with its robot's own joints, fingers and postures, or with two fingers of one joint."""
+    postures = {} if robot is None else robot.named_states.get(group, {})
+    joints: tuple[str, ...] = FINGERS
+    fingers: Mapping[str, tuple[str, ...]] = {joint: (joint,) for joint in FINGERS}
+    tips = ["thumb"]
+    if robot is None or not {"open", "closed"} <= set(postures):
+        shares = dict.fromkeys(postures, 0.5) | {"open": 0.0, "closed": 1.0}
+        postures = {posture: JointState(FINGERS, np.full(2, share)) for posture, share in shares.items()}
+    else:
+        joints, fingers = robot.group(group), joints_of_fingers(robot, group)
+        tips = [robot.finger_links[finger][-1] for finger in fingers] or list(joints[-1:])
+    begin, end = (postures[posture].ordered(joints) for posture in ("open", "closed"))
+    thing = JointState(joints, begin + _GRIPPED * (end - begin))
+    port = FakeHand(postures["open"], thing=thing, forces=dict.fromkeys(tips, 2.0), closed=postures["closed"])
+    commander = HandCommander(
+        name,
+        port,
+        postures,
+        fingers=fingers,
+        taught=taught,
+        reach=lambda targets, posture, frame: posture,  # a fake has no geometry: it is there already
     )
+    return port, commander
 
 
 class FakeBackend:
@@ -199,20 +192,16 @@ class FakeBackend:
         project, file = opening.project, opening.project.file
         robot, taught = description_of(project), TaughtStates()
         arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
-        facts = {name: hand_facts(robot, hand.group) for name, hand in file.hands.items()}
-        ports = {
-            name: FakeHand(each.postures["open"], thing=each.thing, forces=each.forces, closed=each.postures["closed"])
-            for name, each in facts.items()
-        }
+        hands = {name: _hand(name, robot, hand.group, taught) for name, hand in file.hands.items()}
         carried = {arm.hand: arms[name].grasp_pose for name, arm in file.arms.items() if arm.hand is not None}
         palms = dict.fromkeys(file.hands, Pose) | carried  # a hand alone stays where it is
         return Resources(
             arms=arms,
-            hands={name: _hand(name, ports[name], taught, facts[name]) for name in file.hands},
+            hands={name: commander for name, (_, commander) in hands.items()},
             cameras={name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera},
             scene=PlanningScene(palms, _CRATE, project.room(), folder=project.folder),
             pausable=tuple(arms.values()),
-            fakes=FakeState(arms, ports, taught=taught),
+            fakes=FakeState(arms, {name: port for name, (port, _) in hands.items()}, taught=taught),
         )
 
 
@@ -298,22 +287,6 @@ def _replies(manifest: Manifest, outcomes: int) -> list[dict[str, Any]]:
     fields = {port: {} if value is None else value for port, value in fields.items()}
     fields.setdefault("returned_object", [GRASP])
     return [{**fields, "outcome": number} for number in range(outcomes)]
-
-
-def _arm(name: str, robot: RobotDescription | None, group: str, taught: TaughtStates) -> FakeArm:
-    own, states = arm_states(robot, group)
-    return FakeArm(name, states=states, taught=taught, own=own)
-
-
-def _hand(name: str, port: FakeHand, taught: TaughtStates, facts: HandFacts) -> HandCommander:
-    return HandCommander(
-        name,
-        port,
-        facts.postures,
-        fingers=facts.fingers,
-        taught=taught,
-        reach=lambda targets, posture, frame: posture,  # a fake has no geometry: it is there already
-    )
 
 
 _CRATE: dict[str, Any] = {

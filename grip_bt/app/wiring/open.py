@@ -23,7 +23,7 @@ from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_
 
 BACKENDS = {
     "fake": ("fake", "FakeBackend", "motion"),
-    "sim": ("simulated", "SimulatedBackend", "sim"),
+    "sim": ("commanders", "SimulatedBackend", "sim"),
     "ros": ("ros_robot", "RosBackend", "motion,ros"),
 }
 """Robot -> module, class, and the extras that it needs."""

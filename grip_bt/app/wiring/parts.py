@@ -100,8 +100,6 @@ class Resources(RunParts):
 
     Attributes:
         clock: of the run, where a part has one of its own.
-        world: the simulated world.
-        fakes: what changes in fake parts.
         servers: component -> id of its server's process, of those that were started for the run.
     """
 

@@ -13,16 +13,16 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ServerLostError
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.ros.client.bus import Bus
+from grip_bt.ros.client.connection import TreeNode as TreeNode
 from grip_bt.ros.components import start_components
 from grip_bt.ros.environment import own_domain
 from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosClock, RosInterface
 from grip_bt.ros.interfaces.build import ensure_package
-from grip_bt.ros.messages.client import RosMessages
+from grip_bt.ros.messages.service import RosMessages
 from grip_bt.ros.moveit import ArmMapping, MoveGroup, MoveGroupPlanner
 from grip_bt.ros.sensing import TopicSensor, close_sensors, open_sensors
 from grip_bt.ros.transforms import Transforms
-from grip_bt.ros.tree_node import TreeNode as TreeNode
 from grip_bt.task.catalog.component_file import Start, load_component
 from grip_bt.task.catalog.ros_config import MOVE_GROUP, MoveGroupConfig
 
@@ -76,11 +76,7 @@ def open_ros(
 
 
 def simulated_clock(bus: Bus, stack: ExitStack) -> RosClock:
-    """Return a clock that follows `/clock`.
-
-    Raises:
-        ServerLostError: nobody publishes it.
-    """
+    """Return a clock that follows `/clock`. Raises ServerLostError: nobody publishes it."""
     clock = stack.enter_context(RosClock(bus))
     if not clock.wait_started(TIME_STARTS):
         reason = f"no simulated time within {TIME_STARTS:g} s: {clock.publishers()}"
@@ -124,7 +120,7 @@ def connect_messages(stack: ExitStack) -> RosMessages:
 def open_move_group(
     project: Project, description: RobotDescription, stack: ExitStack, bus: Bus | None = None
 ) -> MoveGroupPlanner:
-    """Return the planner; see `planners.with_move_group`."""
+    """Return the planner; see `commanders.with_move_group`."""
     file = project.file
     settings = file.ros.move_group if file.ros is not None else MoveGroupConfig()
     bus = bus if bus is not None else stack.enter_context(Bus("grip_planning"))
@@ -140,6 +136,5 @@ def open_move_group(
         {arm.hand: mount(arm) for arm in file.arms.values() if arm.hand},
         settings.pipeline,
         settings.planner,
-        settings.by_service,
     )
     return stack.enter_context(planner)

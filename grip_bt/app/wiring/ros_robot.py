@@ -33,9 +33,8 @@ from grip_bt.task.catalog.ros_config import RosRobotConfig
 
 from ..project.faults import jerks_of_arms
 from ..project.folder import Project
-from .commanders import PlannedRobot, commanded
+from .commanders import PlannedRobot, commanded, with_move_group
 from .parts import Opening, Resources
-from .planners import with_move_group
 from .ros import provide_frames
 
 

@@ -19,8 +19,13 @@ from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.interfaces.packages import child_paths
-from grip_bt.ros.robot_state import ClockPublisher, RobotStatePublisher
-from grip_bt.ros.served import CameraPublisher, JointStatePublisher, TrajectoryActionServer
+from grip_bt.ros.served import (
+    CameraPublisher,
+    ClockPublisher,
+    JointStatePublisher,
+    RobotStatePublisher,
+    TrajectoryActionServer,
+)
 from grip_sim import start_simulation
 from grip_sim.simulation import Simulation
 from grip_sim.specs import CameraSpec
@@ -70,8 +75,6 @@ def serve_world(
     Args:
         project: with a robot, arms and hands; its sensors that say `camera` are served too. Where `ros/controllers`
             names actions these are served, else `/NAME_controller/follow_joint_trajectory`.
-        world: the world's name.
-        seed: of the world.
         pace: simulated seconds a second.
         progress: told of each part that came up.
         camera_rate: frames a second of each camera that somebody listens to.
@@ -123,7 +126,9 @@ def serve_world(
         stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
-        yield Served(simulation, joints, actions, cameras, mounts, _room(simulation), shell_setup())
+        yield Served(
+            simulation, joints, actions, cameras, mounts, scene_text("room", room_of(simulation.spec)), shell_setup()
+        )
 
 
 class _PressingFingers:
@@ -155,11 +160,7 @@ class _PressingFingers:
 
 
 def _action(project: Project, name: str) -> str:
-    """Return the action of an arm or a hand.
-
-    Raises:
-        GripError: it is reached in another way, which isn't simulated.
-    """
+    """Return the action of an arm or a hand. Raises GripError: it is reached in another way, which isn't simulated."""
     controllers = project.file.ros.controllers if project.file.ros is not None else {}
     if name not in controllers:
         return f"/{name}_controller/follow_joint_trajectory"
@@ -192,10 +193,6 @@ def shell_setup() -> str:
         lines += [f'export {variable}="{given}${{{variable}:+:${variable}}}"'] if given else []
     settings = {name: os.environ.get(name, "") for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")}
     return "\n".join([*lines, *(f"export {name}={value}" for name, value in settings.items() if value), ""])
-
-
-def _room(simulation: Simulation) -> str:
-    return scene_text("room", room_of(simulation.spec))
 
 
 @contextmanager

@@ -1,51 +1,68 @@
-"""Files of named joint states, poses, robot poses and trajectories, in the format that the first GRIP had.
+"""Named joint states, poses, robot poses and trajectories as YAML, in the format that the first GRIP had; messages too.
 
     joint states:  above_bin: {joint_1: 1.49, joint_2: 0.48}
     poses:         bin: {reference_frame: world, position: {x: 0, y: 0, z: 0.1}, orientation: {r: 0, p: 0, y: 0}}
     robot poses:   pinch: {reference_frame: palm, thumb: {position: ..., orientation: ...}, index: {...}}
     trajectories:  there: [{name: above_bin, interpolate_time: 0.5, pause_time: 0.2}, ...]
 
-Numbers keep the precision of the file. An orientation is `{r, p, y}` (about the fixed x, y, z [rad]) or
-`{x, y, z, w}`. A file may be any YAML; the first format's own reader took much less.
+Numbers keep the precision of the file, and are written unrounded. An orientation is `{r, p, y}` (about the fixed x, y,
+z [rad]) or `{x, y, z, w}`. A file may be any YAML; the first format's own reader took much less.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
+import yaml
+from pydantic import AfterValidator, Field, TypeAdapter, ValidationError
 
-from grip_bt.base.errors import DocumentError, nearest
+from grip_bt.base.errors import DocumentError, GripError, nearest
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.pose import quaternion_of
-from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
+from grip_bt.base.yaml.models import Settings, check_model, diagnostic_of, document_error
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlValue, parse, read_file, to_data
 
-_POSE_KEYS = ("position", "orientation")
+T = TypeVar("T")
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 
-@dataclass(frozen=True)
-class _File:
-    source: str
-    root: YamlMapping
+def _keys(said: str, *allowed: str) -> AfterValidator:
+    def check(numbers: dict[str, float]) -> dict[str, float]:
+        if set(numbers) not in [set(keys) for keys in allowed]:
+            raise ValueError(said)
+        return numbers
 
-    def error(self, value: YamlEntry, reason: str) -> DocumentError:
-        return DocumentError(reason, self.source, value.line, value.column)
+    return AfterValidator(check)
+
+
+class _PosePart(Settings):
+    position: Annotated[dict[str, Number], _keys("a position has x, y and z [m]", "xyz")]
+    orientation: Annotated[dict[str, Number], _keys("an orientation has r, p, y [rad], or x, y, z, w", "rpy", "xyzw")]
+
+    def pose(self, frame: str) -> Pose:
+        """Return it in a frame."""
+        given = self.orientation
+        turn = quaternion_of(*(given[k] for k in "rpy")) if "r" in given else [given[k] for k in "wxyz"]
+        return Pose([self.position[k] for k in "xyz"], turn, frame)
+
+
+class _WayPoint(Settings):
+    name: str
+    interpolate_time: Number
+    pause_time: Number
+
+
+_JOINTS = TypeAdapter(dict[str, Annotated[dict[str, Number], Field(min_length=1)]])
+_WAY_POINTS = TypeAdapter(dict[str, Annotated[list[_WayPoint], Field(min_length=1)]])
 
 
 def read_joint_states(path: Path | str, text: str | None = None) -> dict[str, JointState]:
-    """Read named joint states.
-
-    Raises:
-        DocumentError: the file is wrong; with the place.
-    """
-    file = _open(path, text)
-    return {
-        name: JointState.from_mapping(_numbers(file, entry, "joint positions"))
-        for name, entry in file.root.entries.items()
-    }
+    """Read named joint states. Raises DocumentError: the file is wrong; with the place."""
+    found = _validated(_JOINTS, _tree(path, text), str(path))
+    return {name: JointState.from_mapping(positions) for name, positions in found.items()}
 
 
 def read_poses(path: Path | str, text: str | None = None) -> tuple[dict[str, Pose], dict[str, dict[str, Pose]]]:
@@ -54,26 +71,21 @@ def read_poses(path: Path | str, text: str | None = None) -> tuple[dict[str, Pos
     Raises:
         DocumentError: the file is wrong; with the place.
     """
-    file = _open(path, text)
     poses: dict[str, Pose] = {}
     several: dict[str, dict[str, Pose]] = {}
-    for name, entry in file.root.entries.items():
-        parts = _mapping(file, entry, name).entries
-        if "reference_frame" not in parts:
-            raise file.error(entry, f"{name}: the key 'reference_frame' is missing")
-        frame = to_data(parts["reference_frame"].value)
-        if not isinstance(frame, str) or not frame:
-            raise file.error(parts["reference_frame"], "reference_frame: expected the name of a frame")
-        rest = {key: part for key, part in parts.items() if key != "reference_frame"}
-        if set(rest) & set(_POSE_KEYS):
-            poses[name] = _pose(file, rest, frame, name, entry)
-        elif rest:
-            several[name] = {
-                key: _pose(file, _mapping(file, part, key).entries, frame, f"{name}/{key}", part)
-                for key, part in rest.items()
-            }
+    for name, entry in _tree(path, text).entries.items():
+        parts = dict(entry.value.entries) if isinstance(entry.value, YamlMapping) else {}
+        frame = parts.pop("reference_frame", None)
+        said = None if frame is None else to_data(frame.value)
+        if not isinstance(said, str) or not said:
+            raise _error(path, frame or entry, f"{name}: the key 'reference_frame' is missing, or names no frame")
+        if parts.keys() & _PosePart.model_fields.keys():
+            place = YamlMapping(line=entry.line, column=entry.column, entries=parts)
+            poses[name] = _pose(place, name, said, str(path))
+        elif parts:
+            several[name] = {k: _pose(part.value, f"{name}/{k}", said, str(path)) for k, part in parts.items()}
         else:
-            raise file.error(entry, f"{name}: neither a pose (position, orientation) nor poses of end effectors")
+            raise _error(path, entry, f"{name}: neither a pose (position, orientation) nor poses of end effectors")
     return poses, several
 
 
@@ -88,101 +100,175 @@ def read_trajectories(
     Raises:
         DocumentError: the file is wrong, or names a joint state that isn't there; with the place.
     """
-    file = _open(path, text)
-    return {name: _trajectory(file, name, entry, states) for name, entry in file.root.entries.items()}
+    tree = _tree(path, text)
+    return {
+        name: _trajectory(path, tree.entries[name], points, states)
+        for name, points in _validated(_WAY_POINTS, tree, str(path)).items()
+    }
 
 
-def _open(path: Path | str, text: str | None) -> _File:
-    source = str(path)
+def _error(path: Path | str, entry: YamlEntry, reason: str) -> DocumentError:
+    return DocumentError(reason, str(path), entry.line, entry.column)
+
+
+def _tree(path: Path | str, text: str | None) -> YamlMapping:
     text = read_file(path) if text is None else text
     if not any(line.strip() and not line.strip().startswith("#") for line in text.splitlines()):
-        return _File(source, YamlMapping())  # a file that waits for its first entry
-    tree = parse(text, source)
+        return YamlMapping()  # a file that waits for its first entry
+    tree = parse(text, str(path))
     if not isinstance(tree, YamlMapping):
-        raise DocumentError("expected a mapping from names to values", source, tree.line, tree.column)
-    return _File(source, tree)
+        raise DocumentError("expected a mapping from names to values", str(path), tree.line, tree.column)
+    return tree
 
 
-def _mapping(file: _File, entry: YamlEntry, name: str) -> YamlMapping:
-    if not isinstance(entry.value, YamlMapping):
-        raise file.error(entry, f"{name}: expected a mapping")
-    return entry.value
-
-
-def _numbers(file: _File, entry: YamlEntry, what: str) -> dict[str, float]:
-    parts = _mapping(file, entry, entry.key).entries
-    if not parts:
-        raise file.error(entry, f"{entry.key}: expected {what}, such as {{joint_1: 0.5}}")
-    return {key: _number(file, part) for key, part in parts.items()}
-
-
-def _number(file: _File, entry: YamlEntry) -> float:
-    value = entry.value.value if isinstance(entry.value, YamlScalar) else None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise file.error(entry, f"{entry.key}: expected a number, not {value!r}")
-    return float(value)
-
-
-def _pose(file: _File, parts: Mapping[str, YamlEntry], frame: str, name: str, at: YamlEntry) -> Pose:
-    unknown = [key for key in parts if key not in _POSE_KEYS]
-    if unknown:
-        hint, allowed = nearest(unknown[0], _POSE_KEYS), ", ".join(("reference_frame", *_POSE_KEYS))
-        raise file.error(parts[unknown[0]], f"{name}: unknown key {unknown[0]!r}{hint} (a pose has: {allowed})")
-    for key in _POSE_KEYS:
-        if key not in parts:
-            raise file.error(at, f"{name}: the key {key!r} is missing")
-    position = _numbers(file, parts["position"], "x, y, z")
-    orientation = _numbers(file, parts["orientation"], "r, p, y or x, y, z, w")
-    if set(position) != {"x", "y", "z"}:
-        raise file.error(parts["position"], f"{name}: a position has x, y and z [m]")
-    if set(orientation) == {"r", "p", "y"}:
-        quaternion: tuple[float, ...] = quaternion_of(orientation["r"], orientation["p"], orientation["y"])
-    elif set(orientation) == {"x", "y", "z", "w"}:
-        quaternion = tuple(orientation[k] for k in "wxyz")
-    else:
-        raise file.error(parts["orientation"], f"{name}: an orientation has r, p, y [rad], or x, y, z, w")
+def _validated(adapter: TypeAdapter[T], tree: YamlMapping, source: str) -> T:
     try:
-        return Pose(np.array([position[k] for k in "xyz"]), quaternion, frame)
+        return adapter.validate_python(to_data(tree))
+    except ValidationError as error:
+        raise document_error([diagnostic_of(tree, fault) for fault in error.errors()], source) from None
+
+
+def _pose(value: YamlValue, name: str, frame: str, source: str) -> Pose:
+    found, faults = check_model(value, _PosePart, name)
+    if found is None:
+        raise document_error([(f"{name}: {said}", line, column) for said, line, column in faults], source)
+    try:
+        return found.pose(frame)
     except ValueError as error:
-        raise file.error(parts["orientation"], f"{name}: {error}") from None
+        raise DocumentError(f"{name}: {error}", source, value.line, value.column) from None
 
 
-_POINT = ("name", "interpolate_time", "pause_time")
-
-
-def _trajectory(file: _File, name: str, entry: YamlEntry, states: Mapping[str, JointState]) -> Trajectory:
-    points = list(_points(file, name, entry.value, entry, states))
-    names = tuple(sorted(points[0][0].names))
+def _trajectory(
+    path: Path | str, entry: YamlEntry, points: Iterable[_WayPoint], states: Mapping[str, JointState]
+) -> Trajectory:
+    name = entry.key
+    names: tuple[str, ...] = ()
     times: list[float] = []
     rows: list[np.ndarray] = []
     now = 0.0
-    for state, reached, pause, at in points:
+    for point in points:
+        if point.name not in states:
+            raise _error(path, entry, f"{name}: there is no joint state {point.name!r}{nearest(point.name, states)}")
+        state = states[point.name]
+        names = names or tuple(sorted(state.names))
         if set(state.names) != set(names):
-            raise file.error(at, f"{name}: all way-points have the same joints; the first has {', '.join(names)}")
-        if times and reached <= 0:
-            raise file.error(at, f"{name}: 'interpolate_time' is more than 0 [s]")
-        now = now + reached if times else 0.0
-        times.append(now)
-        rows.append(state.ordered(names))
-        if pause > 0:
-            now += pause
-            times.append(now)
-            rows.append(rows[-1])
+            raise _error(path, entry, f"{name}: all way-points have the same joints; the first has {', '.join(names)}")
+        if times and point.interpolate_time <= 0:
+            raise _error(path, entry, f"{name}: 'interpolate_time' is more than 0 [s]")
+        now = now + point.interpolate_time if times else 0.0
+        for moment in (now, now + point.pause_time) if point.pause_time > 0 else (now,):
+            times.append(moment)
+            rows.append(state.ordered(names))
+        now = times[-1]
     return Trajectory(names, np.array(times), np.array(rows))
 
 
-def _points(
-    file: _File, name: str, value: YamlValue, at: YamlEntry, states: Mapping[str, JointState]
-) -> Iterator[tuple[JointState, float, float, YamlEntry]]:
-    if not isinstance(value, YamlList) or not value.entries:
-        raise file.error(at, f"{name}: expected a list of way-points {{{', '.join(_POINT)}}}")
-    for item in value.entries:
-        parts = _mapping(file, item, name).entries
-        if set(parts) != set(_POINT):
-            raise file.error(item, f"{name}: a way-point has exactly {', '.join(_POINT)}")
-        said = parts["name"].value
-        wanted = str(said.value) if isinstance(said, YamlScalar) else ""
-        if wanted not in states:
-            hint = nearest(wanted, states)
-            raise file.error(parts["name"], f"{name}: there is no joint state {wanted!r}{hint}")
-        yield states[wanted], _number(file, parts["interpolate_time"]), _number(file, parts["pause_time"]), item
+_EDITABLE = 2000
+"""Most numbers and texts of a message that is written as text."""
+
+
+def text_of(value: object, digits: int | None = None) -> str:
+    """Return a joint state, a pose, a robot pose or a message as YAML; empty for what isn't changed by hand.
+
+    Args:
+        digits: behind the point of positions and orientations; all by default.
+    """
+    match value:
+        case JointState():
+            data: object = _numbers(value.names, value.position, digits)
+        case Pose():
+            data = {"reference_frame": value.frame, **_pose_data(value, digits)}
+        case dict() if value and all(isinstance(part, Pose) for part in value.values()):
+            data = {"reference_frame": next(iter(value.values())).frame} | {
+                n: _pose_data(p, digits) for n, p in value.items()
+            }
+        case _:
+            data = plain_of(value) if fields_of(value) is not None else None
+    if data is None:
+        return ""
+    return str(yaml.safe_dump(data, sort_keys=False, allow_unicode=True))
+
+
+def value_of(store: str, name: str, text: str, states: Mapping[str, JointState] | None = None) -> object:
+    """Return what a text says.
+
+    Args:
+        store: those of a project's files take what these hold; any other a mapping of a message's fields.
+        states: what the way-points of a trajectory can name.
+
+    Raises:
+        DocumentError: it says something else, with the place.
+    """
+    data = to_data(parse(text, name))
+    if store == "trajectories" and isinstance(data, list):
+        return _read(lambda source, text: read_trajectories(source, states or {}, text), name, text)
+    if not isinstance(data, dict) or not data:
+        raise DocumentError("expected a mapping, such as `joint_1: 0.5` or a message's fields", name, 1, 1)
+    if store not in ("joint_states", "poses", "robot_poses"):
+        return data
+    if store == "joint_states":
+        return _read(read_joint_states, name, text)
+    try:
+        return _read(lambda source, text: read_poses(source, text)[store == "robot_poses"], name, text)
+    except KeyError:
+        wanted = "expected one pose, with position and orientation"
+        if store == "robot_poses":
+            wanted = "expected the poses of end effectors, each with position and orientation"
+        raise GripError(f"{name}: {wanted}") from None
+
+
+def _read(read: Callable[[str, str], Mapping[str, object]], name: str, text: str) -> object:
+    """Read a text as what a file of a project holds under one name."""
+    lines = "".join(f"  {line}\n" for line in text.splitlines())
+    try:
+        return read(name, f"value:\n{lines}")["value"]
+    except DocumentError as error:
+        line = max(1, error.line - 1) if error.line else None
+        column = max(1, error.column - 2) if error.column else None
+        raise DocumentError(error.message.removeprefix("value").lstrip("/: "), name, line, column) from None
+
+
+def fields_of(message: object) -> tuple[str, ...] | None:
+    """Return the names of a ROS message's fields, None for what is no message."""
+    asked = getattr(message, "get_fields_and_field_types", None)
+    return None if asked is None else tuple(asked())
+
+
+def plain_of(message: object) -> object:
+    """Return a message as mappings, lists and plain values, or None when that is too much to be changed by hand."""
+    count = 0
+
+    def plain(part: Any) -> object:
+        nonlocal count
+        if (names := fields_of(part)) is not None:
+            return {name: plain(getattr(part, name)) for name in names}
+        if isinstance(part, bytes | bytearray):
+            part = list(part)
+        if hasattr(part, "tolist"):
+            count += len(part) if np.ndim(part) else 1
+            if count > _EDITABLE:
+                raise OverflowError
+            return part.tolist()
+        if isinstance(part, list | tuple):
+            return [plain(each) for each in part]
+        count += 1
+        if count > _EDITABLE:
+            raise OverflowError
+        return part
+
+    try:
+        return plain(message)
+    except OverflowError:
+        return None
+
+
+def _pose_data(pose: Pose, digits: int | None) -> dict[str, object]:
+    return {
+        "position": _numbers("xyz", pose.position, digits),
+        "orientation": _numbers("xyzw", np.roll(pose.quaternion, -1), digits),
+    }
+
+
+def _numbers(names: Iterable[str], values: object, digits: int | None) -> dict[str, float]:
+    rows = zip(names, np.asarray(values), strict=True)
+    return {str(name): float(number) if digits is None else round(float(number), digits) for name, number in rows}

@@ -13,7 +13,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState
 
 from .files import read_joint_states, read_poses, read_trajectories
-from .store import Change, Entry, MessageStore
+from .store import Entry, MessageStore
 
 T = TypeVar("T")
 STANDARD: dict[str, str] = {
@@ -46,9 +46,6 @@ class MessageLibrary:
         self._folder = None if folder is None else Path(folder)
         self._lock = threading.RLock()
         self._stores: dict[str, MessageStore[object]] = {n: MessageStore(n, type_) for n, type_ in STANDARD.items()}
-        self._watchers: list[Callable[[str, Change[object]], None]] = []
-        for name, store in self._stores.items():
-            self._connect(name, store)
         self.reset()
 
     def store(self, name: str, make: bool = False) -> MessageStore[object]:
@@ -65,7 +62,6 @@ class MessageLibrary:
                 if not make or not name:
                     raise UnknownNameError("store", name, self._stores)
                 self._stores[name] = MessageStore(name, "Any")
-                self._connect(name, self._stores[name])
             return self._stores[name]
 
     def stores(self) -> Mapping[str, MessageStore[object]]:
@@ -86,18 +82,6 @@ class MessageLibrary:
             store.clear()
             for entry, (value, source) in from_files.get(key, {}).items():
                 store.put(entry, value, source)
-
-    def watch(self, callback: Callable[[str, Change[object]], None]) -> Callable[[], None]:
-        """Call `callback(store, change)` for each change of any store; return what ends that."""
-        self._watchers.append(callback)
-        return lambda: self._watchers.remove(callback) if callback in self._watchers else None
-
-    def _connect(self, name: str, store: MessageStore[object]) -> None:
-        def tell(change: Change[object]) -> None:
-            for watcher in list(self._watchers):
-                watcher(name, change)
-
-        store.watch(tell)
 
     def _from_files(self) -> dict[str, dict[str, tuple[object, str]]]:
         if self._folder is None:
@@ -163,10 +147,6 @@ class LocalMessages:
         if self.saved is None:
             return Operation.failed(NoEntryError("messages can't be saved outside of a project"))
         return _at_once(self.saved)
-
-    def watch(self, callback: Callable[[str, Change[object]], None]) -> Callable[[], None]:
-        """Call `callback(store, change)` for each change, from the thread that makes it; return what ends that."""
-        return self.library.watch(callback)
 
 
 def _at_once(work: Callable[[], T]) -> Operation[T]:

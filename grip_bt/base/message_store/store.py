@@ -71,7 +71,7 @@ class MessageStore(Generic[T]):
         self._lock = threading.RLock()
         self._entries: dict[str, Entry[T]] = {}
         self._queue: deque[Entry[T]] = deque()
-        self._watchers: dict[object, Callable[[Change[T]], None]] = {}
+        self._watchers: list[Callable[[Change[T]], None]] = []
         self._revision = 0
 
     @property
@@ -98,11 +98,7 @@ class MessageStore(Generic[T]):
             return entry
 
     def push(self, value: T, provenance: str = "", at: float | None = None) -> Entry[T]:
-        """Put a value without a name at the end of the queue.
-
-        Raises:
-            WrongTypeError: it isn't of the store's type.
-        """
+        """Put a value without a name at the end of the queue. Raises WrongTypeError: it isn't of the store's type."""
         self._check("the queue", value)
         with self._lock:
             entry = self._made("", value, provenance, at)
@@ -111,11 +107,7 @@ class MessageStore(Generic[T]):
             return entry
 
     def take(self) -> Entry[T]:
-        """Remove the oldest value of the queue and return it.
-
-        Raises:
-            EmptyQueueError: there is none.
-        """
+        """Remove the oldest value of the queue and return it. Raises EmptyQueueError: there is none."""
         with self._lock:
             if not self._queue:
                 raise EmptyQueueError(self.name)
@@ -129,19 +121,11 @@ class MessageStore(Generic[T]):
         return len(self._queue)
 
     def get(self, name: str) -> T:
-        """Return a value.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
+        """Return a value. Raises UnknownNameError: there is none of this name."""
         return self.entry(name).value
 
     def entry(self, name: str) -> Entry[T]:
-        """Return a value with what is known of it.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
+        """Return a value with what is known of it. Raises UnknownNameError: there is none of this name."""
         with self._lock:
             if name not in self._entries:
                 raise UnknownNameError("entry", name, self._entries, where=f"store {self.name!r}")
@@ -163,11 +147,7 @@ class MessageStore(Generic[T]):
             return tuple(self._entries)
 
     def delete(self, name: str) -> None:
-        """Remove an entry.
-
-        Raises:
-            UnknownNameError: there is none of this name.
-        """
+        """Remove an entry. Raises UnknownNameError: there is none of this name."""
         with self._lock:
             self.get(name)
             del self._entries[name]
@@ -194,14 +174,9 @@ class MessageStore(Generic[T]):
         Returns:
             A function that ends the watching.
         """
-        key = object()
         with self._lock:
-            self._watchers[key] = callback
-        return lambda: self._unwatch(key)
-
-    def _unwatch(self, key: object) -> None:
-        with self._lock:
-            self._watchers.pop(key, None)
+            self._watchers.append(callback)
+        return lambda: self._watchers.remove(callback) if callback in self._watchers else None
 
     def _check(self, name: str, value: T) -> None:
         reason = check_value(self._type, value)
@@ -214,7 +189,7 @@ class MessageStore(Generic[T]):
     def _tell(self, kind: ChangeKind, name: str, value: T | None) -> None:
         self._revision += 1
         change: Change[T] = Change(kind, name, value, self._revision)
-        for callback in list(self._watchers.values()):
+        for callback in list(self._watchers):
             callback(change)
 
     def __contains__(self, name: object) -> bool:
@@ -240,7 +215,6 @@ def save(stores: Mapping[str, MessageStore[T]], file: Path, encode: Callable[[T]
 
     Args:
         file: written beside itself first: what was there stays whole when we are killed.
-        encode: makes bytes of a value.
     """
     beside = file.with_name(f"{file.name}.{os.getpid()}.new")
     beside.unlink(missing_ok=True)

@@ -21,7 +21,6 @@ from action_msgs.srv import CancelGoal
 from rclpy.client import Client as RclpyClient
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.task import Future
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 from unique_identifier_msgs.msg import UUID
 
 from grip_bt.base.failures import IncompatibleServerError
@@ -30,9 +29,8 @@ from grip_bt.base.operation import Operation
 from ..watchdog import Watchdog
 from .base import Request, ServedClient
 from .connection import Connection
-from .goal import LIVE, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase, RequestCancel, RequestResult, Send
-from .graph import explained
-from .server_check import GRACE, action_servers, check_action_servers
+from .goal import LIVE, Ask, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase
+from .graph import GRACE, explained
 from .service import SERVICE_QOS
 from .types import InterfaceType, Message
 
@@ -159,12 +157,6 @@ class ActionClient(ServedClient[_Entry]):
     def _unfit(self, request: _Entry, error: IncompatibleServerError) -> None:
         self._do(request, request.machine.server_unfit(error))
 
-    def _look(self) -> list[TopicEndpointInfo]:
-        return action_servers(self._bus.node, self.name)
-
-    def _check(self, servers: list[TopicEndpointInfo]) -> None:
-        check_action_servers(self._bus.node, self.type, self.name, servers)
-
     def _connected(self) -> bool:
         """Connect: an answer is rclpy's future; one that is cancelled is forgotten, and its answer ignored."""
         node, impl = self._bus.node, self.type.Impl
@@ -190,9 +182,9 @@ class ActionClient(ServedClient[_Entry]):
         """Carry out what the machine of a goal says; forget the goal when it is over."""
         for command in commands:
             match command:
-                case Send():
+                case Ask.GOAL:
                     self._put_out(entry)
-                case RequestResult():
+                case Ask.RESULT:
                     if entry.result is not None:
                         entry.result.cancel()  # that request, or its answer, was dropped on the way
                     _, results, _ = self._services
@@ -200,7 +192,7 @@ class ActionClient(ServedClient[_Entry]):
                     self._later(
                         entry, entry.result, lambda e, got: self._do(e, e.machine.result(got.status, got.result))
                     )
-                case RequestCancel():
+                case Ask.CANCEL:
                     _, _, cancels = self._services
                     asked = CancelGoal.Request()
                     asked.goal_info.goal_id = entry.uuid

@@ -14,7 +14,7 @@ from grip_bt.base.failures import CanceledError, IncompatibleServerError, Server
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
-from .server_check import SETTLE, STALE, TRUST, gids_of
+from .graph import SETTLE, STALE, TRUST, check_servers, gids_of, servers_of
 from .types import InterfaceType, Message
 
 IN_FLIGHT = 8
@@ -30,7 +30,6 @@ class Request:
         began: when it was asked for [s].
         deadline: until when it may take in all [s].
         wait_until: until when a server may appear [s].
-        operation: what its owner has.
     """
 
     message: Message | None
@@ -44,12 +43,7 @@ R = TypeVar("R", bound=Request)
 
 
 class Client(ABC, Generic[R]):
-    """A client of one name, of whose requests each ends; made by `Bus`.
-
-    Attributes:
-        type: the class of the service, action or message.
-        name: its full name.
-    """
+    """A client of one name, of whose requests each ends; made by `Bus`."""
 
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         self.type, self.name, self._bus = type_, name, bus
@@ -176,7 +170,7 @@ class ServedClient(Client[R]):
         servers = self._look()
         if not servers:
             return False
-        self._check(servers)
+        check_servers(self._bus.node, self.type, self.name, servers)
         if not self._connected():
             return False
         present = gids_of(servers)
@@ -194,13 +188,8 @@ class ServedClient(Client[R]):
             self._found = frozenset()
         return present
 
-    @abstractmethod
     def _look(self) -> list[TopicEndpointInfo]:
-        """Return who serves the name."""
-
-    @abstractmethod
-    def _check(self, servers: list[TopicEndpointInfo]) -> None:
-        """Raise IncompatibleServerError for servers that don't fit."""
+        return servers_of(self._bus.node, self.type, self.name)
 
     @abstractmethod
     def _connected(self) -> bool:

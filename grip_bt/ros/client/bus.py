@@ -9,12 +9,13 @@ from __future__ import annotations
 from typing import Any, TypeVar, cast
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.operation import Operation
 
 from .action import ActionClient
 from .connection import Connection, Polled
 from .service import ServiceClient
 from .topic import TopicReader, TopicWriter
-from .types import InterfaceType, check_name, load_type, type_name
+from .types import InterfaceType, Message, check_name, load_type, type_name
 
 C = TypeVar("C", ServiceClient, ActionClient, TopicReader, TopicWriter)
 
@@ -38,6 +39,11 @@ class Bus(Connection):
             GripError: a client of the name exists with another type, or ROS knows no such names.
         """
         return self._client(ServiceClient, interface, name)
+
+    def call(self, interface: str, name: str, timeout: float, wait: float, **fields: object) -> Operation[Message]:
+        """Call a service with a request of these fields; see `ServiceClient.call`."""
+        client = self.service(interface, name)
+        return client.call(client.type.Request(**fields), timeout, wait)
 
     def action(self, interface: str | InterfaceType, name: str) -> ActionClient:
         """Return the client of an action, likewise."""

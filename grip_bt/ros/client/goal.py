@@ -81,7 +81,6 @@ class GoalEnd:
     """How the server says that a goal ended.
 
     Attributes:
-        status: `succeeded`, `aborted` or `canceled`.
         result: the result message; often with nothing in it unless it succeeded.
     """
 
@@ -89,19 +88,12 @@ class GoalEnd:
     result: Message
 
 
-@dataclass(frozen=True)
-class Send:
-    """Send the goal."""
+class Ask(Enum):
+    """What the server is asked: to take the goal, for the result when there is one, to cancel the goal."""
 
-
-@dataclass(frozen=True)
-class RequestResult:
-    """Ask the server for the result, to be sent when there is one."""
-
-
-@dataclass(frozen=True)
-class RequestCancel:
-    """Ask the server to cancel the goal."""
+    GOAL = "goal"
+    RESULT = "result"
+    CANCEL = "cancel"
 
 
 @dataclass(frozen=True)
@@ -111,7 +103,7 @@ class Notify:
     end: GoalEnd | Exception
 
 
-Command = Send | RequestResult | RequestCancel | Notify
+Command = Ask | Notify
 
 
 class Goal:
@@ -121,7 +113,6 @@ class Goal:
         now: the time [s], of the same clock as in every event.
 
     Attributes:
-        phase: where it is.
         refused: whether the server refused to cancel it, so that it goes on although its owner is gone.
     """
 
@@ -144,7 +135,7 @@ class Goal:
         if self.phase is not Phase.WAITING:
             return []
         self.phase, self._sent = Phase.SENT, now
-        return [Send()]
+        return [Ask.GOAL]
 
     def server_unfit(self, error: Exception) -> list[Command]:
         """Who is there can't be used."""
@@ -183,9 +174,9 @@ class Goal:
         if self.phase is Phase.SENT:
             if self._cancel_since is None:
                 self.phase = Phase.RUNNING
-                return [RequestResult()]
+                return [Ask.RESULT]
             self.phase = Phase.CANCELING
-            return [RequestResult(), *self._ask_cancel(now)]
+            return [Ask.RESULT, *self._ask_cancel(now)]
         if self.phase is Phase.ORPHANED_SENT:
             self.phase = Phase.ORPHANED
             return self._ask_cancel(now)
@@ -218,7 +209,7 @@ class Goal:
             self._ended_since = now
         elif now >= self._ended_since + REASK:
             self._ended_since = now
-            return [RequestResult()]
+            return [Ask.RESULT]
         return []
 
     def cancel_answered(self, stops: bool, known: bool, now: float) -> list[Command]:
@@ -237,7 +228,7 @@ class Goal:
         self._asked, self.refused = None, not stops
         if self.phase is Phase.SENT:
             self.phase = Phase.CANCELING
-            return [RequestResult()]
+            return [Ask.RESULT]
         if self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT):
             self.phase = Phase.OVER
         return []
@@ -322,7 +313,7 @@ class Goal:
 
     def _ask_cancel(self, now: float) -> list[Command]:
         self._asked = now
-        return [RequestCancel()]
+        return [Ask.CANCEL]
 
     def _lost(self, reason: str, **data: float) -> ServerLostError:
         return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)

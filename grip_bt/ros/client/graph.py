@@ -1,18 +1,29 @@
-"""What runs: the services, actions and topics that others serve, and what there is instead of one that isn't there."""
+"""What runs: the services, actions and topics that others serve, and whether a name has the one server that is meant.
+
+A client and a server of different types, or of different definitions of one type, never exchange anything, and
+`service_is_ready` does not look. A query of an endpoint tells type, type hash, reliability and identity.
+"""
 
 from __future__ import annotations
 
+import importlib
+import json
+import re
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from functools import cache
+from pathlib import Path
 from typing import Literal
 
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.node import Node
+from rclpy.qos import ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from grip_bt.base.errors import GripError, UnknownNameError, listing
-from grip_bt.base.failures import ServerLostError
+from grip_bt.base.failures import IncompatibleServerError, ServerLostError
 
 from .connection import Connection
 from .types import InterfaceType, type_name
@@ -21,7 +32,7 @@ LOOKING = 5.0
 """How long one look at the graph may take [s]."""
 SETTLE = 0.1
 """What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
-others."""
+others. A server is sent nothing sooner: it has to know our ear too, or its first answer is lost."""
 LOOK = 0.01
 """How often is looked [s]; rclpy tells nobody when the graph changes."""
 
@@ -31,7 +42,6 @@ class Served:
     """Something in the running graph.
 
     Attributes:
-        name: its full name.
         kind: `action`, `srv` or `msg`.
         type: its type, such as `std_srvs/srv/Trigger`.
         nodes: names of the nodes that serve it, where they are known.
@@ -110,8 +120,8 @@ def _one(name: str, types: list[str]) -> str:
 
 
 def _nodes(node: Node, service: str) -> tuple[str, ...]:
-    servers = node.get_subscriptions_info_by_topic(f"rq{service}Request", no_mangle=True)
-    return tuple(sorted(s.node_name for s in servers if s.node_name and s.node_name != "_NODE_NAME_UNKNOWN_"))
+    names = (server.node_name for server in endpoints_of(node, service))
+    return tuple(sorted(name for name in names if name and name != "_NODE_NAME_UNKNOWN_"))
 
 
 _HIDDEN = (
@@ -120,8 +130,6 @@ _HIDDEN = (
 )
 MOST = 8
 """How many names are listed."""
-_NEAR = 0.6
-"""How alike two names are of which one may be meant for the other."""
 Done = Literal["served", "published", "heard"]
 """What is done with what is looked for: services and actions are served, topics published, or heard by subscribers."""
 
@@ -151,54 +159,143 @@ def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
     return ServerLostError(error.message + there, **error.data)
 
 
-def instead(node: Node, name: str, wanted: str, done: Done, most: int = MOST) -> str:
+def instead(node: Node, name: str, wanted: str, done: Done) -> str:
     """Return what there is instead of a name that isn't there as `wanted`, in words to be put behind the message.
 
     On the bus's thread.
 
     Args:
         wanted: its type; empty where nobody said it.
-        done: what should be done with it.
-        most: how many names are listed.
     """
     ends = node.get_subscriptions_info_by_topic if done == "heard" else node.get_publishers_info_by_topic
-    carried = ((n, sorted({end.topic_type for end in ends(n)})) for n, _ in node.get_topic_names_and_types())
-    here: dict[str, Sequence[tuple[str, Sequence[str]]]] = {
-        "a service": node.get_service_names_and_types(),
-        "an action": get_action_names_and_types(node),
-        "a topic": [(n, types) for n, types in carried if types],
-    }
-    kinds = ["a service", "an action"] if done == "served" else ["a topic"]
-    if done == "served" and wanted:
-        kinds = ["a service" if "/srv/" in wanted else "an action"]
-    there = [(n, types) for kind in kinds for n, types in here[kind] if not is_internal(n)]
-    if any(n == name for n, _ in there):  # its own type is told by whoever asks
-        there = [(n, types) for n, types in there if wanted in types]
-        return in_words(name, wanted, there, done, node.context.get_domain_id(), most) if there else ""
-    other = next(((kind, types) for kind, found in here.items() for n, types in found if n == name), None)
-    if other is not None:
-        return f"; {name} is {other[0]}, of type {other[1][0]}"
-    return in_words(name, wanted, there, done, node.context.get_domain_id(), most)
+    carried = [(n, sorted({end.topic_type for end in ends(n)})) for n, _ in node.get_topic_names_and_types()]
+    served = [*node.get_service_names_and_types(), *get_action_names_and_types(node)]
+    there, others = (served, carried) if done == "served" else ([c for c in carried if c[0] != name], served)
+    there += [other for other in others if other[0] == name]
+    found = [(n, types) for n, types in there if types and not is_internal(n)]
+    return in_words(name, wanted, found, done, node.context.get_domain_id())
 
 
-def in_words(
-    name: str, wanted: str, there: Iterable[tuple[str, Sequence[str]]], done: Done, domain: int, most: int = MOST
-) -> str:
-    """Return in words what is there, as names with types: what is of the type wanted, and what has a name like it."""
-    where = f"in ROS_DOMAIN_ID {domain}"
-    others = sorted(((n, types) for n, types in there if n != name), key=lambda other: (-_alike(name, other[0]), other))
-    same = [n for n, types in others if wanted in types]
-    near = [(n, types) for n, types in others if n not in same and _alike(name, n) >= _NEAR][:1]
-    said = f"; {wanted} is {done} {where} as {_some(same, most)}" if same else ""
-    said += "".join(f"; did you mean {n!r}, which is {done} as {types[0]}?" for n, types in near)
-    if said or not others:
-        return said or f"; nothing of its kind is {done} {where}"
-    return f"; {done} {where}: {_some([f'{n} ({types[0]})' for n, types in others], most)}"
+def in_words(name: str, wanted: str, there: Iterable[tuple[str, Sequence[str]]], done: Done, domain: int) -> str:
+    """Return in words what is there, as names with types: first the name itself, then its type, then names like it."""
+    where = f"{done} in ROS_DOMAIN_ID {domain}"
+    names = sorted(
+        there, key=lambda o: (o[0] != name, wanted not in o[1], -SequenceMatcher(None, name, o[0]).ratio(), o)
+    )
+    if not names:
+        return f"; nothing of its kind is {where}"
+    more = f" and {len(names) - MOST} more" if len(names) > MOST else ""
+    return f"; {where}: {listing(f'{n} ({types[0]})' for n, types in names[:MOST])}{more}"
 
 
-def _alike(name: str, other: str) -> float:
-    return SequenceMatcher(None, name, other).ratio()
+TRUST = 0.5
+"""How long a check of the server holds [s]; a query per call would double the price of a call."""
+STALE = 3.5
+"""How long a second server may be a dead one whose lease is running out [s]."""
+GRACE = 1.0
+"""How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
 
 
-def _some(names: Sequence[str], most: int) -> str:
-    return listing(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+_ACTION_PART = re.compile(r"_(SendGoal|GetResult|FeedbackMessage)$")
+
+
+def servers_of(node: Node, type_: InterfaceType, name: str) -> list[TopicEndpointInfo]:
+    """Return what is known of each server of a service, or of an action, by the endpoint that takes its goals."""
+    taking = f"{name}/_action/send_goal" if hasattr(type_, "Impl") else name
+    return endpoints_of(node, taking)
+
+
+def endpoints_of(node: Node, service: str) -> list[TopicEndpointInfo]:
+    """Return what is known of each server of a service: endpoint of its requests, node name, type, type hash, QoS."""
+    return list(node.get_subscriptions_info_by_topic(f"rq{service}Request", no_mangle=True))
+
+
+def gids_of(servers: list[TopicEndpointInfo]) -> frozenset[bytes]:
+    """Return the identities of servers; a restarted server has another one."""
+    return frozenset(bytes(server.endpoint_gid) for server in servers)
+
+
+def check_servers(node: Node, type_: InterfaceType, name: str, servers: list[TopicEndpointInfo]) -> None:
+    """Check that the servers of a name are one server that a client of a service's or an action's type can use.
+
+    Raises:
+        IncompatibleServerError: another type, another definition of it, best-effort, or several servers.
+    """
+    ends = node.get_publishers_info_by_topic
+    if hasattr(type_, "Impl"):
+        of, action = type_.Impl, f"{name}/_action"
+        parts = [
+            (of.SendGoalService, servers, "Request"),
+            (of.GetResultService, endpoints_of(node, f"{action}/get_result"), "Request"),
+            (of.GetResultService, ends(f"rr{action}/get_resultReply", no_mangle=True), "Response"),
+            (of.FeedbackMessage, ends(f"rt{action}/feedback", no_mangle=True), ""),
+        ]
+    else:
+        parts = [(type_, servers, "Request"), (type_, ends(f"rr{name}Reply", no_mangle=True), "Response")]
+    for part_type, endpoints, part in parts:
+        for endpoint in endpoints:
+            _check_endpoint(part_type, name, endpoint, part)
+    if len(servers) > 1:
+        nodes, what = ", ".join(sorted(_node(s) for s in servers)), "a goal" if len(parts) > 2 else "a request"
+        reason = f"{len(servers)} servers ({nodes}), each of which would execute {what}; stop all but one"
+        raise IncompatibleServerError(f"{name}: {reason}", server=name)
+
+
+def _check_endpoint(service: InterfaceType, name: str, endpoint: TopicEndpointInfo, part: str) -> None:
+    """Check one half of a server; the definitions of requests and responses have hashes of their own."""
+    package, kind = service.__module__.split(".")[:2]
+    wanted = f"{package}::{kind}::dds_::{service.__name__}_" + (f"{part}_" if part else "")
+    if endpoint.topic_type != wanted:
+        raise IncompatibleServerError(
+            f"{name}: {_node(endpoint)} serves {_readable(endpoint.topic_type)}, not {_readable(wanted)}",
+            server=name,
+            serves=_readable(endpoint.topic_type),
+        )
+    ours, theirs = type_hash(service, part), str(endpoint.topic_type_hash)
+    if ours is not None and theirs != ours:
+        halves = {"_SendGoal": "goal", "_GetResult": "result", "_FeedbackMessage": "feedback"}
+        half = next((words for suffix, words in halves.items() if service.__name__.endswith(suffix)), part.lower())
+        raise IncompatibleServerError(
+            f"{name}: {_node(endpoint)} uses a different definition of the {half} of {_readable(wanted)} "
+            f"({theirs[7:15]}..., ours is {ours[7:15]}...); build both from the same file",
+            server=name,
+        )
+    if part and endpoint.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT:
+        what = "a service" if kind == "srv" else "an action"
+        raise IncompatibleServerError(
+            f"{name}: {_node(endpoint)} is best-effort; {what} must be reliable, which is ROS's default",
+            server=name,
+        )
+
+
+@cache
+def type_hash(service: InterfaceType, part: str) -> str | None:
+    """Return the RIHS01 hash of a service's `Request` or `Response` as built here; None where it isn't installed.
+
+    Args:
+        service: a service's class, a service of an action (`Impl.SendGoalService`), or an action's feedback message.
+        part: `Request` or `Response`; empty for a message.
+    """
+    package, kind = service.__module__.split(".")[:2]
+    module = importlib.import_module(package)
+    if module.__file__ is None:
+        return None
+    of_action = _ACTION_PART.sub("", service.__name__) if kind == "action" else service.__name__
+    file = Path(module.__file__).parents[4] / "share" / package / kind / f"{of_action}.json"
+    if not file.is_file():
+        return None
+    wanted = f"{package}/{kind}/{service.__name__}" + (f"_{part}" if part else "")
+    hashes = json.loads(file.read_text(encoding="utf-8"))["type_hashes"]
+    return next((h["hash_string"] for h in hashes if h["type_name"] == wanted), None)
+
+
+def _node(endpoint: TopicEndpointInfo) -> str:
+    """Name a server's node; names travel more slowly than endpoints."""
+    name = endpoint.node_name
+    return f"node {name!r}" if name and name != "_NODE_NAME_UNKNOWN_" else "a node"
+
+
+def _readable(dds_type: str) -> str:
+    """Turn `std_srvs::srv::dds_::Trigger_Request_` into `std_srvs/srv/Trigger`."""
+    plain = dds_type.replace("::dds_::", "::").removesuffix("_Request_").removesuffix("_Response_").removesuffix("_")
+    return (_ACTION_PART.sub("", plain) if "::action::" in plain else plain).replace("::", "/")

@@ -12,15 +12,13 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from grip_bt.base.failures import ServerTimeOutError
 from grip_bt.base.operation import Operation
 
 from .base import Request, ServedClient
 from .connection import Connection
-from .graph import explained
-from .server_check import GRACE, check_servers, servers_of
+from .graph import GRACE, explained
 from .types import InterfaceType, Message
 
 SERVICE_QOS = QoSProfile(
@@ -109,12 +107,6 @@ class ServiceClient(ServedClient[_Call]):
 
     def _sent(self) -> int:
         return sum(call.future is not None for call in list(self._requests))
-
-    def _look(self) -> list[TopicEndpointInfo]:
-        return servers_of(self._bus.node, self.name)
-
-    def _check(self, servers: list[TopicEndpointInfo]) -> None:
-        check_servers(self._bus.node, self.type, self.name, servers)
 
     def _connected(self) -> bool:
         if self._client is None:

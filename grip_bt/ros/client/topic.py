@@ -21,7 +21,7 @@ from grip_bt.base.operation import Operation
 
 from .base import Client, Request
 from .connection import Connection
-from .graph import MOST, instead
+from .graph import instead
 from .types import InterfaceType, Message, load_type, type_name
 
 DEPTH = 10
@@ -48,7 +48,6 @@ class TopicReader(Client[Request]):
 
     Attributes:
         type: the message's class; None until a publisher is seen, where nobody has said which.
-        name: the topic's full name.
         latest: the last message, None before the first.
     """
 
@@ -121,19 +120,19 @@ class TopicReader(Client[Request]):
         self._look(time.monotonic())
         self._bus.watch()
 
-    def publishers(self, most: int = MOST) -> str:
-        """Say who publishes the topic, and whether we could hear it; of the topics instead of it, `most` are named."""
+    def publishers(self) -> str:
+        """Say who publishes the topic, and whether we could hear it, else which topics there are instead of it."""
         found = self._bus.node.get_publishers_info_by_topic(self.name)
         wanted = "" if self.type is None else type_name(self.type)
         if not found:
-            return f"it has no publisher{instead(self._bus.node, self.name, wanted, 'published', most)}"
+            return f"it has no publisher{instead(self._bus.node, self.name, wanted, 'published')}"
         types = sorted({p.topic_type for p in found})
         if not wanted:
             return f"it is published as {' and as '.join(types)}; specify the message type to subscribe with"
         wrong, right = [t for t in types if t != wanted], sum(p.topic_type == wanted for p in found)
         if not right:
             said = f"it is published as {', '.join(wrong)}, not as {wanted}; name that type, or another topic"
-            return said + instead(self._bus.node, self.name, wanted, "published", most)
+            return said + instead(self._bus.node, self.name, wanted, "published")
         others = f"; others publish it as {', '.join(wrong)}" if wrong else ""
         return f"{right} publisher{'s' if right > 1 else ''}, but no message arrived{others}"
 

@@ -59,7 +59,7 @@ def load_type(name: str) -> InterfaceType:
         module = import_module(f"{package}.{kind}")
     except ImportError as error:
         absent = isinstance(error, ModuleNotFoundError) and error.name == package
-        why = package_like(package, search_path()) if absent else str(error)
+        why = package_like(package, search_path()).removeprefix("; ") if absent else str(error)
         what = f"the interface package {package!r} of {name}{why and f' ({why})'}"
         raise MissingPartError(what, "grip interfaces build FOLDER") from None
     try:
@@ -119,7 +119,6 @@ class ConversionError(GripError):
 
     Attributes:
         path: the field, such as `returned_object[2].pose`; empty for the whole.
-        reason: what is wrong.
     """
 
     def __init__(self, path: str, reason: str):
@@ -138,7 +137,6 @@ class FieldType:
 
     Attributes:
         base: primitive (`double`) or message (`geometry_msgs/Point`), without the array part.
-        array: whether it holds several.
         size: the exact number of elements, or None.
     """
 
@@ -159,11 +157,7 @@ def field_types(cls: type) -> dict[str, FieldType]:
 
 
 def check_field(cls: type, name: str) -> FieldType:
-    """Return the type of a field.
-
-    Raises:
-        ConversionError: the message has no such field.
-    """
+    """Return the type of a field. Raises ConversionError: the message has no such field."""
     known = field_types(cls)
     if name not in known:
         reason = f"{type_name(cls)} has no such field{nearest(name, known)} (it has: {', '.join(known)})"
@@ -184,23 +178,14 @@ def primitive(kind: FieldType, value: object) -> Any:
 
 
 def _scalar(base: str, value: Any) -> Any:
-    if base in ("float", "double"):
-        if isinstance(value, (str, bool)):
-            raise TypeError(f"got {value!r}")
-        return float(value)
-    if base == "boolean":
-        if not isinstance(value, (bool, np.bool_)):
-            raise TypeError(f"got {value!r}")
-        return bool(value)
-    if base == "octet":
-        return bytes([value]) if isinstance(value, int) else value
-    if base.startswith(("string", "wstring")):
-        if not isinstance(value, str):
-            raise TypeError(f"got {value!r}")
-        return value
-    if isinstance(value, (bool, float, str)) or int(value) != value:
+    """Return a primitive as rclpy wants it, which checks the rest when it is set."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool) and base != "boolean":
         raise TypeError(f"got {value!r}")
-    return int(value)
+    if base in ("float", "double") and isinstance(value, int):
+        return float(value)
+    return bytes([value]) if base == "octet" and isinstance(value, int) else value
 
 
 def _sequence(kind: FieldType, value: Any) -> Any:

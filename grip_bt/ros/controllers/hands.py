@@ -50,11 +50,7 @@ class GripperHand:
         return (self._joint,)
 
     def state(self) -> JointState:
-        """Return the measured state.
-
-        Raises:
-            SensorError: nothing is known of the joint.
-        """
+        """Return the measured state. Raises SensorError: nothing is known of the joint."""
         return self._states.state(self.joint_names)
 
     def move(

@@ -16,7 +16,7 @@ from grip_bt.base.values import JointState
 
 from ..client.bus import Bus
 from ..client.topic import Received
-from ..convert_geometry import seconds
+from ..convert_values import seconds
 
 MESSAGE = "sensor_msgs/msg/JointState"
 STALE = 1.0
@@ -154,11 +154,7 @@ class JointStates:
                 wait.operation.succeed(True)
 
     def wait_for(self, names: Sequence[str], within: float) -> None:
-        """Block until all joints are known; for start-up.
-
-        Raises:
-            SensorError: they aren't `within` [s].
-        """
+        """Block until all joints are known; for start-up. Raises SensorError: they aren't `within` [s]."""
         deadline = time.monotonic() + within
         while True:
             try:

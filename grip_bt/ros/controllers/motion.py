@@ -51,11 +51,7 @@ class RosExecutor(ABC):
         return self._names
 
     def state(self) -> JointState:
-        """Return the measured state of the joints.
-
-        Raises:
-            SensorError: nothing is known of one of them.
-        """
+        """Return the measured state of the joints. Raises SensorError: nothing is known of one of them."""
         return self._states.state(self._names)
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:

@@ -24,7 +24,7 @@ from grip_bt.commanders.trajectory.stopping import accelerations_of, jerks_of, s
 
 from ..client.bus import Bus
 from ..client.types import load_type
-from ..convert_geometry import trajectory_to_message
+from ..convert_values import trajectory_to_message
 from .joint_states import JointStates
 from .motion import START_TOLERANCE, RosExecutor, settle
 
@@ -38,7 +38,6 @@ class StreamedMotion:
     """A motion under way, whose trajectory may be changed while its set-points are sent.
 
     Attributes:
-        trajectory: what is followed.
         stop: set when it is to come to rest.
         dropped: set, with `stop`, when nothing more is to be sent, since another motion takes its place.
         over: whether nothing of it can be changed any more.
@@ -96,7 +95,6 @@ class TopicMotionExecutor(RosExecutor):
     """An executor over a topic, but for how a motion is seen to.
 
     Args:
-        names: its joints, in its order.
         accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
         jerks: joint -> limit, for braking with set-points; any where it names none.
     """

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Sequence
-from typing import TypeVar
 
-from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.base.errors import UnknownNameError, listing
 from grip_bt.base.failures import (
     CanceledError,
     ExecutionAbortedError,
@@ -22,12 +20,11 @@ from grip_bt.ros.client.goal import GoalEnd
 from grip_bt.ros.controllers.following import Following
 from grip_bt.ros.controllers.joint_states import JointStates
 from grip_bt.ros.controllers.motion import RosExecutor
-from grip_bt.ros.convert_geometry import trajectory_to_message
+from grip_bt.ros.convert_values import trajectory_to_message
 from grip_bt.ros.interfaces.build import ensure_package
 
 from ..client.types import Message, constant_name, load_type
 
-T = TypeVar("T")
 ACTION = "control_msgs/action/FollowJointTrajectory"
 LATE = 60.0
 """How long a controller may take beyond the duration of a trajectory [s]."""
@@ -132,65 +129,41 @@ class SwitchError(ExpectedError):
 
 
 class ControllerManager:
-    """Asks a controller manager.
-
-    Args:
-        wait: how long to wait for it to appear [s].
-    """
+    """Asks a controller manager; `wait`: how long to wait for it to appear [s]."""
 
     def __init__(self, bus: Bus, name: str = "/controller_manager", wait: float = 5.0):
         ensure_package("controller_manager_msgs")
         self._bus, self._name, self._wait = bus, name, wait
 
-    def states(self) -> Operation[dict[str, str]]:
-        """Return the state (`unconfigured`, `inactive`, `active`, `finalized`) of each loaded controller."""
-        return self._ask("list_controllers", "ListControllers").then(
-            lambda answer: Operation.finished({c.name: c.state for c in answer.controller})
-        )
-
-    def switch(self, activate: Collection[str], deactivate: Collection[str] = ()) -> Operation[None]:
-        """Activate and deactivate controllers in one step, all or none. Ends with SwitchError when it doesn't work."""
-
-        def check(answer: Message) -> Operation[None]:
-            if answer.ok:
-                return Operation.finished(None)
-            asked = f"activate {', '.join(activate) or 'none'}, deactivate {', '.join(deactivate) or 'none'}"
-            said = getattr(answer, "message", "")
-            reason = f"{self._name} didn't {asked}{f': {said}' if said else ''}"
-            return Operation.failed(SwitchError(reason, activate=list(activate), deactivate=list(deactivate)))
-
-        fields = {
-            "activate_controllers": list(activate),
-            "deactivate_controllers": list(deactivate),
-            "strictness": STRICT,
-            "activate_asap": True,
-        }
-        return self._ask("switch_controller", "SwitchController", **fields).then(check)
+    def states(self) -> dict[str, str]:
+        """Return the state (`unconfigured`, `inactive`, `active`, `finalized`) of each loaded controller; it blocks."""
+        return {c.name: c.state for c in self._ask("list_controllers", "ListControllers").controller}
 
     def ensure_active(self, wanted: Collection[str], instead_of: Collection[str] = ()) -> None:
-        """Block until the wanted controllers are active, and those of `instead_of` aren't; for start-up.
+        """Block until the wanted controllers are active, and those of `instead_of` aren't, in one step; for start-up.
 
         Raises:
             UnknownNameError: one isn't loaded.
             SwitchError: it can't be activated.
             ServerLostError, ServerTimeOutError: the manager isn't there, or doesn't answer.
         """
-        states = self._wait_for(self.states())
+        states = self.states()
         for name in wanted:
             if name not in states:
                 raise UnknownNameError("controller", name, states, self._name)
         start = [name for name in wanted if states[name] != "active"]
         stop = [name for name in instead_of if states.get(name) == "active"]
-        if start or stop:
-            self._wait_for(self.switch(start, stop))
+        if not start and not stop:
+            return
+        fields = {"activate_controllers": start, "deactivate_controllers": stop}
+        answer = self._ask("switch_controller", "SwitchController", **fields, strictness=STRICT, activate_asap=True)
+        if not answer.ok:
+            asked, said = f"activate {listing(start)}, deactivate {listing(stop)}", getattr(answer, "message", "")
+            reason = f"{self._name} didn't {asked}{f': {said}' if said else ''}"
+            raise SwitchError(reason, activate=start, deactivate=stop)
 
-    def _ask(self, service: str, type_: str, **fields: object) -> Operation[Message]:
-        cls = load_type(f"controller_manager_msgs/srv/{type_}")
-        client = self._bus.service(cls, f"{self._name}/{service}")
-        return client.call(cls.Request(**fields), ANSWER, self._wait)
-
-    def _wait_for(self, operation: Operation[T]) -> T:
-        began = time.monotonic()
-        if not operation.wait(ANSWER + self._wait + 1.0):
-            raise GripError(f"{self._name} didn't answer within {time.monotonic() - began:.0f} s")
-        return operation.result()
+    def _ask(self, service: str, type_: str, **fields: object) -> Message:
+        interface = f"controller_manager_msgs/srv/{type_}"
+        asked = self._bus.call(interface, f"{self._name}/{service}", ANSWER, self._wait, **fields)
+        asked.wait()
+        return asked.result()

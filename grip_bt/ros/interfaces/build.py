@@ -35,13 +35,7 @@ _RECIPE = "1"
 
 @dataclass(frozen=True)
 class Built:
-    """One built package.
-
-    Attributes:
-        package: its name.
-        prefix: where it is installed.
-        seconds: how long the build took; 0 when it was in the cache.
-    """
+    """One built package; `seconds`: how long the build took; 0 when it was in the cache."""
 
     package: str
     prefix: Path
@@ -67,7 +61,6 @@ def build_interfaces(
     """Build the interface packages in a folder, those that others need first.
 
     Args:
-        folder: an interface package, or a folder with some.
         cache: where built packages are kept; the user's cache by default.
         overlays: prefixes with further packages that these need.
         begun: told the name of each package that isn't in the cache, before it is built.

@@ -5,9 +5,8 @@ from __future__ import annotations
 import contextlib
 import io
 import keyword
-import re
+from codecs import BOM_UTF8
 from collections.abc import Sequence, Set
-from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any, cast
 
@@ -48,24 +47,18 @@ def read_text(path: Path) -> str:
     """Return the text of an interface file.
 
     Raises:
-        DocumentError: it can't be read, or isn't UTF-8 text as ROS wants it.
+        DocumentError: it can't be read, or isn't UTF-8 text as ROS wants it, without a byte order mark.
     """
     try:
         data = path.read_bytes()
+        if data.startswith(BOM_UTF8):
+            raise DocumentError("begins with a byte order mark, which ROS can't read: save it without", str(path), 1)
+        return data.decode("utf-8")
     except OSError as error:
         raise DocumentError(f"can't be read: {error.strerror}", str(path)) from None
-    try:
-        text = data.decode("utf-8")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise DocumentError(
-            f"isn't UTF-8 text: byte 0x{data[error.start]:02x}; save it as UTF-8", str(path), line
-        ) from None
-    if text.startswith("\ufeff"):
-        raise DocumentError(
-            "begins with a byte order mark, which ROS can't read: save it as UTF-8 without", str(path), 1
-        )
-    return text
+        line, reason = data.count(b"\n", 0, error.start) + 1, f"isn't UTF-8 text: byte 0x{data[error.start]:02x}"
+        raise DocumentError(f"{reason}; save it as UTF-8", str(path), line) from None
 
 
 def parse_interface(text: str, package: str, kind: str, name: str, source: str = "") -> InterfaceSpec:
@@ -90,29 +83,21 @@ def parse_interface(text: str, package: str, kind: str, name: str, source: str =
 
 
 def _installed_file(type_name: str) -> Path:
-    parts = type_name.split("/")
-    if len(parts) != 3 or parts[1] not in KINDS:
-        meant = _meant(parts)
-        such = f"; write {meant!r}" if meant else " such as 'std_srvs/srv/Trigger'"
-        raise DocumentError(f"is neither a .msg, .srv or .action file nor a type{such}", type_name)
-    package, kind, name = parts
+    package, kind, name = (*type_name.split("/"), "", "")[:3]
+    if kind not in KINDS or type_name.count("/") != 2:
+        raise DocumentError(
+            "is neither a .msg, .srv or .action file nor a type such as 'std_srvs/srv/Trigger'", type_name
+        )
     share = share_folder(package, search_path())
     if share is None:
         hint = package_like(package, search_path())
-        raise DocumentError(f"no package {package!r} is installed or built here{hint and '; ' + hint}", type_name)
+        raise DocumentError(f"no package {package!r} is installed or built here{hint}", type_name)
     file = share / kind / f"{name}.{kind}"
     if not file.is_file():
         known = sorted(f.stem for f in (share / kind).glob(f"*.{kind}"))
-        has = ", ".join(known[:20]) or "none"
+        has = listing(known[:20])
         raise DocumentError(f"{package} has no {kind} {name!r}{nearest(name, known)} (it has: {has})", type_name)
     return file
-
-
-def _meant(parts: Sequence[str]) -> str:
-    """Return the whole name of an installed type that was written without its kind, or with another word for it."""
-    share = share_folder(parts[0], search_path())
-    kinds = [kind for kind in KINDS if share is not None and (share / kind / f"{parts[-1]}.{kind}").is_file()]
-    return f"{parts[0]}/{kinds[0]}/{parts[-1]}" if kinds else ""
 
 
 def _parser() -> Any:
@@ -142,39 +127,28 @@ def _split(text: str, kind: str, source: str) -> list[tuple[int, list[str]]]:
 
 def _parse_section(package: str, name: str, lines: list[str], first: int, source: str) -> Any:
     parse = _parser().parse_message_string
-    try:
-        with contextlib.redirect_stderr(io.StringIO()):
-            return parse(package, name, "\n".join(lines))
-    except Exception as error:  # noqa: BLE001 - the parser raises its own and builtin errors alike
-        whole = error
-    for count in range(1, len(lines) + 1):
+    error: Exception | None = None
+    for count in (len(lines), *range(1, len(lines) + 1)):  # the parser doesn't tell which line it is
         try:
             with contextlib.redirect_stderr(io.StringIO()):
-                parse(package, name, "\n".join(lines[:count]))
-        except Exception as error:  # noqa: BLE001
-            line = lines[count - 1].strip()
-            raise DocumentError(f"{_reason(error, line)}, in {line!r}", source, first + count - 1) from None
-    raise DocumentError(str(whole), source, first)
+                spec = parse(package, name, "\n".join(lines[:count]))
+        except Exception as reason:  # noqa: BLE001 - the parser raises its own and builtin errors alike
+            if error is not None:
+                line, words = lines[count - 1].strip(), str(reason)
+                told = _WORDS.get(type(reason).__name__, words)
+                raise DocumentError(f"{told}, in {line!r}", source, first + count - 1) from None
+            error = reason
+        else:
+            if error is None:
+                return spec
+    raise DocumentError(str(error), source, first)
 
 
-def _reason(error: Exception, line: str) -> str:
-    """Return what is wrong with a line, in words of the file rather than of the parser."""
-    kind, told = type(error).__name__, str(error)
-    quoted = next(iter(re.findall(r"'([^']*)'", told)), "")
-    if kind == "InvalidFieldDefinition":
-        return "a field is written as 'type name', a constant as 'type NAME=value'"
-    if kind == "InvalidResourceName":
-        return f"{line.split()[0]!r} isn't a type: a primitive, or Package/Message"
-    if kind == "NameError" and "constant name" in told:
-        return f"{quoted!r} can't name a constant: capitals, digits and single underscores; a default has no '='"
-    if kind == "NameError":
-        return f"{quoted!r} can't name a field: lower case letters, digits and single underscores, a letter first"
-    if "duplicate names" in told:
-        what = "constants" if "constants" in told else "fields"
-        return f"two {what} are named {told.rpartition(': ')[2]!r}"
-    if "size of array" in told:
-        return "the size of an array is a whole number above 0: [3], at most three: [<=3], any number: []"
-    return told or kind
+_WORDS = {
+    "InvalidFieldDefinition": "a field is written as 'type name', a constant as 'type NAME=value'",
+    "InvalidResourceName": "the first word isn't a type: a primitive, or Package/Message",
+}
+"""What errors of the parser mean that say little themselves."""
 
 
 def _field(field: Any) -> FieldSpec:
@@ -221,20 +195,6 @@ def fields_within(folder: Path | None, message: str) -> tuple[FieldSpec, ...] | 
         return None  # a build says what is wrong with it
 
 
-_C = """auto break case char const continue default do double else enum extern float for goto if inline int long
-register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""
-_CPP = """alignas alignof and and_eq asm bitand bitor bool catch char16_t char32_t class compl constexpr const_cast
-decltype delete dynamic_cast explicit export false friend mutable namespace new noexcept not not_eq nullptr operator or
-or_eq private protected public reinterpret_cast static_assert static_cast template this thread_local throw true try
-typeid typename using virtual wchar_t xor xor_eq"""
-_RESERVED = {
-    word: language
-    for language, words in (("Python", keyword.kwlist), ("C++", _CPP.split()), ("C", _C.split()))
-    for word in words
-}
-_ONLY_ROS_1 = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
-
-
 def check_package(package: Package, prefixes: Sequence[Path], beside: Set[str] = frozenset()) -> None:
     """Read every interface of a package and check that it can be built.
 
@@ -245,17 +205,14 @@ def check_package(package: Package, prefixes: Sequence[Path], beside: Set[str] =
         DocumentError: a file is wrong; it says which, where and why.
     """
     own = {f.stem for f in package.files if f.suffix == ".msg"}
-    specs = []
     for file in package.files:
         path = package.folder / file
-        specs.append(parse_interface(read_text(path), package.name, file.suffix[1:], file.stem, str(path)))
-        spec = specs[-1]
+        spec = parse_interface(read_text(path), package.name, file.suffix[1:], file.stem, str(path))
         for field in (*spec.request, *spec.response, *spec.feedback):
-            if language := _RESERVED.get(field.name):
-                told = f"it is a keyword of {language}; rename it, for example to '{field.name}_value'"
+            if keyword.iskeyword(field.name):
+                told = f"it is a keyword of Python; rename it, for example to '{field.name}_value'"
                 raise _wrong(spec, field, told)
             _check_type(spec, field, own, prefixes, beside - package.depends)
-    _check_circles([spec for spec in specs if spec.kind == "msg"])
 
 
 def _check_type(
@@ -270,8 +227,8 @@ def _check_type(
     Raises:
         DocumentError: a type or its package isn't there, with the line that asks for it.
     """
-    if field.type in _ONLY_ROS_1:
-        raise _wrong(spec, field, f"{field.type!r} is of ROS 1; ROS 2 has {_ONLY_ROS_1[field.type]}")
+    if field.type in ("time", "duration"):
+        raise _wrong(spec, field, f"{field.type!r} is of ROS 1; ROS 2 has builtin_interfaces/{field.type.title()}")
     if "/" not in field.type:
         return
     package, _, message = field.type.partition("/msg/")
@@ -286,20 +243,6 @@ def _check_type(
         known, where = {f.stem for f in (share / "msg").glob("*.idl")}, package
     if message not in known:
         raise _wrong(spec, field, f"{where} has no message {message!r}{nearest(message, known)}")
-
-
-def _check_circles(messages: Sequence[InterfaceSpec]) -> None:
-    """Check that no message holds itself, directly or not: ROS has no such types."""
-    by_type = {spec.type_name: spec for spec in messages}
-    graph = {name: [f.type for f in spec.request if f.type in by_type] for name, spec in by_type.items()}
-    try:
-        TopologicalSorter(graph).prepare()
-    except CycleError as error:
-        circle = list(reversed(error.args[1]))
-        spec = by_type[circle[0]]
-        field = next(f for f in spec.request if f.type == circle[1])
-        told = " -> ".join(name.replace("/msg/", "/") for name in circle)
-        raise _wrong(spec, field, f"a message can't hold itself: {told}") from None
 
 
 def _wrong(spec: InterfaceSpec, field: FieldSpec, told: str) -> DocumentError:

@@ -1,17 +1,17 @@
-"""The C and Python sources of an interface package, by rosidl's generators.
+"""The C and Python sources of an interface package, by the classes behind the command `rosidl`.
 
-Only their Python functions are used; the command `rosidl` of the wheels is broken (its entry points are doubled).
+The command itself is broken in the wheels: its entry points are doubled.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
-import json
+import os
 import re
-import tempfile
+import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,13 +27,7 @@ _OF_EVERY_ACTION = {"action_msgs", "unique_identifier_msgs"}
 
 
 class InterfaceBuildError(GripError):
-    """A generator, the compiler or the linker failed.
-
-    Attributes:
-        package: which package.
-        command: what was run.
-        output: what it said.
-    """
+    """A generator, the compiler or the linker failed."""
 
     def __init__(self, package: str, command: Sequence[str], output: str):
         self.package, self.command, self.output = package, tuple(command), output
@@ -47,7 +41,6 @@ class Generated:
     """What was generated for a package.
 
     Attributes:
-        package: what it was generated from.
         folder: holds `idl/`, `hash/` and one sub-folder per generator.
         idl: the .idl files, relative to `folder / "idl" / package.name`.
         depends: every package that it needs, also indirectly, with the prefix where it is installed.
@@ -57,6 +50,16 @@ class Generated:
     folder: Path
     idl: tuple[Path, ...]
     depends: dict[str, Path]
+
+    @property
+    def interfaces(self) -> list[str]:
+        """The .idl files as the generators are given them."""
+        return [f"{self.folder / 'idl' / self.package.name}:{f.as_posix()}" for f in self.idl]
+
+    @property
+    def includes(self) -> list[str]:
+        """The folders with the .idl files of the packages that it needs."""
+        return [str(prefix / "share" / package) for package, prefix in self.depends.items()]
 
     def sources(self, generator: str) -> list[Path]:
         """Return the C and C++ files of one generator."""
@@ -73,15 +76,39 @@ def generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Genera
         InterfaceBuildError: a generator failed.
     """
     generated = hash_types(package, folder, prefixes)
-    with _quietly(package.name):
-        _generate(generated, prefixes)
+    with _working(package.name, prefixes):
+        from rosidl_generator_c.cli import GenerateC
+        from rosidl_generator_py.cli import GeneratePython
+        from rosidl_typesupport_c.cli import GenerateCTypesupport
+        from rosidl_typesupport_fastrtps_c.cli import GenerateFastRTPSCTypesupport
+        from rosidl_typesupport_introspection_c.cli import GenerateIntrospectionCTypesupport
+
+        generators = {
+            "rosidl_typesupport_fastrtps_c": GenerateFastRTPSCTypesupport(""),
+            "rosidl_typesupport_introspection_c": GenerateIntrospectionCTypesupport(""),
+            "rosidl_typesupport_c": GenerateCTypesupport("", typesupport_implementations=list(TYPESUPPORTS)),
+            "rosidl_generator_py": GeneratePython("", typesupport_implementations=["rosidl_typesupport_c"]),
+        }
+        for name in ("rosidl_generator_c", *generators):
+            for kind in {f.parts[0] for f in generated.idl}:
+                (folder / name / package.name / kind).mkdir(parents=True, exist_ok=True)
+        for name, generator in generators.items():
+            generator.generate(package.name, generated.interfaces, generated.includes, folder / name / package.name)
+        for kind in {f.parts[0] for f in generated.idl}:  # it tells hashes apart by their interfaces' last names alone
+            interfaces = [file for file in generated.interfaces if f":{kind}/" in file]
+            hashes = [
+                folder / "hash" / package.name / f.with_suffix(".json") for f in generated.idl if f.parts[0] == kind
+            ]
+            output = folder / "rosidl_generator_c" / package.name
+            GenerateC("").generate(package.name, interfaces, generated.includes, output, hashes)
     return generated
 
 
 @contextlib.contextmanager
-def _quietly(package: str) -> Iterator[None]:
-    """Keep what the generators print, and have them raise where they would end the process."""
-    said = io.StringIO()
+def _working(package: str, prefixes: Sequence[Path]) -> Iterator[None]:
+    """Have generators find their templates, keep what they print, and have them raise where they would exit."""
+    said, before = io.StringIO(), os.environ.get("AMENT_PREFIX_PATH")
+    os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join(map(str, [*prefixes, sys.prefix]))
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of the generators and their parser, not ours to mend
@@ -93,6 +120,10 @@ def _quietly(package: str) -> Iterator[None]:
     except (Exception, SystemExit) as error:
         output = f"{said.getvalue()}\n{type(error).__name__}: {error}"
         raise InterfaceBuildError(package, ["the interface generator"], output) from error
+    finally:
+        os.environ.pop("AMENT_PREFIX_PATH")
+        if before is not None:
+            os.environ["AMENT_PREFIX_PATH"] = before
 
 
 def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Generated:
@@ -102,45 +133,15 @@ def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Gene
         DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.
     """
-    with _quietly(package.name):
-        from rosidl_generator_type_description import generate_type_hash
+    with _working(package.name, prefixes):
+        from rosidl_generator_type_description.cli import HashTypeDescription
 
         idl = _write_idl(package, folder / "idl" / package.name)
         texts = [(folder / "idl" / package.name / f).read_text(encoding="utf-8") for f in idl]
         generated = Generated(package, folder, idl, _dependencies(package, texts, prefixes))
-        hashes = _arguments(generated, "rosidl_generator_type_description", folder / "hash" / package.name, prefixes)
-        del hashes["type_description_tuples"]
-        hashes["include_paths"] = [f"{d}:{prefix / 'share' / d}" for d, prefix in generated.depends.items()]
-        with _argument_file(hashes) as file:
-            generate_type_hash(file)
+        hashes = folder / "hash" / package.name
+        HashTypeDescription("").generate_type_hashes(package.name, generated.interfaces, generated.includes, hashes)
         return generated
-
-
-def _generate(generated: Generated, prefixes: Sequence[Path]) -> None:
-    package, folder = generated.package, generated.folder
-    for generator, run in _generators().items():
-        output = folder / generator / package.name
-        for kind in {f.parts[0] for f in generated.idl}:
-            (output / kind).mkdir(parents=True, exist_ok=True)
-        _write_visibility(package.name, generator, output, prefixes)
-        with _argument_file(_arguments(generated, generator, output, prefixes)) as file:
-            run(file)
-
-
-def _generators() -> dict[str, Callable[[str], object]]:
-    from rosidl_generator_c import generate_c
-    from rosidl_generator_py import generate_py
-    from rosidl_typesupport_c import generate_c as generate_typesupport
-    from rosidl_typesupport_fastrtps_c import generate_typesupport_fastrtps_c
-    from rosidl_typesupport_introspection_c import generate_c as generate_introspection
-
-    return {
-        "rosidl_generator_c": generate_c,
-        "rosidl_typesupport_fastrtps_c": generate_typesupport_fastrtps_c,
-        "rosidl_typesupport_introspection_c": generate_introspection,
-        "rosidl_typesupport_c": lambda file: generate_typesupport(file, list(TYPESUPPORTS)),
-        "rosidl_generator_py": lambda file: generate_py(file, ["rosidl_typesupport_c"]),
-    }
 
 
 def _write_idl(package: Package, folder: Path) -> tuple[Path, ...]:
@@ -175,48 +176,3 @@ def _implied(kinds: set[str]) -> set[str]:
     """Return the packages that a service or an action needs without naming them."""
     services = _OF_EVERY_SERVICE if kinds & {"srv", "action"} else set()
     return services | (_OF_EVERY_ACTION if "action" in kinds else set())
-
-
-def _arguments(generated: Generated, generator: str, output: Path, prefixes: Sequence[Path]) -> dict[str, object]:
-    """Return what the generators' argument files hold (see rosidl_pycommon.generate_files)."""
-    name, folder = generated.package.name, generated.folder
-    idl_folder = folder / "idl" / name
-    share = share_folder(generator, prefixes)
-    if share is None:
-        raise MissingPartError(f"the interface generator {generator}", "pip install 'grip-bt[ros]'")
-    return {
-        "package_name": name,
-        "output_dir": str(output),
-        "template_dir": str(share / "resource"),
-        "idl_tuples": [f"{idl_folder}:{f.as_posix()}" for f in generated.idl],
-        "target_dependencies": [],
-        "ros_interface_files": [str(generated.package.folder / f) for f in generated.package.files],
-        "ros_interface_dependencies": sorted(
-            f"{d}:{i}" for d, prefix in generated.depends.items() for i in (prefix / "share" / d).glob("*/*.idl")
-        ),
-        "type_description_tuples": [
-            f"{f.as_posix()}:{folder}/hash/{name}/{f.with_suffix('.json').as_posix()}" for f in generated.idl
-        ],
-    }
-
-
-@contextlib.contextmanager
-def _argument_file(arguments: dict[str, object]) -> Iterator[str]:
-    with tempfile.NamedTemporaryFile("w", suffix=".json", encoding="utf-8") as file:
-        json.dump(arguments, file)
-        file.flush()
-        yield file.name
-
-
-def _write_visibility(package: str, generator: str, output: Path, prefixes: Sequence[Path]) -> None:
-    """Write the header with a package's export macros, for the generators that have one."""
-    share = share_folder(generator, prefixes)
-    template = share and share / "resource" / f"{generator}__visibility_control.h.in"
-    if template is None or not template.is_file():
-        return
-    text = template.read_text(encoding="utf-8")
-    for key, value in (("PROJECT_NAME", package), ("PROJECT_NAME_UPPER", package.upper())):
-        text = text.replace(f"@{key}@", value)
-    target = output / "msg" / template.stem
-    target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(text, encoding="utf-8")

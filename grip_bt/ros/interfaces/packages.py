@@ -15,11 +15,10 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, GripError, nearest
+from grip_bt.base.errors import DocumentError, GripError, listing, nearest
 
 
 def search_path(overlays: Sequence[Path] = ()) -> list[Path]:
@@ -40,12 +39,8 @@ def interface_packages(prefixes: Sequence[Path]) -> set[str]:
 
 
 def package_like(package: str, prefixes: Sequence[Path]) -> str:
-    """Return ``did you mean 'x'?`` for a package that isn't there, or an empty string.
-
-    Names end alike (`_msgs`, `_interfaces`), so that they have to be nearer to one another than other words.
-    """
-    close = get_close_matches(package, interface_packages(prefixes), n=1, cutoff=0.8)
-    return f"did you mean {close[0]!r}?" if close else ""
+    """Return ``; did you mean 'x'?`` for a package that isn't there, or an empty string."""
+    return nearest(package, sorted(interface_packages(prefixes)))
 
 
 def python_folder(prefix: Path) -> Path | None:
@@ -64,11 +59,7 @@ class PackageError(GripError):
 
 
 def share_of(package: str) -> Path:
-    """Return the `share` folder of a package.
-
-    Raises:
-        PackageError: there is no such package.
-    """
+    """Return the `share` folder of a package. Raises PackageError: there is no such package."""
     roots = search_path()
     found = share_folder(package, roots)
     if found is None:
@@ -96,7 +87,7 @@ def executable_of(package: str, name: str) -> Path:
     if file.is_file() and os.access(file, os.X_OK):
         return file
     known = sorted(f.name for f in folder.iterdir() if f.is_file() and os.access(f, os.X_OK)) if folder.is_dir() else []
-    has = ", ".join(known) or "none"
+    has = listing(known)
     raise PackageError(f"{package} has no program {name!r}{nearest(name, known)} in {folder} (available: {has})")
 
 
@@ -107,12 +98,15 @@ def launch_file_of(package: str, name: str) -> Path:
         PackageError: there is no such package, or it has no such file.
     """
     share = share_of(package)
-    for candidate in (share / "launch" / name, share / name):
-        if candidate.is_file():
-            return candidate
-    known = sorted(f.relative_to(share).as_posix() for f in share.glob("**/*launch*") if f.is_file())
-    has = ", ".join(known) or "none"
-    raise PackageError(f"{package} has no launch file {name!r}{nearest(name, known)} in {share} (available: {has})")
+    return share / "launch" / name if (share / "launch" / name).is_file() else launch_file_in(share, name)
+
+
+def launch_file_in(folder: Path, name: str) -> Path:
+    """Return a launch file by its path in a folder. Raises PackageError: there is none; it says which there are."""
+    if (folder / name).is_file():
+        return folder / name
+    known = sorted(f.relative_to(folder).as_posix() for f in folder.glob("**/*launch*") if f.is_file())
+    raise PackageError(f"no launch file {name!r} in {folder}{nearest(name, known)} (available: {listing(known)})")
 
 
 class OverlayError(GripError):
@@ -200,7 +194,6 @@ class Package:
     """One ordinary ROS interface package.
 
     Attributes:
-        name: its name in package.xml.
         folder: where package.xml is; absolute.
         files: the .msg, .srv and .action files, relative to `folder`, sorted by kind and name.
         depends: names of the packages that package.xml asks for.

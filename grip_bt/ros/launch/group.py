@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TextIO
 
 from grip_bt.base.errors import GripError
 from grip_bt.task.catalog.component_parts import Ready, Restart
@@ -22,7 +22,7 @@ from ..process import Process
 if TYPE_CHECKING:
     from ..client.connection import Connection
 
-State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped", "says"]
+State = Literal["waiting", "starting", "ready", "restarting", "silent", "ended", "failed", "stopped"]
 LOOK = 0.1
 """How often the group is looked at [s]."""
 SILENCE = 5.0
@@ -35,8 +35,6 @@ class Member:
 
     Attributes:
         name: unique in the group.
-        command: program and arguments.
-        folder: working directory.
         env: all of its environment.
         ready: the sign that it does its work; None: as soon as it runs.
         restart: when it is started again after it ended by itself.
@@ -60,21 +58,6 @@ class Member:
     after: float = 0.0
 
 
-@dataclass(frozen=True)
-class LaunchEvent:
-    """What a launch file does beside starting processes.
-
-    Attributes:
-        text: what is said.
-        after: how long after the beginning [s].
-        ends: whether everything ends then (`shutdown`).
-    """
-
-    text: str
-    after: float = 0.0
-    ends: bool = False
-
-
 @dataclass
 class _Running:
     member: Member
@@ -86,6 +69,7 @@ class _Running:
     seen: float = 0.0
     why: str = ""
     logs: list[Path] = field(default_factory=list)
+    copied: int = 0
 
     @property
     def failed(self) -> bool:
@@ -106,10 +90,8 @@ class ProcessGroup:
 
     Args:
         members: the processes, in the order in which they are started; each waits until those before it are ready.
-        logs: folder of the log files.
         domain_id: the DDS domain in which services and topics are looked for.
-        on_change: told of every change, and, as `says` of `launch`, of the events.
-        events: what happens beside processes.
+        output: where new lines of all logs are copied to, as `[name] line`; None for nowhere.
     """
 
     def __init__(
@@ -118,16 +100,13 @@ class ProcessGroup:
         logs: Path,
         domain_id: int | None = None,
         on_change: Listener = lambda name, state, detail: None,
-        events: Sequence[LaunchEvent] = (),
+        output: TextIO | None = None,
     ):
         self._all = {member.name: _Running(member) for member in members}
-        self._logs, self._on_change = logs, on_change
-        self._events = sorted(events, key=lambda event: event.after)
-        self._began = 0.0
+        self._logs, self._on_change, self._output = logs, on_change, output
         self._watch = GraphWatch(domain_id)
         self._lock = threading.RLock()
         self._stopping = threading.Event()
-        self._over = threading.Event()
 
     def states(self) -> dict[str, State]:
         """Return how each process is."""
@@ -148,13 +127,13 @@ class ProcessGroup:
         Raises:
             StartError: one isn't ready in time or ended before; all are ended again.
         """
-        self._began = time.monotonic()
+        began = time.monotonic()
         try:
             for running in self._all.values():
                 if self._stopping.is_set():
                     return
                 if running.member.after > 0:
-                    running.again_at = self._began + running.member.after
+                    running.again_at = began + running.member.after
                     continue
                 self._begin(running)
                 self._until_ready(running)
@@ -169,14 +148,14 @@ class ProcessGroup:
             What failed; empty when nothing did.
         """
         try:
-            while not self._tell_events() and not self._stopping.wait(LOOK):
+            while not self._stopping.wait(LOOK):
                 for running in self._all.values():
                     self._look(running)
                 failed = [r for r in self._all.values() if r.state == "failed"]
                 if given_up := [r for r in failed if r.member.required or r.member.ends_all]:
                     return given_up[0].why
                 over = [r for r in self._all.values() if r.state in ("ended", "failed")]
-                if (len(over) == len(self._all) and not self._events) or any(r.member.ends_all for r in over):
+                if len(over) == len(self._all) or any(r.member.ends_all for r in over):
                     return failed[0].why if failed else ""
             return ""
         finally:
@@ -192,6 +171,7 @@ class ProcessGroup:
             for process in processes:
                 process.stop()
             for running in self._all.values():
+                self._copy(running)
                 if running.state not in ("ended", "failed", "stopped", "waiting"):
                     self._set_state(running, "stopped", "")
             self._watch.close()
@@ -206,26 +186,20 @@ class ProcessGroup:
     def __exit__(self, *_: object) -> None:
         self.stop()
 
-    def _tell_events(self) -> bool:
-        while self._events and time.monotonic() >= self._began + self._events[0].after:
-            event = self._events.pop(0)
-            self._on_change("launch", "says", event.text)
-            if event.ends:
-                return True
-        return False
-
     # --- one process ---
 
     def _begin(self, running: _Running) -> None:
         member = running.member
         running.starts += 1
         number = f".{running.starts}" if running.starts > 1 else ""
-        log = self._logs / f"{_file_name(member.name)}{number}.log"
+        name = re.sub(r"[^A-Za-z0-9_.-]", "_", member.name).strip(".") or "process"
+        log = self._logs / f"{name}{number}.log"
         with self._lock:
             if self._stopping.is_set():
                 return
             running.process = Process(member.name, member.command, member.folder, member.env, log)
         running.logs.append(log)
+        running.copied = 0
         running.began = running.seen = time.monotonic()
         self._set_state(running, "starting", f"process {running.process.pid}, log {log}")
         if member.ready is None:
@@ -247,6 +221,7 @@ class ProcessGroup:
 
     def _look(self, running: _Running) -> None:
         process, now = running.process, time.monotonic()
+        self._copy(running)
         if running.state == "restarting" or (running.state == "waiting" and running.again_at):
             if now >= running.again_at:
                 self._begin(running)
@@ -258,6 +233,20 @@ class ProcessGroup:
             self._set_state(running, "ready", f"after {now - running.began:.1f} s")
         elif running.state in ("ready", "silent"):
             self._check_health(running, now)
+
+    def _copy(self, running: _Running) -> None:
+        """Copy the whole lines that are new in a log, all of it when its process has ended."""
+        if self._output is None or running.process is None:
+            return
+        over = not running.process.alive
+        with running.logs[-1].open("rb") as file:
+            file.seek(running.copied)
+            new = file.read()
+        whole = new if over else new[: new.rfind(b"\n") + 1]
+        running.copied += len(whole)
+        for line in whole.decode("utf-8", "replace").splitlines():
+            self._output.write(f"[{running.member.name}] {line}\n")
+        self._output.flush()
 
     def _is_ready(self, running: _Running) -> bool:
         ready = running.member.ready
@@ -300,10 +289,6 @@ class ProcessGroup:
     def _set_state(self, running: _Running, state: State, detail: str) -> None:
         running.state = state
         self._on_change(running.member.name, state, detail)
-
-
-def _file_name(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_.-]", "_", name).strip(".") or "process"
 
 
 FRESH = 0.25

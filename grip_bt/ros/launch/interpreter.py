@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 import os
 import shlex
+import shutil
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from grip_bt.base.errors import listing, nearest
 from grip_bt.ros.interfaces.packages import PackageError, executable_of
 
-from .element import Element, LaunchError, check_not_legacy, read_elements
-from .group import LaunchEvent, Member
-from .hints import TYPES, about_attributes, about_tag, form
+from ..process import child_environment
+from .element import Element, LaunchError, read_elements
+from .group import Member
 from .substitutions import LaunchContext, substitute, truth
 
 DEEPEST = 30
@@ -23,65 +24,51 @@ DEEPEST = 30
 _CONDITIONS = {"if", "unless"}
 
 
-@dataclass(frozen=True)
-class Argument:
-    """An argument that a launch file declares."""
-
-    name: str
-    default: str | None
-    doc: str
-    choices: tuple[str, ...] = ()
+SUFFIXES = (".launch.py", ".launch.xml", ".launch.yaml", ".launch.yml", ".launch", ".xml", ".yaml", ".yml", ".py")
 
 
-@dataclass
-class Launch:
-    """What a launch file asks for."""
+def is_launch_file(name: str) -> bool:
+    """Tell whether a name is that of a launch file."""
+    return name.endswith(SUFFIXES)
 
-    processes: list[Member] = field(default_factory=list)
-    arguments: list[Argument] = field(default_factory=list)
-    events: list[LaunchEvent] = field(default_factory=list)
+
+def members_of_file(path: Path, arguments: Mapping[str, str], own_reader: bool = False) -> list[Member]:
+    """Return the processes that run a launch file.
+
+    With ROS's tools there is one, which sees to all others; without them, one for each node and executable.
+
+    Args:
+        own_reader: whether our own reader is used also where ROS's tools are.
+
+    Raises:
+        LaunchError: the file can't be run here; it says why, and what to do.
+    """
+    if not path.is_file():
+        raise LaunchError(str(path), None, "there is no such file")
+    env = child_environment(())
+    given = [f"{name}:={value}" for name, value in arguments.items()]
+    ros2 = None if own_reader else shutil.which("ros2")
+    if ros2 is not None:
+        return [Member(path.name, [ros2, "launch", str(path), *given], Path.cwd(), env)]
+    return read_launch_file(path, arguments, env)
 
 
 def read_launch_file(
     path: Path | str,
     arguments: Mapping[str, str] | None = None,
     env: Mapping[str, str] | None = None,
-) -> Launch:
+) -> list[Member]:
     """Read an XML or YAML launch file and return the processes that it asks for.
 
     Args:
-        path: the file.
-        arguments: values of its arguments.
         env: what its processes inherit; nothing by default.
 
     Raises:
         LaunchError: it is wrong, asks for something that isn't here, or uses what isn't understood; by name and line.
-        LegacyLaunchFileError: it is one of ROS 1; it says what to change.
     """
     reader = _Reader(env or {})
     reader.read_file(Path(path), dict(arguments or {}), _Scope({}, {}), ())
-    return reader.launch
-
-
-def read_arguments(path: Path) -> list[Argument]:
-    """Return the arguments that an XML or YAML launch file itself declares, with their defaults as they are written.
-
-    Raises:
-        LaunchError: it can't be read, or is one of ROS 1.
-    """
-    if path.suffix == ".py":
-        raise _in_python(path)
-    root = read_elements(path)
-    check_not_legacy(root, path)
-    return [
-        Argument(
-            element.attributes.get("name", ""),
-            element.attributes.get("default"),
-            element.attributes.get("description", ""),
-            tuple(choice.attributes.get("value", "") for choice in element.of("choice")),
-        )
-        for element in root.of("arg")
-    ]
+    return reader.processes
 
 
 @dataclass
@@ -89,18 +76,12 @@ class _Scope:
     """What a group has of its own; children change a copy, elements of one group share it.
 
     Attributes:
-        variables: what `arg` and `let` have set.
-        env: environment variables that were set.
-        unset: inherited ones that were taken away.
-        namespace: of nodes; empty for none.
-        remaps: (from, to) of every node.
-        parameters: arguments of every node.
+        env: environment variables that were set; None for those that were taken away.
         after: how long after the beginning it all happens [s].
     """
 
     variables: dict[str, str]
-    env: dict[str, str]
-    unset: frozenset[str] = frozenset()
+    env: dict[str, str | None]
     namespace: str = ""
     remaps: tuple[tuple[str, str], ...] = ()
     parameters: tuple[str, ...] = ()
@@ -117,13 +98,18 @@ class _Scope:
         return f"{self.namespace}/{namespace.rstrip('/')}" if namespace else self.namespace
 
 
+def with_changes(env: Mapping[str, str], changes: Mapping[str, str | None]) -> dict[str, str]:
+    """Return environment variables with changes; None takes one away."""
+    return {name: value for name, value in {**env, **changes}.items() if value is not None}
+
+
 class _Element(LaunchContext):
     """An element where it stands: its attributes, with their substitutions made, and errors with its line."""
 
     def __init__(self, element: Element, scope: _Scope, file: Path):
-        super().__init__(file, element.line, scope.variables, {**os.environ, **scope.env})
+        super().__init__(file, element.line, scope.variables, with_changes(os.environ, scope.env))
         self.tag, self.attributes, self.children = element.tag, element.attributes, element.children
-        self.scope, self.yaml = scope, file.suffix in (".yaml", ".yml")
+        self.scope = scope
 
     def inner(self) -> Iterator[_Element]:
         """Yield what stands in it."""
@@ -135,17 +121,19 @@ class _Element(LaunchContext):
 
     def check(self, allowed: set[str]) -> None:
         """Refuse attributes that aren't understood, of the element and of those that stand in it."""
-        wrong = [name for name in self.attributes if name not in allowed]
-        if wrong:
-            raise self.error(f"<{self.tag}>: {about_attributes(self.tag, wrong, allowed, self.yaml)}")
+        inner = _INNER.get(self.tag, {})
+        for name in self.attributes:
+            if name not in allowed:
+                instead = instead_of(name, allowed, inner)
+                supported = f"(supported: {listing(sorted(allowed))})"
+                raise self.error(f"<{self.tag}>: the attribute {name!r} is not supported{instead} {supported}")
         if self.tag in _OF_ELEMENTS:
             return
-        known = _INNER.get(self.tag, {})
         for child in self.inner():
-            if child.tag not in known:
-                instead = about_tag(child.tag, self.tag, known, self.yaml)
+            if child.tag not in inner:
+                instead = f"{instead_of(child.tag, inner)} (available: {listing(sorted(inner))})"
                 raise child.error(f"<{child.tag}> can't stand in <{self.tag}> here{instead}")
-            child.check(known[child.tag])
+            child.check(inner[child.tag])
 
     def holds(self) -> bool:
         """Tell whether its conditions hold."""
@@ -158,8 +146,7 @@ class _Element(LaunchContext):
         if name in self.attributes:
             return substitute(self.attributes[name], self)
         if default is None:
-            how = form(self.tag, self.yaml, given=self.tag == "arg" and name == "value")
-            raise self.error(f"<{self.tag}> needs the attribute {name!r}{f', such as {how}' if how else ''}")
+            raise self.error(f"<{self.tag}> needs the attribute {name!r}")
         return default
 
     def flag(self, name: str, default: str | None = None) -> bool:
@@ -174,12 +161,11 @@ class _Element(LaunchContext):
         except ValueError:
             raise self.error(f"{name}: a quotation mark is missing in {said!r}") from None
 
-    def one_of(self, name: str, default: str, allowed: Sequence[str]) -> str:
-        """Return an attribute that has one of a few values."""
-        said = self.text(name, default)
-        if said.lower() not in allowed:
-            raise self.error(f"{name} is one of {listing(allowed)}, not {said!r}{nearest(said, allowed)}")
-        return said.lower()
+    def file(self, name: str) -> str:
+        """Return an attribute that is the path of a file."""
+        if not Path(file := self.text(name)).is_file():
+            raise self.error(f"<{self.tag} {name}=...>: there is no file {file}")
+        return file
 
     def seconds(self, name: str, default: str | None = None) -> float:
         """Return an attribute that is a time [s]."""
@@ -195,7 +181,7 @@ class _Element(LaunchContext):
 
 class _Reader:
     def __init__(self, env: Mapping[str, str]):
-        self.launch = Launch()
+        self.processes: list[Member] = []
         self._env = env
         self._names: dict[str, int] = {}
         self._files: tuple[Path, ...] = ()
@@ -204,10 +190,7 @@ class _Reader:
     def read_file(self, path: Path, given: dict[str, str], scope: _Scope, above: tuple[Path, ...]) -> None:
         if len(above) >= DEEPEST:
             raise LaunchError(str(path), None, f"files include each other more than {DEEPEST} deep")
-        if path.suffix == ".py":
-            raise _in_python(path)
         root = read_elements(path)
-        check_not_legacy(root, path)
         files, outer, self._files, self._given = self._files, self._given, (*above, path), given
         scope.variables.update(given)
         declared = {e.attributes.get("name", "") for e in root.of("arg")}
@@ -224,9 +207,9 @@ class _Reader:
             at = _Element(element, scope, self._files[-1])
             handler = _HANDLERS.get(element.tag)
             if handler is None:
-                if element.tag in _COMPOSED:
-                    raise at.error(f"<{element.tag}> is not supported: {_CONTAINERS}")
-                instead = about_tag(element.tag, "launch", _HANDLERS, at.yaml)
+                homes = [f"<{outer}>" for outer, inner in _INNER.items() if meant(element.tag) in inner]
+                stands = bool(homes) and meant(element.tag) not in _HANDLERS
+                instead = f"; it stands in {' or '.join(homes)}" if stands else instead_of(element.tag, _HANDLERS)
                 raise at.error(
                     f"<{element.tag}> is not supported{instead} (supported: {listing(sorted(_HANDLERS))}); "
                     "with ROS's own tools on the path, files are run by `ros2 launch`"
@@ -243,8 +226,6 @@ class _Reader:
             raise at.error("<arg value=...> is ROS 1 syntax; a constant is <let name= value=>")
         default = at.text("default") if "default" in at.attributes else None
         choices = tuple(c.text("value") for c in at.of("choice"))
-        if len(self._files) == 1:
-            self.launch.arguments.append(Argument(name, default, at.attributes.get("description", ""), choices))
         if name not in self._given and name not in at.scope.variables:
             if default is None:
                 doc = at.attributes.get("description", "")
@@ -258,58 +239,44 @@ class _Reader:
         at.scope.variables[at.text("name")] = at.text("value")
 
     def _set_env(self, at: _Element) -> None:
-        name = at.text("name")
-        at.scope.env[name] = at.text("value")
-        at.scope.unset -= {name}
+        at.scope.env[at.text("name")] = at.text("value")
 
     def _unset_env(self, at: _Element) -> None:
-        name = at.text("name")
-        at.scope.env.pop(name, None)
-        at.scope.unset |= {name}
+        at.scope.env[at.text("name")] = None
 
     def _append_env(self, at: _Element) -> None:
-        name, value = at.text("name"), at.text("value")
-        present = None if name in at.scope.unset else at.env.get(name)
-        if present is not None:
-            first = at.flag("prepend", "false")
-            value = at.text("separator", os.pathsep).join((value, present) if first else (present, value))
-        at.scope.env[name] = value
-        at.scope.unset -= {name}
+        name, words = at.text("name"), [at.text("value")]
+        if name in at.env:
+            words.insert(len(words) * at.flag("prepend", "false"), at.env[name])
+        at.scope.env[name] = at.text("separator", os.pathsep).join(words)
 
     def _timer(self, at: _Element) -> None:
-        period = at.seconds("period")
         inner = at.scope.copy()
-        inner.after += period
+        inner.after += at.seconds("period")
         self._all(at.children, inner)
 
     def _log(self, at: _Element) -> None:
-        said = at.text("message")
-        level = at.one_of("level", at.tag.removeprefix("log").strip("_") or "info", _LEVELS)
-        self.launch.events.append(LaunchEvent(said if level == "info" else f"{level}: {said}", at.scope.after))
+        """Pass over what is only said."""
 
     def _shutdown(self, at: _Element) -> None:
-        reason = at.text("reason", "the launch file ends everything")
-        self.launch.events.append(LaunchEvent(reason, at.scope.after, ends=True))
+        """Have a process that does nothing, and with which all end, started in its time."""
+        at.attributes = {"on_exit": "shutdown"}
+        self._start(at, ["true"], "shutdown")
 
     def _namespace(self, at: _Element) -> None:
         at.scope.namespace = at.scope.within(at.text("namespace"))
 
     def _set_remap(self, at: _Element) -> None:
-        at.scope.remaps = (*at.scope.remaps, (at.text("from"), at.text("to")))
+        at.scope.remaps += ((at.text("from"), at.text("to")),)
 
     def _set_parameter(self, at: _Element) -> None:
-        name, value = at.text("name"), at.text("value")
-        at.scope.parameters = (*at.scope.parameters, "-p", f"{name}:={value}")
+        at.scope.parameters += ("-p", f"{at.text('name')}:={at.text('value')}")
 
     def _set_parameters_from_file(self, at: _Element) -> None:
-        file = Path(at.text("filename"))
-        if not file.is_file():
-            raise at.error(f"<set_parameters_from_file>: there is no file {file}")
-        at.scope.parameters = (*at.scope.parameters, "--params-file", str(file))
+        at.scope.parameters += ("--params-file", at.file("filename"))
 
     def _set_use_sim_time(self, at: _Element) -> None:
-        value = at.flag("value")
-        at.scope.parameters = (*at.scope.parameters, "-p", f"use_sim_time:={str(value).lower()}")
+        at.scope.parameters += ("-p", f"use_sim_time:={str(at.flag('value')).lower()}")
 
     def _group(self, at: _Element) -> None:
         scoped = at.flag("scoped", "true")
@@ -320,11 +287,10 @@ class _Reader:
         if not file.is_absolute():
             file = self._files[-1].parent / file
         if not file.is_file():
-            there = sorted(f.name for f in file.parent.glob("*") if ".launch" in f.name or f.suffix in _LAUNCH_FILES)
+            there = sorted(f.name for f in file.parent.glob("*launch*"))
             reason = f"<include>: there is no file {file}{nearest(file.name, there)}"
             raise at.error(f"{reason} (launch files there: {listing(there)})")
-        inner = [*at.of("arg"), *at.of("let")]
-        given = {a.text("name"): a.text("value") for a in inner}
+        given = {a.text("name"): a.text("value") for a in (*at.of("arg"), *at.of("let"))}
         try:
             self.read_file(file, given, at.scope, self._files)  # its settings reach what follows, as in ROS itself
         except LaunchError as error:
@@ -338,11 +304,10 @@ class _Reader:
             file = str(executable_of(package, program))
         except PackageError as error:
             raise at.error(str(error)) from None
-        name, own = at.text("name", ""), at.text("namespace", "")
-        namespace = at.scope.within(own) if own else at.scope.namespace
-        remaps = [*at.scope.remaps, *((r.text("from"), r.text("to")) for r in at.of("remap"))]
-        ros = [*(["-r", f"__node:={name}"] if name else []), *(["-r", f"__ns:={namespace}"] if namespace else [])]
-        for source, target in remaps:
+        name, namespace = at.text("name", ""), at.scope.within(at.text("namespace", ""))
+        own = [(source, target) for source, target in (("__node", name), ("__ns", namespace)) if target]
+        ros = []
+        for source, target in (*own, *at.scope.remaps, *((r.text("from"), r.text("to")) for r in at.of("remap"))):
             ros += ["-r", f"{source}:={target}"]
         ros += at.scope.parameters
         for parameter in at.of("param"):
@@ -355,35 +320,25 @@ class _Reader:
         """Return the arguments behind `--ros-args` for one `<param>`: a value, nested ones, or a file."""
         if "from" not in at.attributes:
             return [word for pair in self._values(at, "") for word in ("-p", pair)]
-        file = Path(at.text("from"))
-        if not file.is_file():
-            raise at.error(f"<param from=...>: there is no file {file}")
         if at.flag("allow_substs", "false"):
             reason = "substitutions in a file of parameters aren't made here; give those as <param name= value=>"
             raise at.error(f"<param from=... allow_substs=...>: {reason}")
-        return ["--params-file", str(file)]
+        return ["--params-file", at.file("from")]
 
     def _values(self, at: _Element, above: str) -> Iterator[str]:
         name = above + at.text("name")
         if at.children:
             for child in at.inner():
-                if child.tag != "param":
-                    raise at.error(f"<{child.tag}> can't stand in <param>")
                 yield from self._values(child, f"{name}.")
-        elif "value-sep" in at.attributes:
-            items = at.text("value").split(at.text("value-sep"))
-            yield f"{name}:=[{', '.join(item.strip() for item in items)}]"
-        else:
-            yield f"{name}:={self._typed(at)}"
-
-    def _typed(self, at: _Element) -> str:
-        value, type_ = at.text("value"), at.text("type", "")
-        if type_ in ("", "int", "float", "bool", "yaml"):
-            return value if value else "''"
-        if type_ == "str":
-            return "'" + value.replace("'", "''") + "'"
-        meant = f"; write {TYPES[type_]!r}" if type_ in TYPES else ""
-        raise at.error(f"<param type={type_!r}> is not supported{meant} (supported: int, float, bool, str, yaml)")
+            return
+        value, type_ = at.text("value"), at.text("type", "yaml")
+        if type_ not in ("int", "float", "bool", "str", "yaml"):
+            raise at.error(f"<param type={type_!r}> is not supported (supported: int, float, bool, str, yaml)")
+        if "value-sep" in at.attributes:
+            value = f"[{', '.join(item.strip() for item in value.split(at.text('value-sep')))}]"
+        elif type_ == "str" or not value:
+            value = "'" + value.replace("'", "''") + "'"
+        yield f"{name}:={value}"
 
     def _executable(self, at: _Element) -> None:
         words = at.words("cmd")
@@ -395,24 +350,22 @@ class _Reader:
 
     def _start(self, at: _Element, command: list[str], name: str) -> None:
         prefix = at.words("launch-prefix", "")
-        env = {**at.scope.env, **{e.text("name"): e.text("value") for e in at.of("env")}}
+        env = at.scope.env | {e.text("name"): e.text("value") for e in at.of("env")}
         on_exit = at.text("on_exit", "")
         if on_exit not in ("", "shutdown"):
             raise at.error(f"on_exit={on_exit!r} is not supported (supported: shutdown)")
-        at.one_of("output", "log", _OUTPUTS)
         folder = at.text("cwd", "")
         count = self._names[name] = self._names.get(name, 0) + 1
         most = at.text("respawn_max_retries", "-1")
         if not most.lstrip("-").isdigit():
             raise at.error(f"respawn_max_retries is a whole number, -1 for no end, not {most!r}")
-        inherited = {variable: value for variable, value in self._env.items() if variable not in at.scope.unset}
         respawn = at.flag("respawn", "false")
-        self.launch.processes.append(
+        self.processes.append(
             Member(
                 name if count == 1 else f"{name}-{count}",
                 tuple([*prefix, *command]),
                 Path(folder) if folder else Path.cwd(),
-                {**inherited, **env},
+                with_changes(self._env, env),
                 restart="always" if respawn else "never",
                 restarts=0 if not respawn else int(most) if int(most) >= 0 else sys.maxsize,
                 restart_delay=at.seconds("respawn_delay", "0"),
@@ -426,16 +379,33 @@ class _Reader:
 _COMMON = {"name", "output", "respawn", "respawn_delay", "respawn_max_retries", "launch-prefix", "on_exit", "cwd"}
 _COMMON |= {"emulate_tty"}  # where what is printed looks the same: it goes into a file
 _LOG = {"message", "level"}
-_LEVELS = ("debug", "info", "warning", "warn", "error", "critical")
-_OUTPUTS = ("screen", "log", "both", "own_log", "full")
-_LAUNCH_FILES = (".xml", ".yaml", ".yml")
 _OF_ELEMENTS = {"group", "timer"}
-_COMPOSED = {"node_container", "load_composable_node", "composable_node"}
-_CONTAINERS = (
-    "its nodes are libraries, which the container of rclcpp_components loads into one process; a ROS that "
-    "has it runs the file itself (`ros2 launch`). Most packages have the same nodes as programs, for <node pkg= exec=>"
-)
 _NAMED = {"name", "value"}
+_MEANT = {
+    **{"executable": "exec", "package": "pkg", "arguments": "args", "condition": "if", "ns": "namespace"},
+    **{"parameters": "param", "remappings": "remap", "environment": "env", "argument": "arg", "choices": "choice"},
+    **{"process": "executable", "setenv": "set_env", "push_namespace": "push_ros_namespace"},
+}
+"""What Python launch files and other people call it -> what it is called here."""
+
+
+def meant(name: str) -> str:
+    """Return what an attribute or an element that is called otherwise elsewhere is called here."""
+    return _MEANT.get(name, _MEANT.get(f"{name}s", name))
+
+
+def instead_of(name: str, allowed: Collection[str], inner: Collection[str] = ()) -> str:
+    """Return what to write instead of a name that isn't allowed, as the end of a sentence.
+
+    Args:
+        inner: elements that may stand inside.
+    """
+    wanted = meant(name)
+    if wanted in inner:
+        return f"; <{wanted}> is an element inside of it, in YAML a list `{wanted}: [{{...}}]`"
+    return f"; write {wanted!r}" if wanted in allowed else nearest(name, allowed)
+
+
 _HANDLERS: dict[str, tuple[Callable[[_Reader, _Element], None], set[str]]] = {
     "arg": (_Reader._arg, {"name", "default", "description", "value"}),
     "let": (_Reader._let, _NAMED),
@@ -466,14 +436,3 @@ _INNER: dict[str, dict[str, set[str]]] = {
     "executable": {"env": _NAMED},
 }
 """What can stand in an element, with its attributes."""
-
-
-def _in_python(path: Path) -> LaunchError:
-    """Return the error of a Python launch file."""
-    if not path.is_file():
-        return LaunchError(str(path), None, "there is no such file")
-    reason = (
-        "a launch file in Python is a program of ROS's own `launch` package, which isn't here; source a ROS that has it"
-        f" (source /opt/ros/jazzy/setup.bash), or say the same in XML, as {path.name.removesuffix('.py')}.xml, or YAML"
-    )
-    return LaunchError(str(path), None, reason)

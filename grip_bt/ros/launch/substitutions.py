@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -17,26 +18,12 @@ from .element import LaunchError
 TRUE, FALSE = ("true", "1"), ("false", "0")
 MOST = 100
 """Substitutions in one text, also within each other."""
-_REFUSED = {
-    "command": "it runs a program while the file is read (`xacro FILE NAME:=VALUE ...` is understood, and expanded "
-    "by GRIP); give its output as an argument",
-    "param": "it asks for a parameter that is set while nodes start",
-    "find": "it is ROS 1 syntax; write $(find-pkg-share PACKAGE)",
-    "optenv": "it is ROS 1 syntax; write $(env NAME DEFAULT)",
-    "arg": "it is ROS 1 syntax; write $(var NAME)",
-}
+_QUOTED = re.compile(r"""(['"])((?:\\.|(?!\1).)*)\1""", re.DOTALL)
 
 
 @dataclass
 class LaunchContext:
-    """Where a text stands, and what its substitutions see.
-
-    Attributes:
-        source: the launch file.
-        line: of the element.
-        variables: what `arg` and `let` have set.
-        env: the environment.
-    """
+    """Where a text stands, and what its substitutions see."""
 
     source: Path
     line: int
@@ -58,22 +45,13 @@ def substitute(text: str, context: LaunchContext) -> str:
         raise context.error(f"more than {MOST} substitutions in one text")
     made, at = [], 0
     while at < len(text):
-        if text[at] == "\\" and at + 1 < len(text):
-            made.append(text[at + 1])
-            at += 2
-        else:
-            piece, at = _piece(text, at, context)
-            made.append(piece)
+        piece, at = _piece(text, at, context)
+        made.append(piece)
     return "".join(made)
 
 
 def truth(text: str, context: LaunchContext, what: str = "a condition") -> bool:
-    """Return the truth value that a text, after substitution, spells.
-
-    Args:
-        text: as it is written.
-        context: where.
-        what: of what it is the value, for the error.
+    """Return the truth value that a text, after substitution, spells; an error says `what` it is of.
 
     Raises:
         LaunchError: it is neither true nor false.
@@ -81,71 +59,44 @@ def truth(text: str, context: LaunchContext, what: str = "a condition") -> bool:
     word = substitute(text, context).strip().lower()
     if word in TRUE or word in FALSE:
         return word in TRUE
-    raise context.error(f"{what} is true, false, 1 or 0, not {word!r}{_compared(word)}")
-
-
-def _compared(word: str) -> str:
-    """Return how to write what looks like a comparison, or a variable of another language."""
-    if "==" in word:
-        return "; texts are compared by $(equals $(var NAME) VALUE)"
-    return "; a variable is $(var NAME)" if "$" in word or "{" in word else ""
+    how = "a variable is $(var NAME), and texts are compared by $(equals $(var NAME) VALUE)"
+    raise context.error(f"{what} is true, false, 1 or 0, not {word!r}; {how}")
 
 
 def _piece(text: str, at: int, context: LaunchContext) -> tuple[str, int]:
     """Read one substitution, or one character that is itself; return it and where it goes on."""
-    return _inside(text, at + 2, context) if text.startswith("$(", at) else (text[at], at + 1)
+    if text.startswith("$(", at):
+        return _inside(text, at + 2, context)
+    if text[at] == "\\" and at + 1 < len(text):
+        at += 1
+    return text[at], at + 1
 
 
 def _inside(text: str, at: int, context: LaunchContext) -> tuple[str, int]:
-    """Read from behind `$(` to its closing bracket; return the value and where it goes on."""
-    words: list[str] = []
-    began = at
-    while True:
-        while at < len(text) and text[at].isspace():
-            at += 1
-        if at >= len(text):
-            raise context.error(f"$({text[began:]!s}: the closing bracket is missing")
-        if text[at] == ")":
-            break
-        word, at = _word(text, at, context)
-        words.append(word)
-    if not words:
-        raise context.error("$() is empty")
-    return _apply(words[0], words[1:], context), at + 1
-
-
-def _word(text: str, at: int, context: LaunchContext) -> tuple[str, int]:
-    """Read one word, of which parts may be quoted or substitutions themselves."""
-    made = []
-    while at < len(text) and not text[at].isspace() and text[at] != ")":
-        if text[at] in "'\"":
-            end = _closing_quote(text, at, context)
-            made.append(substitute(text[at + 1 : end], context))
-            at = end + 1
+    """Read from behind `$(` to its closing bracket; parts of words may be quoted, or substitutions themselves."""
+    began, words = at, []
+    word: str | None = None
+    while at < len(text):
+        if text[at].isspace() or text[at] == ")":
+            words += [] if word is None else [word]
+            word, at = None, at + 1
+            if text[at - 1] == ")":
+                return _apply(words, context), at
+        elif text[at] in "'\"":
+            quoted = _QUOTED.match(text, at)
+            if quoted is None:
+                raise context.error(f"a quotation mark is missing in {text!r}")
+            word, at = (word or "") + substitute(quoted[2], context), quoted.end()
         else:
             piece, at = _piece(text, at, context)
-            made.append(piece)
-    return "".join(made), at
+            word = (word or "") + piece
+    raise context.error(f"$({text[began:]}: the closing bracket is missing")
 
 
-def _closing_quote(text: str, at: int, context: LaunchContext) -> int:
-    """Return where the text that is quoted from `at` ends; a quotation mark behind a backslash doesn't end it."""
-    end = at + 1
-    while end < len(text) and text[end] != text[at]:
-        end += 2 if text[end] == "\\" else 1
-    if end >= len(text):
-        raise context.error(f"a quotation mark is missing in {text!r}")
-    return end
-
-
-def _apply(name: str, words: list[str], context: LaunchContext) -> str:
-    if name == "command" and (asked := shlex.split(words[0] if words else ""))[:1] == ["xacro"]:
-        return _xacro(asked[1:], context)
-    if name in _REFUSED:
-        raise context.error(f"$({name} ...) isn't run here: {_REFUSED[name]}")
+def _apply(asked: list[str], context: LaunchContext) -> str:
+    name, words = (asked[0], asked[1:]) if asked else ("", [])
     if name not in _KNOWN:
-        hint = "" if name in context.variables else nearest(name, _KNOWN)
-        hint = hint or f"; the value of an argument is $(var {name})"
+        hint = nearest(name, _KNOWN) or f"; the value of an argument is $(var {name})"
         raise context.error(f"unknown substitution $({name} ...){hint} (available: {listing(sorted(_KNOWN))})")
     fewest, most, function = _KNOWN[name]
     if not fewest <= len(words) <= most:
@@ -157,22 +108,18 @@ def _apply(name: str, words: list[str], context: LaunchContext) -> str:
         raise context.error(f"$({name} {' '.join(words)}): {error}") from None
 
 
-def _variable(words: list[str], context: LaunchContext) -> str:
-    if words[0] in context.variables:
-        return context.variables[words[0]]
-    if len(words) > 1:
-        return words[1]
-    known = listing(sorted(context.variables))
-    hint = nearest(words[0], context.variables) or "; one is declared by <arg> or <let>, before it is used"
-    raise context.error(f"$(var {words[0]}): no such argument{hint} (available: {known})")
+def _looked_up(
+    kind: str, known: Callable[[LaunchContext], Mapping[str, str]]
+) -> Callable[[list[str], LaunchContext], str]:
+    def look(words: list[str], context: LaunchContext) -> str:
+        values = known(context)
+        if words[0] not in values and len(words) == 1:
+            there = f" (available: {listing(sorted(values))})" if kind == "var" else ""
+            reason = f"there is none{nearest(words[0], values)}; a default: $({kind} {words[0]} VALUE)"
+            raise context.error(f"$({kind} {words[0]}): {reason}{there}")
+        return values.get(words[0], words[-1])
 
-
-def _environment(words: list[str], context: LaunchContext) -> str:
-    if words[0] in context.env:
-        return context.env[words[0]]
-    if len(words) > 1:
-        return words[1]
-    raise context.error(f"$(env {words[0]}): the environment has no such variable; a default: $(env {words[0]} VALUE)")
+    return look
 
 
 def _evaluated(words: list[str], context: LaunchContext) -> str:
@@ -180,52 +127,46 @@ def _evaluated(words: list[str], context: LaunchContext) -> str:
     try:
         expression = parse_expression(words[0])
         if expression.names:
-            raise context.error(
-                f"$(eval {words[0]!r}): {expression.names[0]!r} is no value; a text stands in quotation marks: "
-                "$(eval \"'$(var NAME)' == 'sim'\")"
-            )
+            raise ExpressionError(words[0], f"{expression.names[0]!r} is no value; a text stands in quotation marks")
         return str(value_of(expression, {})())
     except (ExpressionError, EvaluationError) as error:
-        raise context.error(
-            f"$(eval {words[0]!r}): {error}; Python code isn't run here: write it with if/unless, `equals`, `not`"
-        ) from None
+        how = "only literals are computed here, such as $(eval \"'$(var NAME)' == 'sim'\")"
+        raise context.error(f"$(eval {words[0]!r}): {error}; {how}") from None
 
 
 def _xacro(words: list[str], context: LaunchContext) -> str:
-    """Return a robot's description, as `xacro FILE NAME:=VALUE ...` prints it."""
+    """Return a robot's description, as `xacro FILE NAME:=VALUE ...` prints it; no other command is known."""
     from grip_bt.commanders.description.packages import Packages
     from grip_bt.commanders.description.xml import expand
 
-    files = [word for word in words if ":=" not in word and not word.startswith("-")]
-    if len(files) != 1:
-        raise context.error(f"$(command 'xacro ...'): it is given one file, not {len(files)}")
-    packages = Packages({}, (Path(files[0]),))
+    asked = [word for word in shlex.split(words[0]) if not word.startswith("-")]
+    files = [word for word in asked if ":=" not in word]
+    if len(files) != 2 or files[0] != "xacro":
+        raise context.error("$(command ...) isn't run here, only `xacro FILE NAME:=VALUE ...` is understood")
+    file = Path(files[1])
     try:
-        return expand(Path(files[0]), dict(word.split(":=", 1) for word in words if ":=" in word), packages)[0]
+        return expand(file, dict(word.split(":=", 1) for word in asked if ":=" in word), Packages({}, (file,)))[0]
     except DocumentError as error:
         raise context.error(f"$(command 'xacro ...'): {error}") from None
 
 
-def _logic(words: list[str], context: LaunchContext) -> list[bool]:
-    return [truth(word, context) for word in words]
-
-
-def _said(value: bool) -> str:
-    return "true" if value else "false"
+def _logic(holds: Callable[..., bool]) -> Callable[[list[str], LaunchContext], str]:
+    return lambda words, context: str(holds(*(truth(word, context) for word in words))).lower()
 
 
 _KNOWN: dict[str, tuple[int, int, Callable[[list[str], LaunchContext], str]]] = {
-    "var": (1, 2, _variable),
-    "env": (1, 2, _environment),
+    "var": (1, 2, _looked_up("var", lambda context: context.variables)),
+    "env": (1, 2, _looked_up("env", lambda context: context.env)),
     "eval": (1, 1, _evaluated),
+    "command": (1, 2, _xacro),
     "dirname": (0, 0, lambda words, context: str(context.source.resolve().parent)),
     "filename": (0, 0, lambda words, context: context.source.name),
     "find-pkg-share": (1, 1, lambda words, context: str(share_of(words[0]))),
     "find-pkg-prefix": (1, 1, lambda words, context: str(prefix_of(words[0]))),
     "exec-in-pkg": (2, 2, lambda words, context: str(executable_of(words[1], words[0]))),
-    "not": (1, 1, lambda words, context: _said(not _logic(words, context)[0])),
-    "and": (2, 2, lambda words, context: _said(all(_logic(words, context)))),
-    "or": (2, 2, lambda words, context: _said(any(_logic(words, context)))),
-    "equals": (2, 2, lambda words, context: _said(words[0] == words[1])),
-    "not-equals": (2, 2, lambda words, context: _said(words[0] != words[1])),
+    "not": (1, 1, _logic(lambda one: not one)),
+    "and": (2, 2, _logic(lambda one, other: one and other)),
+    "or": (2, 2, _logic(lambda one, other: one or other)),
+    "equals": (2, 2, lambda words, context: str(words[0] == words[1]).lower()),
+    "not-equals": (2, 2, lambda words, context: str(words[0] != words[1]).lower()),
 }

@@ -7,7 +7,6 @@ with Bus() as bus:
 
 from __future__ import annotations
 
-from .client import RosMessages
-from .server import MessageServer
+from .service import MessageServer, RosMessages
 
 __all__ = ["MessageServer", "RosMessages"]

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from grip_bt.base.failures import ExpectedError, NoEntryError
+from grip_bt.base.failures import ExpectedError
 from grip_bt.base.message_store import STANDARD
-from grip_bt.base.message_store.yaml import plain_of, text_of, value_of
+from grip_bt.base.message_store.files import text_of, value_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Messages
 from grip_bt.base.values import Grasp, JointState, Pose
 
 from ..client.types import ConversionError, InterfaceType, Message, load_type, type_name
 from ..convert import from_message, to_message
-from ..convert_geometry import header, pose_from_message, pose_to_message
+from ..convert_values import header, pose_from_message, pose_to_message
 from ..interface import BadRequestError
 
 PREFIX = "/grip/messages"
@@ -40,12 +40,7 @@ _POSTURES = ("pre_posture", "posture")
 
 @dataclass(frozen=True, slots=True)
 class RawMessage:
-    """A message as it is sent: nothing of it is lost, whatever its type.
-
-    Attributes:
-        type: its ROS type.
-        data: CDR.
-    """
+    """A message as it is sent: nothing of it is lost, whatever its type; `data`: CDR."""
 
     type: str
     data: bytes
@@ -143,49 +138,20 @@ def text_of_entry(store: str, value: object) -> str:
     return text_of(value) or text_of(message_of(pack(store, value)))
 
 
-def text_of_message(store: str, message: Message) -> str:
-    """Return a message of a store likewise."""
-    return text_of_entry(store, unpack(store, pack(store, message)))
-
-
-def plain_of_entry(store: str, value: object) -> Any:
-    """Return the fields of a value's message as plain data, None for a big one."""
-    return plain_of(message_of(pack(store, value)))
-
-
-class ServerStates(Mapping[str, JointState]):
-    """A server's joint states, asked for when a trajectory names them.
-
-    Args:
-        done: waits for an answer, and returns it.
-    """
-
-    def __init__(self, messages: Messages, done: Callable[[Operation[Any]], Any]):
-        self._messages, self._done = messages, done
-
-    def __getitem__(self, name: str) -> JointState:
-        try:
-            state: JointState = self._done(self._messages.get("joint_states", name)).value
-        except NoEntryError:
-            raise KeyError(name) from None
-        return state
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._done(self._messages.names("joint_states")))
-
-    def __len__(self) -> int:
-        return len(list(iter(self)))
+def joint_states_of(messages: Messages, done: Callable[[Operation[Any]], Any]) -> dict[str, JointState]:
+    """Return a server's joint states by name; `done` waits for an answer, and returns it."""
+    return {n: done(messages.get("joint_states", n)).value for n in done(messages.names("joint_states"))}
 
 
 def value_from_text(
-    store: str, name: str, text: str, type_: str = "", states: Mapping[str, JointState] | None = None
+    store: str, name: str, text: str, type_: str = "", states: Callable[[], Mapping[str, JointState]] = dict
 ) -> Any:
     """Return what a text says: the value of a standard store, or a message.
 
     Args:
-        text: YAML; see `grip_bt.base.message_store.yaml.value_of`.
+        text: YAML; see `grip_bt.base.message_store.files.value_of`.
         type_: the ROS type of its message, where the store isn't a standard one.
-        states: what the way-points of a trajectory can name.
+        states: asked for what the way-points of a trajectory can name.
 
     Raises:
         DocumentError: the text says something else, with the place.
@@ -193,7 +159,7 @@ def value_from_text(
         UnknownNameError, MissingPartError: there is no such type here.
         ConversionError: a field isn't one of the type's, or has another type.
     """
-    value = value_of(store, name, text, states)
+    value = value_of(store, name, text, states() if store == "trajectories" else {})
     if not isinstance(value, dict) or store in ("poses", "joint_states", "robot_poses"):
         return value
     type_ = type_ or MESSAGES.get(store, "")

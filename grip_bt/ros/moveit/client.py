@@ -36,7 +36,7 @@ from ..client.service import ServiceClient
 from ..client.types import Message, constant_name, load_type
 from ..controllers import JointStates, RosExecutor
 from ..controllers.trajectory import LATE, follow_goal
-from ..convert_geometry import trajectory_to_message
+from ..convert_values import trajectory_to_message
 from ..interfaces.build import ensure_package
 
 ANSWER = 10.0
@@ -74,7 +74,6 @@ class MoveGroup:
         """Plan without executing; the result is the `MoveGroup` action's, and cancelling it stops the search.
 
         Args:
-            request: a `MotionPlanRequest`.
             timeout: what it was given [s]; a move_group that takes much longer is taken for lost.
         """
         goal = load_type("moveit_msgs/action/MoveGroup").Goal(request=request)
@@ -83,13 +82,6 @@ class MoveGroup:
         goal.planning_options.planning_scene_diff.robot_state.is_diff = True
         sent = self._plan.send(goal, timeout + ANSWER, self._wait, moves=False)
         return self._named(sent.then(_ended), "planning")
-
-    def plan_by_service(self, request: Message, timeout: float) -> Operation[Message]:
-        """Plan by the service `plan_kinematic_path`, which can't be cancelled; the result is its response."""
-        type_ = load_type("moveit_msgs/srv/GetMotionPlan")
-        client = self._bus.service(type_, f"{self._namespace}/plan_kinematic_path")
-        asked = client.call(type_.Request(motion_plan_request=request), timeout + ANSWER, self._wait)
-        return self._named(asked.then(lambda a: Operation.finished(a.motion_plan_response)), "planning")
 
     def cartesian(self, request: Message) -> Operation[Message]:
         """Plan straight lines; the result is the response, whose `fraction` may be less than 1."""
@@ -217,7 +209,6 @@ class MoveGroupExecutor(RosExecutor):
     """Implements `grip_bt.base.ports.Executor` over move_group's action ExecuteTrajectory.
 
     Args:
-        action: such as `/execute_trajectory`.
         wait: how long to wait for move_group to appear [s].
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -21,7 +22,7 @@ from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphe
 from grip_bt.commanders.description.robot import RobotDescription
 
 from ..client.types import Message, load_type
-from ..convert_geometry import header, pose_to_message
+from ..convert_values import header, pose_to_message
 
 JOINT_TOLERANCE = 1e-4
 """How near to a goal a joint has to come [rad or m]."""
@@ -163,7 +164,6 @@ class ArmMapping:
 
     Attributes:
         group: MoveIt's group of the arm's joints.
-        joints: these joints.
         link: the link that the grasp frame is fixed to.
         frame: the grasp frame in that link.
         hand_links: links of the hand, which may touch what it holds.
@@ -202,7 +202,7 @@ def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Message
     """Return the message that adds or replaces an object.
 
     Args:
-        solid: its shape; hulls become triangles, maps of cells the surface of their cells.
+        solid: its shape; hulls become triangles, maps of cells their cells.
         pose: where its own axes are in `frame`.
         frame: a link or another frame that MoveIt knows.
     """
@@ -220,7 +220,7 @@ def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Message
         case Mesh():
             message.meshes = [_mesh(*_surface(solid))]
         case CellMap():
-            message.meshes = [_mesh(*_faces(solid))]
+            message.meshes = [_mesh(*_cubes(solid))]
     message.primitive_poses = [PoseMessage() for _ in message.primitives]
     message.mesh_poses = [PoseMessage() for _ in message.meshes]
     return message
@@ -244,31 +244,12 @@ def _surface(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     return points, ConvexHull(points).simplices.astype(np.int32)
 
 
-def _faces(cells: CellMap) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Return points and triangles of the faces that separate occupied cells from others."""
-    taken = {tuple(cell) for cell in cells.cells.tolist()}
-    corners: list[NDArray[np.float64]] = []
-    for axis in range(3):
-        for side in (0, 1):
-            step = np.zeros(3, int)
-            step[axis] = 2 * side - 1
-            outer = np.array([c for c in cells.cells.tolist() if tuple(np.add(c, step).tolist()) not in taken])
-            if len(outer):
-                corners.append((outer[:, None, :] + _square(axis, side)) * cells.resolution)
-    squares = np.concatenate(corners).reshape(-1, 3)
-    points, index = np.unique(squares.round(9), axis=0, return_inverse=True)
-    quads = index.reshape(-1, 4)
-    return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
-
-
-def _square(axis: int, side: int) -> NDArray[np.float64]:
-    """Return the corners of a unit cell's face, shape (4, 3), in order around it."""
-    one, other = (axis + 1) % 3, (axis + 2) % 3
-    corners = np.zeros((4, 3))
-    corners[:, axis] = side
-    corners[[1, 2], one] = 1
-    corners[[2, 3], other] = 1
-    return corners
+def _cubes(cells: CellMap) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Return points and triangles of the occupied cells, each a cube."""
+    corners = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+    points = (cells.cells[:, None, :] + corners) * cells.resolution
+    triangles = 8 * np.arange(len(points))[:, None, None] + ConvexHull(corners).simplices
+    return points.reshape(-1, 3), triangles.reshape(-1, 3).astype(np.int32)
 
 
 def _mesh(points: NDArray[np.float64], triangles: Iterable[NDArray[np.int32]]) -> MeshMessage:

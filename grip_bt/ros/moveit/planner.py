@@ -39,7 +39,7 @@ from grip_bt.commanders.planning.requests import (
 )
 
 from ..client.types import Message, load_type
-from ..convert_geometry import joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
+from ..convert_values import header, joints_to_message, pose_to_message, pose_to_stamped, trajectory_from_message
 from .client import MoveGroup
 from .goals import ArmMapping, at_joints, at_pose, on_the_way
 from .scene import PlanningSceneSync
@@ -48,6 +48,7 @@ STEP = 0.005
 """How far apart points of a straight line are [m]."""
 JUMP = 0.3
 """A joint that moves further than this between two of them jumps [rad or m]."""
+OUT_OF_REACH = "out of reach, or a joint would jump"
 CLEARING = 3.0
 """How long closing waits for move_group to take our objects out of its scene [s]."""
 
@@ -64,7 +65,6 @@ class MoveGroupPlanner(Closing):
         hands: hand, as the scene knows it -> the mount of the arm that carries it.
         pipeline: MoveIt's planning pipeline, such as `ompl`; its default when empty.
         planner_id: its planner, such as `RRTConnectkConfigDefault`; its default when empty.
-        by_service: ask the service instead of the action; then a plan can't be cancelled.
     """
 
     def __init__(
@@ -75,10 +75,9 @@ class MoveGroupPlanner(Closing):
         hands: Mapping[str, ArmMapping],
         pipeline: str = "",
         planner_id: str = "",
-        by_service: bool = False,
     ):
         self._move_group, self.robot, self._arms = move_group, robot, dict(arms)
-        self._pipeline, self._planner_id, self._by_service = pipeline, planner_id, by_service
+        self._pipeline, self._planner_id = pipeline, planner_id
         self._scene = PlanningSceneSync(move_group, robot, hands)
         self._requests = Sequencer()
 
@@ -93,11 +92,7 @@ class MoveGroupPlanner(Closing):
     # --- what requests are answered with ---
 
     def mount(self, group: str) -> ArmMapping:
-        """Return the mount of a group of ours.
-
-        Raises:
-            UnknownNameError: move_group doesn't plan for it.
-        """
+        """Return the mount of a group of ours; raises UnknownNameError where move_group doesn't plan for it."""
         if group not in self._arms:
             raise UnknownNameError("group that move_group plans for", group, self._arms, "grip.yaml: ros/move_group")
         return self._arms[group]
@@ -121,18 +116,22 @@ class MoveGroupPlanner(Closing):
     def free(self, request: PlanTo) -> Steps[Trajectory]:
         """Plan a free path in the scene that was shown."""
         situation, mount = request.situation, self.mount(request.situation.group)
-        asked = self._plan_request(situation, mount)
-        asked.goal_constraints = self._goals(request, mount)
+        asked = load_type("moveit_msgs/msg/MotionPlanRequest")(
+            **_common(situation, situation.start, mount),
+            pipeline_id=self._pipeline,
+            planner_id=self._planner_id,
+            num_planning_attempts=situation.settings.attempts,
+            allowed_planning_time=situation.settings.planning_time,
+            goal_constraints=self._goals(request, mount),
+        )
         if request.constraint is not None:
             asked.path_constraints = on_the_way(request.constraint, mount, self.robot.base_link)
-        plan = self._move_group.plan_by_service if self._by_service else self._move_group.plan
         try:
-            answer = yield plan(asked, situation.settings.planning_time)
+            answer = yield self._move_group.plan(asked, situation.settings.planning_time)
         except (NoPlanError, TimeOutError) as error:
             yield from self._say_what_is_wrong(request, mount, error)
             raise
-        found = answer.trajectory if self._by_service else answer.planned_trajectory
-        return self._trajectory(found, mount)
+        return self._trajectory(answer.planned_trajectory, mount)
 
     def straight(self, situation: Situation, start: JointState, poses: tuple[Pose, ...]) -> Steps[Trajectory]:
         """Plan straight lines of the grasp frame through poses in world, in the scene that was shown.
@@ -141,16 +140,24 @@ class MoveGroupPlanner(Closing):
             NoIkError, PathInvalidError: they can't be followed to their end; `data['fraction']` tells how far.
         """
         mount = self.mount(situation.group)
-        asked = self._line_request(situation, start, poses, mount)
+        asked = load_type("moveit_msgs/srv/GetCartesianPath").Request(
+            **_common(situation, start, mount),
+            header=header(self.robot.base_link),
+            link_name=mount.link,
+            waypoints=[pose_to_message(self._in_base(mount.link_pose(pose))) for pose in poses],
+            max_step=STEP,
+            prismatic_jump_threshold=JUMP,
+            revolute_jump_threshold=JUMP,
+            avoid_collisions=True,
+        )
         answer = yield self._move_group.cartesian(asked)
         if answer.fraction < 1 - 1e-3:
             asked.avoid_collisions = False
             without = yield self._move_group.cartesian(asked)
             blocked = without.fraction > answer.fraction + 1e-3
-            far = f"only {answer.fraction:.0%} of the way along the line"
-            if blocked:
-                raise PathInvalidError(f"something is in the way, {far}", fraction=float(answer.fraction))
-            raise NoIkError(f"out of reach, or a joint would jump, {far}", fraction=float(answer.fraction))
+            kind, why = (PathInvalidError, "something is in the way") if blocked else (NoIkError, OUT_OF_REACH)
+            far = f"{why}, only {answer.fraction:.0%} of the way along the line"
+            raise kind(far, fraction=float(answer.fraction))
         return self._trajectory(answer.solution, mount)
 
     def inverse(self, situation: Situation, start: JointState, pose: Pose, collisions: bool) -> Steps[JointState]:
@@ -178,38 +185,6 @@ class MoveGroupPlanner(Closing):
         return JointState(mount.joints, np.array([positions[joint] for joint in mount.joints]))
 
     # --- requests and replies ---
-
-    def _plan_request(self, situation: Situation, mount: ArmMapping) -> Message:
-        settings = situation.settings
-        return load_type("moveit_msgs/msg/MotionPlanRequest")(
-            start_state=_state(situation.start),
-            pipeline_id=self._pipeline,
-            planner_id=self._planner_id,
-            group_name=mount.group,
-            num_planning_attempts=settings.attempts,
-            allowed_planning_time=settings.planning_time,
-            max_velocity_scaling_factor=settings.speed,
-            max_acceleration_scaling_factor=settings.acceleration or settings.speed,
-        )
-
-    def _line_request(
-        self, situation: Situation, start: JointState, poses: tuple[Pose, ...], mount: ArmMapping
-    ) -> Message:
-        settings = situation.settings
-        asked = load_type("moveit_msgs/srv/GetCartesianPath").Request(
-            start_state=_state(start),
-            group_name=mount.group,
-            link_name=mount.link,
-            waypoints=[pose_to_message(self._in_base(mount.link_pose(pose))) for pose in poses],
-            max_step=STEP,
-            prismatic_jump_threshold=JUMP,
-            revolute_jump_threshold=JUMP,
-            avoid_collisions=True,
-            max_velocity_scaling_factor=settings.speed,
-            max_acceleration_scaling_factor=settings.acceleration or settings.speed,
-        )
-        asked.header.frame_id = self.robot.base_link
-        return asked
 
     def _goals(self, request: PlanTo, mount: ArmMapping) -> list[Message]:
         """Return the goals, any of which will do; joints that a goal doesn't name stay where they are."""
@@ -259,6 +234,17 @@ class MoveGroupPlanner(Closing):
 def _state(joints: JointState) -> Message:
     """Return a robot state in which only the joints are other than in move_group's scene."""
     return load_type("moveit_msgs/msg/RobotState")(joint_state=joints_to_message(joints), is_diff=True)
+
+
+def _common(situation: Situation, start: JointState, mount: ArmMapping) -> dict[str, object]:
+    """Return what every request for a path holds."""
+    settings = situation.settings
+    return {
+        "start_state": _state(start),
+        "group_name": mount.group,
+        "max_velocity_scaling_factor": settings.speed,
+        "max_acceleration_scaling_factor": settings.acceleration or settings.speed,
+    }
 
 
 _UNFIT = (NoIkError, PathInvalidError, NoPlanError, TimeOutError, GoalInCollisionError)

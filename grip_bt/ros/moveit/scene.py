@@ -124,19 +124,13 @@ def with_allowed(baseline: Message, pairs: Iterable[tuple[str, str]], names: Ite
     """
     pairs = list(pairs)
     known = list(dict.fromkeys([*baseline.entry_names, *names, *(n for p in pairs for n in p if n != ANYTHING)]))
-    allowed = {
-        pair
-        for one, other in pairs
-        for a in _meant(one, known)
-        for b in _meant(other, known)
-        for pair in ((a, b), (b, a))
-    }
+    both = [*pairs, *((other, one) for one, other in pairs)]
     rows = {name: row.enabled for name, row in zip(baseline.entry_names, baseline.entry_values, strict=False)}
     column = {name: i for i, name in enumerate(baseline.entry_names)}
     default = dict(zip(baseline.default_entry_names, baseline.default_entry_values, strict=False))
 
     def may(one: str, other: str) -> bool:
-        if (one, other) in allowed:
+        if any(a in (ANYTHING, one) and b in (ANYTHING, other) for a, b in both):
             return True
         if one in rows and other in column:
             return bool(rows[one][column[other]])
@@ -150,7 +144,3 @@ def with_allowed(baseline: Message, pairs: Iterable[tuple[str, str]], names: Ite
         default_entry_names=list(baseline.default_entry_names),
         default_entry_values=list(baseline.default_entry_values),
     )
-
-
-def _meant(name: str, known: list[str]) -> list[str]:
-    return known if name == ANYTHING else [name]

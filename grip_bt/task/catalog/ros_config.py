@@ -203,8 +203,6 @@ class MoveGroupConfig(Settings):
     """Its planner, such as `RRTConnectkConfigDefault` or `PTP`; its own default when empty."""
     groups: FrozenDict[str, str] = FrozenDict()
     """Group of the robot here -> the group's name in MoveIt's SRDF, where that is another."""
-    by_service: bool = False
-    """Plan by the service `plan_kinematic_path`; a plan can't be cancelled then."""
     wait: float = Field(default=10.0, gt=0)
     """How long move_group may take to be there [s]."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,16 @@ import numpy as np
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
-from grip_bt.base.message_store.yaml import fields_of
+from grip_bt.base.message_store.files import fields_of
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.graph import topics
 from grip_bt.ros.client.types import load_type, type_name
 from grip_bt.ros.convert import from_message
-from grip_bt.ros.convert_perception import depth_from_message
+from grip_bt.ros.convert_values import depth_from_message
 from grip_bt.ros.messages import MessageServer, RosMessages
 from grip_bt.ros.messages.wire import MESSAGES as STORES
-from grip_bt.ros.messages.wire import ServerStates, entry_rows, text_of_entry, value_from_text
+from grip_bt.ros.messages.wire import entry_rows, joint_states_of, text_of_entry, value_from_text
 from grip_bt.task.catalog.ros_config import MESSAGES
 from grip_gui.runs.journal import ROWS, value_view
 from grip_gui.wire.runs import ValueView
@@ -84,7 +85,8 @@ class RosInspector:
 
     def put(self, store: str, name: str, type: str, text: str) -> None:
         """Add or replace one."""
-        value = value_from_text(store, name, text, type, ServerStates(self._messages, self._done))
+        states = partial(joint_states_of, self._messages, self._done)
+        value = value_from_text(store, name, text, type, states)
         self._done(self._messages.put(store, name, value, "by hand in the editor"))
 
     def delete(self, store: str, name: str) -> None:

@@ -15,7 +15,7 @@ from ruamel.yaml.error import YAMLError
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError, nearest
-from grip_bt.base.message_store.yaml import text_of
+from grip_bt.base.message_store.files import text_of
 from grip_bt.base.values import JointState, Pose
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue, entries_of, parse, to_data

@@ -64,16 +64,6 @@ def test_watchers_hear_of_the_queue_too():
     assert seen == [("pushed", "", 1), ("taken", "", 1)]
 
 
-def test_a_library_tells_changes_of_all_its_stores_until_that_is_ended():
-    library, seen = MessageLibrary(), []
-    end = library.watch(lambda store, change: seen.append((store, change.name)))
-    library.store("poses").put("home", Pose())
-    library.store("mine", make=True).put("x", 1)
-    end()
-    library.store("poses").put("later", Pose())
-    assert seen == [("poses", "home"), ("mine", "x")]
-
-
 def test_an_archive_gives_everything_back_in_order_with_time_and_provenance(tmp_path):
     library = MessageLibrary()
     mine = library.store("mine", make=True)

@@ -39,7 +39,7 @@ from grip_bt.commanders.planning.requests import PlanStraight, PlanTo, Situation
 from grip_bt.commanders.planning.straight import plan_straight
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
-from grip_bt.ros.convert_geometry import pose_from_message, trajectory_to_message
+from grip_bt.ros.convert_values import pose_from_message, trajectory_to_message
 
 BRAKING = 4.0
 moving = []
