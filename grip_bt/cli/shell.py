@@ -53,6 +53,7 @@ _MODULES = {
     "interfaces": "component",
     "sim": "launch",
     "help": "shell",
+    "object": "world",
 }
 """Where it isn't the module of the verb's own name."""
 

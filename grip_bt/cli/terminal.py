@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import TextIO
 
@@ -33,6 +34,12 @@ def put(document: str) -> None:
         return
     sys.stdout.flush()
     sys.stdout.buffer.write(document.encode())
+
+
+def tell(as_json: bool, data: object, lines: Iterable[str]) -> None:
+    """Print data as JSON, or else what people are told of them, line by line."""
+    for line in [json.dumps(data)] if as_json else lines:
+        print(line)
 
 
 def give_up() -> None:
