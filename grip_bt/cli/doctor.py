@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import platform
 import shutil
 import subprocess
@@ -17,6 +16,8 @@ from typing import Literal
 
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.environment import environment
+
+from .terminal import tell
 
 _INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
@@ -35,11 +36,6 @@ class Finding:
     detail: str
     remedy: str = ""
     needed: bool = True
-
-
-def examine() -> list[Finding]:
-    """Examine everything that GRIP uses; each part in its own way, none stops the others."""
-    return [check() for check in _CHECKS]
 
 
 def _python() -> Finding:
@@ -110,12 +106,10 @@ def add_doctor(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the findings; 1 when something that the demo needs is missing."""
-    findings = examine()
-    if args.json:
-        print(json.dumps([asdict(f) for f in findings], indent=2))
-    else:
-        for finding in findings:
-            print(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
-            if finding.state != "ok" and finding.remedy:
-                print(f"      {'':<12} fix: {finding.remedy}")
+    findings, lines = [check() for check in _CHECKS], []
+    for finding in findings:
+        lines.append(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
+        if finding.state != "ok" and finding.remedy:
+            lines.append(f"      {'':<12} fix: {finding.remedy}")
+    tell(args.json, [asdict(f) for f in findings], lines)
     return int(any(f.state != "ok" and f.needed for f in findings))

@@ -13,12 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.runs.execute import MOST_SEED, RunOptions, open_session
-from grip_bt.app.runs.injection import read_faults
-from grip_bt.app.runs.mocks import read_mocks
-from grip_bt.app.runs.replay import journal_of
+from grip_bt.app.runs.mocks import read_faults, read_mocks
+from grip_bt.app.runs.replay import failures, journal_of
 from grip_bt.app.runs.resume_plan import Question, ResumePlan, agree, plan_resume
 from grip_bt.app.runs.supervisor import Supervisor
-from grip_bt.app.runs.tables import failures
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
 from grip_bt.runtime import JournalReader, RunResult, serve_control
@@ -27,7 +25,7 @@ from grip_bt.runtime.control import RunEnd, result_facts
 from . import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
 from .debug_prompt import Prompt, breakpoint_of
 from .parser import add_no_code, number, whole
-from .terminal import on_stop, progress
+from .terminal import on_stop, progress, tell
 
 _EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
 _WATCHDOG = 10.0
@@ -282,19 +280,16 @@ def sentence(end: RunEnd) -> str:
 
 
 def _tell(end: RunEnd, as_json: bool) -> None:
-    if as_json:
-        keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
-        said = {key: end[key] for key in ("truth", "judged", "contradiction") if key in end}
-        print(json.dumps({**{key: end.get(key) for key in keys}, **said}))
-    else:
-        took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
-        ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
-        named = f"run {end['run']}" if end.get("run") else "no run was started"
-        print(f"{sentence(end)}; {took}{ticks}{named}")
-        if "truth" in end:
-            print(f"the referee: {words(end['truth'])}")
-        for name, true in end.get("judged", {}).items():
-            print(f"{name}: {'yes' if true else 'no'}")
+    keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
+    said = {key: end[key] for key in ("truth", "judged", "contradiction") if key in end}
+    took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
+    ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
+    named = f"run {end['run']}" if end.get("run") else "no run was started"
+    lines = [f"{sentence(end)}; {took}{ticks}{named}"]
+    lines += [f"the referee: {words(end['truth'])}"] if "truth" in end else []
+    lines += [f"{name}: {'yes' if true else 'no'}" for name, true in end.get("judged", {}).items()]
+    facts: dict[str, object] = {key: end.get(key) for key in keys}
+    tell(as_json, facts | said, lines)
 
 
 def _assignment(text: str) -> tuple[str, Any]:

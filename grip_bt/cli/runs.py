@@ -16,8 +16,17 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.capsule import write_capsule
 from grip_bt.app.runs.execute import make_room
 from grip_bt.app.runs.export import export_run
-from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
-from grip_bt.app.runs.tables import coverage, timings
+from grip_bt.app.runs.replay import (
+    Until,
+    coverage,
+    events_of,
+    find_run,
+    journal_of,
+    line_of,
+    moment_lines,
+    replay,
+    timings,
+)
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.runtime import Event, JournalReader, RunSnapshot
 from grip_bt.runtime.journal_rows import JournalError

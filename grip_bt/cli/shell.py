@@ -1,4 +1,4 @@
-"""What `grip` does with a command line: finds the verb, runs it, and turns errors into words and an exit status."""
+"""What `grip` does with a command line: finds the verb, runs it, says what went wrong; how shells complete it."""
 
 from __future__ import annotations
 
@@ -48,11 +48,12 @@ FIRST = ("demo", "new", "edit", "run", "check", "import", "bench", "doctor")
 """What a newcomer is shown."""
 _MODULES = {
     "import": "import_",
-    **dict.fromkeys(("new", "edit", "fmt"), "project"),
+    **dict.fromkeys(("new", "edit"), "project"),
+    **dict.fromkeys(("check", "fmt", "apply"), "task"),
     **dict.fromkeys(("replay", "capsule"), "runs"),
     "interfaces": "component",
     "sim": "launch",
-    "help": "shell",
+    **dict.fromkeys(("help", "completion"), "shell"),
     "object": "world",
 }
 """Where it isn't the module of the verb's own name."""
@@ -114,11 +115,9 @@ def run_verb(arguments: Sequence[str] | None) -> int:
         return complain(str(error))
     except ModuleNotFoundError as error:
         package = (error.name or "").partition(".")[0]
-        extra = _EXTRAS.get(package)
-        missing = None if extra is None else MissingPartError(f"{package!r}", f"pip install 'grip-bt[{extra}]'")
-        if missing is None:
+        if package not in _EXTRAS:
             raise
-        return complain(str(missing))
+        return complain(str(MissingPartError(f"{package!r}", f"pip install 'grip-bt[{_EXTRAS[package]}]'")))
     except BrokenPipeError:
         # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.
         give_up()
@@ -148,12 +147,11 @@ def _refused_by_the_system(error: OSError) -> int:
             raise error
         give_up()
         return complain(
-            f"stdout: {error.strerror}; the output is incomplete: redirect it elsewhere, or free some space"
+            f"stdout: {error.strerror}; the output is incomplete: free some space, or redirect it elsewhere"
         )
     name = str(error.filename) if isinstance(error.filename, int) else os.fsdecode(error.filename)
-    if error.errno == errno.ENOENT:
-        return complain(f"{name}: {error.strerror}; make its folder first, or name another place")
-    return complain(f"{name}: {error.strerror}; name another place, or change its permissions")
+    advice = "make its folder first" if error.errno == errno.ENOENT else "change its permissions"
+    return complain(f"{name}: {error.strerror}; {advice}, or name another place")
 
 
 _PACKAGES = {
@@ -165,3 +163,57 @@ _PACKAGES = {
     "analytic": ("eaik",),
 }
 _EXTRAS = {package: extra for extra, packages in _PACKAGES.items() for package in packages}
+
+
+_BASH = """_grip() {{
+    local word=${{COMP_WORDS[COMP_CWORD]}} verb=
+    [ "$COMP_CWORD" -gt 1 ] && verb=${{COMP_WORDS[1]}}
+    case $verb in
+        "") COMPREPLY=($(compgen -W "{verbs}" -- "$word")) ;;
+{cases}
+    esac
+}}
+complete -o default -F _grip grip
+"""
+_ZSH = "autoload -U +X bashcompinit && bashcompinit\n" + _BASH
+
+
+def add_completion(parser: argparse.ArgumentParser) -> None:
+    """Add the verb's options."""
+    source = "source what it prints: source <(grip completion bash)"
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=source)
+    parser.set_defaults(run=_run_completion)
+
+
+def _run_completion(args: argparse.Namespace) -> int:
+    words = {verb: _words(verb) for verb in VERBS}
+    if args.shell == "fish":
+        print("\n".join(_fish(words)))
+        return 0
+    cases = "\n".join(
+        f'        {verb}) COMPREPLY=($(compgen -W "{" ".join(w)}" -- "$word")) ;;' for verb, w in words.items() if w
+    )
+    print((_ZSH if args.shell == "zsh" else _BASH).format(verbs=" ".join(VERBS), cases=cases), end="")
+    return 0
+
+
+def _words(verb: str) -> list[str]:
+    """Return a verb's options, and the verbs below it."""
+    (subparsers,) = (a for a in make_parser([verb])._actions if isinstance(a, argparse._SubParsersAction))
+    found: list[str] = []
+    for action in subparsers.choices[verb]._actions:
+        found += [option for option in action.option_strings if option.startswith("--")]
+        found += list(action.choices) if isinstance(action, argparse._SubParsersAction) else []
+    return sorted(found)
+
+
+def _fish(words: dict[str, list[str]]) -> list[str]:
+    lines = [
+        f"complete -c grip -n __fish_use_subcommand -a {verb} -d '{doc.replace(chr(39), chr(92) + chr(39))}'"
+        for verb, doc in VERBS.items()
+    ]
+    for verb, options in words.items():
+        for option in options:
+            given = f"-l {option[2:]}" if option.startswith("--") else f"-a {option}"
+            lines.append(f"complete -c grip -n '__fish_seen_subcommand_from {verb}' {given}")
+    return lines

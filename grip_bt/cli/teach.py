@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -16,6 +15,8 @@ from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.taught import TaughtStates
+
+from .terminal import tell
 
 T = TypeVar("T")
 
@@ -47,9 +48,7 @@ def run(args: argparse.Namespace) -> int:
             raise GripError(f"{error.code}: {error.message}") from error
         except ValueError as error:
             raise GripError(str(error)) from error
-    print(
-        json.dumps({"part": part, "name": args.name, **_plain(value)}) if args.json else _line(part, args.name, value)
-    )
+    tell(args.json, {"part": part, "name": args.name, **_plain(value)}, [_line(part, args.name, value)])
     return 0
 
 
@@ -62,31 +61,24 @@ def _teach(resources: Resources, args: argparse.Namespace) -> tuple[str, JointSt
 
 
 def _one(kind: str, parts: Mapping[str, T], name: str) -> T:
-    if not name and len(parts) == 1:
-        return next(iter(parts.values()))
-    if name not in parts:
+    if name not in parts and (name or len(parts) != 1):
         raise UnknownNameError(kind, name, parts, "grip.yaml")
-    return parts[name]
+    return parts[name or next(iter(parts))]
 
 
 def _list(file: Path, as_json: bool) -> int:
     taught = TaughtStates(file)
     entries = [(part, name, value) for part in taught.parts() for name, value in taught.of(part).items()]
-    if as_json:
-        print(json.dumps([{"part": part, "name": name, **_plain(value)} for part, name, value in entries], indent=2))
-    elif not entries:
-        print(f"nothing was taught yet; `grip teach NAME` writes {file}")
-    for part, name, value in [] if as_json else entries:
-        print(_line(part, name, value))
+    lines = [_line(*entry) for entry in entries] or [f"nothing was taught yet; `grip teach NAME` writes {file}"]
+    tell(as_json, [{"part": part, "name": name, **_plain(value)} for part, name, value in entries], lines)
     return 0
 
 
 def _plain(value: JointState | Pose) -> dict[str, Any]:
     if isinstance(value, JointState):
         return {"state": value.as_mapping()}
-    return {
-        "pose": {"position": value.position.tolist(), "quaternion": value.quaternion.tolist(), "frame": value.frame}
-    }
+    place = {"position": value.position.tolist(), "quaternion": value.quaternion.tolist()}
+    return {"pose": {**place, "frame": value.frame}}
 
 
 def _line(part: str, name: str, value: JointState | Pose) -> str:

@@ -45,9 +45,13 @@ def tell(as_json: bool, data: object, lines: Iterable[str]) -> None:
 def give_up() -> None:
     """Let nothing be written to stdout any more, also not what is still to be, which can't be."""
     with suppress(OSError, ValueError):  # a stand-in of a test has no number
-        null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, sys.stdout.fileno())
-        os.close(null)
+        _to_nowhere(sys.stdout)
+
+
+def _to_nowhere(stream: TextIO) -> None:
+    null = os.open(os.devnull, os.O_RDWR)
+    os.dup2(null, stream.fileno())
+    os.close(null)
 
 
 def _has_all(stream: TextIO) -> bool:
@@ -88,11 +92,8 @@ def on_hang_up(stop: Callable[[], object]) -> None:
     def hung_up(*_: object) -> None:
         for stream in (sys.stdin, sys.stdout, sys.stderr):
             with suppress(OSError, ValueError, AttributeError):
-                number = stream.fileno()
-                if os.isatty(number) or _is_dead(number):
-                    null = os.open(os.devnull, os.O_RDWR)
-                    os.dup2(null, number)
-                    os.close(null)
+                if os.isatty(stream.fileno()) or _is_dead(stream.fileno()):
+                    _to_nowhere(stream)
         stop()
 
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:

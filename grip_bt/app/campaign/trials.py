@@ -15,8 +15,7 @@ from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.project.judging import STATES
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
-from grip_bt.app.runs.injection import check_nodes
-from grip_bt.app.runs.mocks import apply_mocks, scripted
+from grip_bt.app.runs.mocks import apply_mocks, check_nodes, scripted
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.base.errors import CampaignError, EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
@@ -61,6 +60,11 @@ class Trials:
                     self.stop()
         for job in jobs:
             job.result()
+
+    @property
+    def stopped(self) -> bool:
+        """Whether they were told to stop."""
+        return self._stopped.is_set()
 
     def stop(self) -> None:
         """Stop the trials under way, and begin no other. They leave no row. May be called from a signal handler."""

@@ -38,8 +38,7 @@ from ..project.folder import Project, find_project
 from ..project.foreign_code import of_task, refuse
 from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
-from .injection import check_nodes, injected
-from .mocks import apply_mocks
+from .mocks import apply_mocks, check_nodes, injected
 from .resume import ResumeRequest, policy_of, start_resumed
 
 Target = Literal["bt", "sm"]
