@@ -15,7 +15,7 @@ from typing import Any
 from grip_bt.app.runs.execute import MOST_SEED, RunOptions, open_session
 from grip_bt.app.runs.mocks import read_faults, read_mocks
 from grip_bt.app.runs.replay import failures, journal_of
-from grip_bt.app.runs.resume_plan import Question, ResumePlan, agree, plan_resume
+from grip_bt.app.runs.resume_plan import ResumePlan, agree, plan_resume
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
@@ -141,7 +141,7 @@ def _prepared(args: argparse.Namespace, options: RunOptions) -> ResumePlan:
     return plan
 
 
-def _ask(question: Question) -> bool:
+def _ask(question: str) -> bool:
     sys.stderr.write(f"{question}. Continue? [y/N] ")
     sys.stderr.flush()
     return sys.stdin.readline().strip().lower() in ("y", "yes")

@@ -115,11 +115,10 @@ def parts_lost(nodes: Mapping[str, str], events: Sequence[Event], robot: str, st
     keeps = set().union(*(data.get("keeps", ()) for data in begun))
     moved = robot == "ros" or (FAKES if robot == "fake" else WORLD) in keeps
     gone = ({SCENE, MESSAGES} - keeps - {stays}) | (set() if moved else {WORLD})
-    ended = {event.path for event in events if event.event == "exit"}
-    found = []
-    surely = {path: node.partition("/")[0] for path, node in nodes.items() if path in ended}
+    ended, found = {event.path for event in events if event.event == "exit"}, []
+    kinds = {path: node.partition("/")[0] for path, node in sorted(nodes.items()) if path in ended}
     for part, words in _LOST_WORDS.items():
-        paths = sorted(path for path, kind in surely.items() if kind in _MOVING and part in _CHANGED_BY[kind])
+        paths = [path for path, kind in kinds.items() if kind in _MOVING and part in _CHANGED_BY[kind]]
         if paths and part in gone:
             found.append(f"{', '.join(paths[:3])}{' ...' if len(paths) > 3 else ''} had ended, and {words}")
     return found
@@ -151,37 +150,23 @@ def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays
     return found
 
 
-@dataclass
-class RestoredState:
-    """What became of parts beside the task: the event whose state each has, or why it starts from its initial one."""
-
-    restored: dict[str, int] = field(default_factory=dict)
-    anew: dict[str, str] = field(default_factory=dict)
+Restored = dict[str, int | str]
+"""Part beside the task -> the event whose state it has, or why it starts from its initial one."""
 
 
-def restore_state(
-    parts: Mapping[str, SideState], reader: JournalReader, events: Sequence[Event], agreed: bool = False
-) -> RestoredState:
-    """Bring parts into the state that they had at the last of `events`.
-
-    Args:
-        agreed: whether a part that can't be brought there may begin as in a new run.
-
-    Raises:
-        ResumeError: one can't be brought there.
-    """
-    found = RestoredState()
+def _restored(parts: Mapping[str, SideState], reader: JournalReader, events: Iterable[Event], agreed: bool) -> Restored:
+    """Bring parts into the state that they had at the last of `events`; one that can't be there has to be agreed to."""
+    found: Restored = {}
     for name, event in _last_kept(events).items():
         if name in parts:
             try:
                 parts[name].restore(reader.value(event))
             except (GripError, LookupError, TypeError, ValueError) as error:
-                why = _not_back(event, error)
+                found[name] = why = _not_back(event, error)
                 if not agreed:
                     raise ResumeError(f"{WORDS[name]} {why}; with --yes, {ANEW}") from error
-                found.anew[name] = why
             else:
-                found.restored[name] = event.seq
+                found[name] = event.seq
     return found
 
 
@@ -229,7 +214,7 @@ def start_resumed(
     clock: Clock | None,
     seed: int,
     kept: Mapping[str, SideState],
-) -> tuple[RunLog, ReExecution, RestoredState]:
+) -> tuple[RunLog, ReExecution, Restored]:
     """Return the log that is written on, the run that happens again first, and what became of `kept` parts.
 
     Args:
@@ -243,7 +228,7 @@ def start_resumed(
     record = reader.run(resume.run)
     events = reader.events(resume.run, limit=resume.at)
     _check_values(reader, events)
-    back = restore_state(kept, reader, events, resume.agreed)
+    back = _restored(kept, reader, events, resume.agreed)
     if resume.at is None:
         log = journal.go_on(record.id)
     else:
@@ -254,17 +239,15 @@ def start_resumed(
             log.note(event.t, event.path, DetailedEvent(event.event, event.outcome, event.code, dict(data) or None))
     if resume.values:
         events += _set_values(log, compiled, resume.values, events)
-    parts = parts_of(compiled)
-    manifests = {path: part.manifest for path, part in parts.items() if part.manifest is not None}
+    manifests = {path: part.manifest for path, part in parts_of(compiled).items() if part.manifest is not None}
     how: dict[str, Any] = {
         path: "resume"
         for path, leaf in compiled.leaves.items()
         if isinstance(leaf, MockLeaf) or policy_of(manifests[path]) == "resume"
     }
-    values = dict(resume.values)
 
     def value(event: Event) -> Any:
-        return values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
+        return resume.values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
 
     return log, ReExecution(compiled, events, value, clock or WallClock(), how=how, results=resume.results), back
 
@@ -272,33 +255,28 @@ def start_resumed(
 def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:
     """Refuse a run with a value that isn't there any more, before anything is started."""
     for event in events:
-        if event.event == "write":
-            try:
+        try:
+            if event.event == "write":
                 reader.value(event)
-            except GripError as error:
-                variable = event.data.get("variable")
-                raise ResumeError(
-                    f"cannot resume from here: variable {variable!r}, which {event.path} wrote at event "
-                    f"{event.seq}: {error}. Fork it at an event before that"
-                ) from error
+        except GripError as error:
+            what = f"variable {event.data.get('variable')!r}, which {event.path} wrote at event {event.seq}"
+            raise ResumeError(f"cannot resume from here: {what}: {error}. Fork it at an event before that") from error
 
 
 def _set_values(
     log: RunLog, compiled: CompiledTree | CompiledMachine, values: Mapping[str, object], events: Sequence[Event]
 ) -> list[Event]:
     """Write that variables were set by hand; return these events as they happen again."""
-    scopes = compiled.data
-    t = events[-1].t if events else 0.0
-    made: list[Event] = []
+    t, made = events[-1].t if events else 0.0, list[Event]()
     for name, value in values.items():
-        found = [scope for scope in scopes if name in scope.cells]
-        if not found:
-            raise UnknownNameError("variable", name, {n for scope in scopes for n in scope.cells}, "--set")
-        cell = found[0].cells[name]  # the outermost one of this name
+        scope = next((scope for scope in compiled.data if name in scope.cells), None)  # the outermost one that has it
+        if scope is None:
+            raise UnknownNameError("variable", name, {n for scope in compiled.data for n in scope.cells}, "--set")
+        cell = scope.cells[name]
         wrong = check_value(cell.parsed, value)
         if wrong is not None:
             raise WrongTypeError("--set", name, cell.type, wrong)
-        data = {"variable": name, "type": cell.type, "scope": found[0].path, "set": "by hand"}
+        data = {"variable": name, "type": cell.type, "scope": scope.path, "set": "by hand"}
         log.note(t, "/", DetailedEvent("write", data=data, written=(snapshot(value),)))
         made.append(Event(len(events) + len(made) + 1, t, 0.0, "/", "write", None, None, {**data, "set": "now"}))
     return made
