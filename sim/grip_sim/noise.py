@@ -23,9 +23,10 @@ from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
 from grip_bt.base.arrays import Array
+from grip_bt.base.yaml.models import NotNegative as Amount
+from grip_bt.base.yaml.models import Positive
 
 Part = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +52,12 @@ class NoiseSpec:
     constant: Amount = 0.0
     linear: Amount = 0.0
     subpixel: Amount = 0.0
-    baseline: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.05
+    baseline: Positive = 0.05
     slant: Amount = 0.0
     grazing: Annotated[float, Field(gt=0, le=np.pi / 2)] = np.pi / 2
     dropout: Part = 0.0
     bleeding: Part = 0.0
-    edge: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.02
+    edge: Positive = 0.02
     unit: Amount = 0.0
     nearest: Amount = 0.0
     colour: Amount = 0.0

@@ -44,13 +44,8 @@ class ObjectTruth:
     def to_json(self) -> dict[str, object]:
         """Return it as JSON data."""
         place = {"position": self.pose.position.tolist(), "quaternion": self.pose.quaternion.tolist()}
-        return {
-            "name": self.name,
-            "status": self.status,
-            "hand_force": self.hand_force,
-            "regions": list(self.regions),
-            **place,
-        }
+        said = {"name": self.name, "status": self.status, "hand_force": self.hand_force}
+        return {**said, "regions": list(self.regions), **place}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> ObjectTruth:
@@ -84,10 +79,7 @@ def _verdict(world: World, spec: ObjectSpec, contacts: Iterable[Contact]) -> Obj
     elif hand_force > 0 and not resting:
         status = "held"
     elif at_rest and not hand_force:
-        if any(region.target for region in regions):
-            status = "placed"
-        else:
-            upright = abs(pose.rotation()[2, 2]) > UPRIGHT_COSINE
-            status = "standing" if upright else "lying"
+        upright = abs(pose.rotation()[2, 2]) > UPRIGHT_COSINE
+        status = "placed" if any(region.target for region in regions) else "standing" if upright else "lying"
     names = tuple(region.name for region in regions)
     return ObjectTruth(spec.name, status, pose, float(np.round(hand_force, 6)), names)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +28,7 @@ LEAST, MOST = 1e-3, 0.999
 """Torques that regulation leaves a drive, as parts of what it can; all of it has one that has touched nothing yet."""
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     """State of some joints: arrays of one length; rad, rad/s, N m."""
 
     names: tuple[str, ...]
@@ -176,14 +175,9 @@ class SimRobot:
 
     def kept(self) -> dict[str, Array]:
         """Return everything that makes the robot move on as it does: states, targets and limits of all joints."""
-        return {
-            "positions": self.positions(),
-            "velocities": self.velocities(),
-            "targets": self._target.copy(),
-            "speeds": self._speed.copy(),
-            "limits": self._limit.copy(),
-            "forces": self._force.copy(),
-        }
+        driven = {"targets": self._target, "speeds": self._speed, "limits": self._limit, "forces": self._force}
+        copies = {name: each.copy() for name, each in driven.items()}
+        return {"positions": self.positions(), "velocities": self.velocities(), **copies}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring the robot into a state that was kept.

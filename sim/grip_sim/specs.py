@@ -16,15 +16,11 @@ from pydantic.dataclasses import dataclass
 
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.base.values.pose import quaternion_of
-from grip_sim.articulated.model import ArticulatedConfig
+from grip_bt.base.yaml.models import Finite, NotNegative, Positive
+from grip_sim.articulated.model import ArticulatedConfig, Size, Vector
 from grip_sim.faults import Fault
 from grip_sim.noise import Noise
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Vector = tuple[Finite, Finite, Finite]
-Size = tuple[Positive, Positive, Positive]
 Shade = Annotated[int, Field(ge=0, le=255)]
 Colour = tuple[Shade, Shade, Shade]
 

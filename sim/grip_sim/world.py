@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,14 +17,16 @@ from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_sim.articulated.bodies import make_articulated
+from grip_sim.articulated.model import Vector
 from grip_sim.cameras.frame import Frame
 from grip_sim.cameras.looks import Target, visuals_of
+from grip_sim.cameras.mesh_files import Look
 from grip_sim.cameras.rig import Rig
 from grip_sim.faults import Faults
 from grip_sim.objects import load_object
 from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
-from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, Vector, WorldSpec
+from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, WorldSpec
 
 
 class Contact(NamedTuple):
@@ -290,13 +293,12 @@ class World:
             if link.collision_shapes or link.name in visuals:
                 hand = link.name in self.robot.hand_links
                 colour = HAND_COLOUR if hand else ARM_COLOUR
-                yield Target(link, link.name, colour, visuals.get(link.name, ()))
+                yield Target(link, link.name, colour, visuals.get(link.name))
 
     def _object_targets(self) -> Iterator[Target]:
         for spec in self.spec.objects:
-            looks = load_object(Path(spec.model)).looks if spec.shape == "model" else ()
-            drawn = tuple(look.moved(np.eye(4), spec.scale) for look in looks)
-            yield Target(self._objects[spec.name], spec.name, spec.colour, drawn=drawn)
+            visuals = partial(_looks_of, spec) if spec.shape == "model" else None
+            yield Target(self._objects[spec.name], spec.name, spec.colour, visuals)
 
 
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
@@ -306,6 +308,10 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")
+
+
+def _looks_of(spec: ObjectSpec) -> list[Look]:
+    return [look.moved(np.eye(4), spec.scale) for look in load_object(Path(spec.model)).looks]
 
 
 def _between(one: str, two: str, links: Container[str], things: Container[str]) -> bool:

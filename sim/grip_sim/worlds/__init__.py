@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.yaml.models import read_model
 from grip_bt.commanders.description.files import note
-from grip_sim.objects import object_file
+from grip_sim.objects import file_named, files_by_name, object_file
 from grip_sim.specs import WorldSpec
 
 from .arrange import ArrangementError, arrange
@@ -23,11 +22,8 @@ FOLDER = "worlds"
 
 
 def world_files(project: Path | None = None) -> dict[str, Path]:
-    """Return every world's file by name; a project's own come first, and hide built-in ones of the same name."""
-    own = sorted((project / FOLDER).glob("*.yaml")) if project is not None else []
-    return {file.stem: file for file in own} | {
-        n: HERE / f"{n}.yaml" for n in BUILTIN if n not in {f.stem for f in own}
-    }
+    """Return every world's file by name."""
+    return files_by_name(HERE, project and project / FOLDER)
 
 
 def read_world(name: str, project: Path | None = None) -> tuple[WorldFile, Path]:
@@ -40,10 +36,7 @@ def read_world(name: str, project: Path | None = None) -> tuple[WorldFile, Path]
         UnknownNameError: there is no such world.
         DocumentError: the file is wrong; with line and column.
     """
-    files = world_files(project)
-    path = Path(name) if name.endswith((".yaml", ".yml")) else files.get(name)
-    if path is None:
-        raise UnknownNameError("world", name, files)
+    path = file_named("world", name, world_files(project))
     note(path)
     return read_model(path, WorldFile), path
 
