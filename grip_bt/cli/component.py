@@ -78,7 +78,6 @@ def _run_new(args: argparse.Namespace) -> int:
 
 
 def _run_add(args: argparse.Namespace) -> int:
-    """Make components where there are none yet, then generate, or check that what was generated is up to date."""
     if not args.what and not args.from_graph:
         raise GripError("say what: a folder, an interface file, a type, or --from-graph NAME")
     folders = [folder for what in args.what if (folder := _folder(what, args)) is not None]
@@ -88,7 +87,6 @@ def _run_add(args: argparse.Namespace) -> int:
 
 
 def _folder(what: str, args: argparse.Namespace) -> Path:
-    """Return the folder of a component that is there, or make one from an interface."""
     path = Path(what)
     if path.is_dir():
         _check_component(path)

@@ -106,7 +106,6 @@ def add_apply(parser: argparse.ArgumentParser) -> None:
 
 
 def _run_apply(args: argparse.Namespace) -> int:
-    """Apply the commands in their order, all or none."""
     words = sys.stdin.read() if args.command == "-" else args.command
     document, catalog = read(args.task), project_catalog(args.task)
     files: dict[str, str] = {}

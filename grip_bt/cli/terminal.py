@@ -55,7 +55,6 @@ def _to_nowhere(stream: TextIO) -> None:
 
 
 def _has_all(stream: TextIO) -> bool:
-    """Return whether a stream's character set has every character."""
     return (stream.encoding or "").lower().replace("-", "").replace("_", "").startswith("utf")
 
 

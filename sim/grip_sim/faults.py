@@ -37,13 +37,7 @@ Range = Annotated[tuple[Finite, Finite], AfterValidator(rising)]
 
 
 class _Kind(NamedTuple):
-    """What is known of a kind of fault.
-
-    Attributes:
-        of: what its `of` names; empty for what is everywhere.
-        takes: the field that only it has, and needs.
-        everything: what it is of where there is no `of`; empty where it needs one.
-    """
+    """What `of` names, if anything; the field that only it has; what it is of without `of`, where it may be."""
 
     of: str = ""
     takes: str = ""

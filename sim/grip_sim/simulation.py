@@ -34,8 +34,6 @@ def _measured(operation: Operation[Reply]) -> Operation[JointState]:
 
 
 class _Joints:
-    """What a group of simulated joints has in common."""
-
     def __init__(self, client: SimClient, names: tuple[str, ...]):
         self._client, self._names = client, names
 

@@ -13,7 +13,7 @@ from typing import Any
 from grip_bt.app.campaign.file import Campaign, Plain, TrialRow
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
-from grip_bt.app.project.judging import STATES
+from grip_bt.app.project.worlds import STATES
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
 from grip_bt.app.runs.mocks import apply_mocks, check_nodes, scripted
 from grip_bt.app.runs.supervisor import Supervisor
@@ -222,7 +222,6 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, s
 
 
 def _looked_up(campaign: Campaign, started: Mapping[str, str] | None) -> tuple[dict[str, int], dict[str, Any]]:
-    """Return how often counted nodes began, and the last values of the task's variables."""
     counts = dict.fromkeys(campaign.file.count, 0)
     if started is None:
         return counts, {}

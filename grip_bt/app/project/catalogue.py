@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
 from grip_bt.app.project.folder import ARCHIVE, MESSAGES
-from grip_bt.app.project.needs import Packages, components_in_need, frames_in_doubt, packages_here, sensors_in_need
-from grip_bt.base.errors import (
-    DocumentError,
-    GripError,
-    MissingPartError,
-    UnknownNameError,
-)
+from grip_bt.app.project.needs import nodes_in_need, packages_here
+from grip_bt.base.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 from grip_bt.base.message_store import MessageLibrary, names
 from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.description.robot import RobotDescription
@@ -40,10 +35,12 @@ def project_parts_of(project: Project) -> ProjectParts:
         problems = (_problem(found, "`grip robot check` lists all that is wrong with it"),)
     world = [_problem(fault) for fault in faults_of_world(project)]
     robot = None if isinstance(found, GripError) else found
-    links, packages = _links(robot), packages_here(project)
-    nodes = {**_sensors(project, links, packages, world), **components_in_need(project, packages)}
-    for node, doubts in frames_in_doubt(project, links, robot is not None or file.robot is None).items():
-        nodes[node] = (*nodes.get(node, ()), *doubts)
+    links = [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+    packages = packages_here(project)
+    needs = nodes_in_need(project, packages, links, robot is not None or file.robot is None)
+    for name in file.sensors:
+        needs[f"sensor/{name}"] += _faults_of_sensor(project, name, links, world)
+    nodes = {node: tuple(found) for node, found in needs.items()}
     if file.robot is None and not file.arms and not file.hands:
         return ProjectParts(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
     problems, taught = (*problems, *world), None
@@ -111,28 +108,19 @@ def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> 
     return [Problem(NO_CONTROLLER, str(error).rstrip("."))]
 
 
-def _sensors(
-    project: Project, links: Iterable[str], packages: Packages | None, world: Iterable[Problem]
-) -> dict[str, tuple[Problem, ...]]:
-    """Return what is wrong with the sensors: no such camera, a mount on no link, packages that aren't installed."""
-    found = sensors_in_need(project, packages)
-    cameras = {} if project.file.ros is None else project.file.ros.cameras
-    for name, sensor in project.file.sensors.items():
-        if sensor.camera is not None:
-            found[f"sensor/{name}"] += (*world, *map(_problem, faults_of_camera(project, name)))
-        mounts = {
-            f"sensors/{name}": sensor.mount,
-            f"ros/cameras/{name}": cameras[name].mount if name in cameras else None,
-        }
-        for where, mount in mounts.items():
-            if mount is not None and links and mount.on not in ("world", *links):
-                error = UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on")
-                found[f"sensor/{name}"] += (_problem(error),)
-    return found
-
-
-def _links(robot: RobotDescription | None) -> list[str]:
-    return [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+def _faults_of_sensor(
+    project: Project, name: str, links: Collection[str], world: Iterable[Problem]
+) -> Iterator[Problem]:
+    """Yield what is wrong with a sensor: its world, no such camera, a mount on no link."""
+    sensor, ros = project.file.sensors[name], project.file.ros
+    if sensor.camera is not None:
+        yield from world
+        yield from map(_problem, faults_of_camera(project, name))
+    camera = None if ros is None else ros.cameras.get(name)
+    mounts = {f"sensors/{name}": sensor.mount, f"ros/cameras/{name}": None if camera is None else camera.mount}
+    for where, mount in mounts.items():
+        if mount is not None and links and mount.on not in ("world", *links):
+            yield _problem(UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on"))
 
 
 def _part_names(known: Mapping[str, Iterable[str]], problems: list[Problem]) -> PartNames:

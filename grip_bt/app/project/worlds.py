@@ -1,21 +1,29 @@
-"""The simulated world of a project: its file, what a seed draws, and what of it arms avoid and aim at."""
+"""The simulated world of a project: its file, what a seed draws, what arms avoid and aim at, and how it is judged.
+
+Conditions of `goals` and `judge` name how many objects are in a state (`held`, `placed` ...), how many there are (`objects`),
+how many have their centre in a region (`in_REGION`), what is known of articulated objects (`cabinet_opened` [m]).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import get_args
 
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, GripError, nearest
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box
 from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.scene_state import SceneObject
+from grip_sim.referee import ObjectTruth, Status
 from grip_sim.specs import WorldSpec
 from grip_sim.worlds import load_world
 
 from .folder import Project
-from .judging import WorldCondition
 
 _worlds: FileCache[tuple[str, str], WorldSpec | GripError] = FileCache()
 
@@ -66,3 +74,59 @@ def room_of(spec: WorldSpec) -> tuple[SceneObject, ...]:
 def regions_of(spec: WorldSpec) -> Mapping[str, tuple[Sequence[float], Pose]]:
     """Return the places that tasks aim at: edge lengths [m] and the middle in world, by name."""
     return {region.name: (region.size, region.pose) for region in spec.regions}
+
+
+STATES: tuple[str, ...] = get_args(Status)
+"""What a referee may say of an object."""
+Counts = Mapping[str, float]
+
+
+class WorldCondition:
+    """A condition over what is true in a world.
+
+    Args:
+        text: the condition.
+        regions: names of the world's regions.
+        measures: names of what is known of articulated objects.
+        where: what to name in errors, such as `goals/pick`.
+        file: that it stands in.
+
+    Raises:
+        DocumentError: it isn't a condition over these names.
+    """
+
+    def __init__(self, text: str, regions: Iterable[str], measures: Iterable[str], where: str, file: str):
+        self.text = text
+        known = ("objects", *STATES, *(f"in_{region}" for region in regions), *measures)
+        self._counts: Counts = dict.fromkeys(known, 0)
+        try:
+            parsed = parse_expression(text)
+            for name in parsed.names:
+                if name not in known:
+                    near, there = nearest(name, known), ", ".join(known)
+                    raise DocumentError(f"{where}: unknown name {name!r}{near} (available: {there})", file)
+            self._compute = condition_of(parsed, {name: self._reader(name) for name in parsed.names})
+            self._compute()
+        except (ExpressionError, EvaluationError) as error:
+            raise DocumentError(f"{where}: {error}", file) from error
+
+    def holds(self, counts: Counts) -> bool:
+        """Tell whether it is true of what was counted, see `counted`."""
+        self._counts = counts
+        return self._compute()
+
+    def _reader(self, name: str) -> Callable[[], float]:
+        return lambda: self._counts.get(name, 0)
+
+
+def counted(truth: Iterable[ObjectTruth], regions: Iterable[str], measures: Counts) -> Counts:
+    """Return how many objects are in each state and region, how many there are, and the measures."""
+    truth = tuple(truth)
+    states: Counter[str] = Counter(thing.status for thing in truth)
+    inside = Counter(region for thing in truth for region in thing.regions)
+    return {
+        "objects": len(truth),
+        **{state: states[state] for state in STATES},
+        **{f"in_{region}": inside[region] for region in regions},
+        **measures,
+    }

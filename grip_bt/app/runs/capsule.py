@@ -133,7 +133,6 @@ def columns_of(events: list[Event]) -> tuple[dict[str, Any], str]:
 
 
 def _packed(content: object) -> str:
-    """Return JSON, deflated."""
     text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), default=str)
     return base64.b64encode(zlib.compress(text.encode(), 9, -zlib.MAX_WBITS)).decode()
 

@@ -182,11 +182,7 @@ def _tree_of(path: str | Path) -> str:
 def _adopted(
     path: str | Path, where: str, options: RunOptions, progress: Progress, stack: ExitStack
 ) -> tuple[Project, Document, AdoptedTree]:
-    """Run the code that makes a tree, and return the tree, with the task that draws it.
-
-    Raises:
-        GripError: somebody else's code isn't to be run, it makes no tree, or a tree isn't run so.
-    """
+    """Run the code that makes a tree, and return the tree, with the task that draws it."""
     place = tree_code.place_of(where)
     refuse([f"imports and runs {where}"])
     project = find_project(place.file or Path.cwd() if tree_code.is_tree_code(str(path)) else path)

@@ -209,8 +209,6 @@ def _mcap(reader: JournalReader, record: RunRecord, file: Path) -> Iterator[_Wri
 
 
 class _Channels:
-    """Makes a channel when its first message comes."""
-
     def __init__(self, writer: Any):
         self._writer = writer
         self._schemas: dict[str, int] = {}

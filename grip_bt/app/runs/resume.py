@@ -100,7 +100,6 @@ def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[
 
 
 def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
-    """Return the last state of each part that a run's events tell of."""
     return {event.data["part"]: event for event in events if event.event == KEPT}
 
 

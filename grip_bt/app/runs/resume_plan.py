@@ -66,12 +66,7 @@ def _only_forked(record: RunRecord, why: str, at: int) -> ResumeError:
 
 
 def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
-    """Return the event up to which a run is to happen again, of a number, `NODE`, or `NODE:OUTCOME`.
-
-    Raises:
-        UnknownNameError: the run never comes there.
-        ResumeError: it was stopped, or a node had raised, before that.
-    """
+    """Return the event up to which a run is to happen again, of a number, `NODE`, or `NODE:OUTCOME`."""
     until = Until(text)
     at = next((event.seq for event in events if until.reached(event)), None)
     if at is None:
@@ -114,12 +109,7 @@ def _questions(
 
 
 def _read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """Return leaf -> (outcome, code) of texts such as `attempt/grasp=failure.no_ik`.
-
-    Raises:
-        UnknownNameError: there is no such leaf or outcome.
-        ResumeError: a text can't be read, or names a container.
-    """
+    """Return leaf -> (outcome, code) of texts such as `attempt/grasp=failure.no_ik`."""
     found, leaves = {}, [p for p, part in parts.items() if part.manifest is not None]
     for text in given:
         node, _, said = text.partition("=")
@@ -225,11 +215,7 @@ def plan_resume(
 
 
 def _recorded_file(recorded: str, journal: Path) -> Path:
-    """Return the task's file as recorded, from here or from the project's folder.
-
-    Raises:
-        ResumeError: it isn't there any more.
-    """
+    """Return the task's file as recorded, from here or from the project's folder."""
     path = Path(recorded)
     folder = journal.absolute().parent.parent if journal.parent.name == ".grip" else Path.cwd()
     for candidate in (path, folder / path, folder / "tasks" / path.name, folder / path.name):

@@ -17,7 +17,7 @@ from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd
 from grip_sim.referee import ObjectTruth
 
-from ..project.judging import STATES, Counts, WorldCondition, counted
+from ..project.worlds import STATES, Counts, WorldCondition, counted
 from .execute import Session
 
 PLACE = "grip_bt.nodes.place:Place"

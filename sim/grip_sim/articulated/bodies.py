@@ -132,7 +132,6 @@ def _build(
 
 
 def _light(mass: float) -> Shape:
-    """Return what makes a link of a mass [kg] without a shape."""
     return lambda link: link.set_mass_and_inertia(mass, sapien.Pose(), [mass * 1e-4] * 3)
 
 
@@ -269,7 +268,9 @@ class _ScrewBottle(Articulated):
 
     def _shape_cap(self, builder: LinkBuilder | sapien.ActorBuilder) -> None:
         said = self._said
-        _add_cylinder(builder, said.cap_radius, said.cap_height, said.cap_mass, said.height + said.cap_height / 2 + 0.001)
+        _add_cylinder(
+            builder, said.cap_radius, said.cap_height, said.cap_mass, said.height + said.cap_height / 2 + 0.001
+        )
 
     def before_step(self) -> None:
         """Couple the slide and the turn, both ways; let the cap go at the end of its thread."""

@@ -64,11 +64,6 @@ def visuals_of(urdf: str) -> Mapping[str, Looks]:
 
 
 def _looks_of(visuals: Sequence[ET.Element], known: Mapping[str, ET.Element]) -> list[Look]:
-    """Return the triangles of visuals in their link's frame.
-
-    Raises:
-        GripError, OSError, ValueError, ParseError: a mesh can't be read.
-    """
     return [look for visual in visuals for look in _look_of(visual, known)]
 
 
@@ -139,7 +134,6 @@ def _box(half: Array) -> Look:
 
 
 def _cylinder(radius: float, half: float) -> Array:
-    """Return points of a cylinder along z."""
     rim, end = np.stack([np.cos(TURN), np.sin(TURN), 0 * TURN], axis=1) * radius, np.array([0, 0, half])
     return np.concatenate([rim + end, rim - end])
 

@@ -36,11 +36,7 @@ _TO_SAPIEN = Pose([0, 0, 0], [0.5, 0.5, -0.5, 0.5])
 
 @lru_cache(maxsize=1)
 def _system() -> Any:
-    """Return the process's one render system, kept alive: a new one would set everything up again.
-
-    Raises:
-        GripError: Vulkan doesn't work here.
-    """
+    """Return the process's one render system, kept alive: a new one would set everything up again."""
     try:
         system = sapien.render.RenderSystem()
     except RuntimeError as error:
