@@ -1,7 +1,7 @@
 """The simulated world of a project: its file, what a seed draws, what arms avoid and aim at, and how it is judged.
 
-Conditions of `goals` and `judge` name how many objects are in a state (`held`, `placed` ...), how many there are (`objects`),
-how many have their centre in a region (`in_REGION`), what is known of articulated objects (`cabinet_opened` [m]).
+Conditions of `goals` and `judge` name how many objects are in a state (`held`, `placed` ...), how many there are
+(`objects`), how many have their centre in a region (`in_REGION`), and measures, such as `cabinet_opened` [m].
 """
 
 from __future__ import annotations
