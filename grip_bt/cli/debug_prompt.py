@@ -23,8 +23,6 @@ class Prompt:
     """Turns words of a user into commands, and events into words.
 
     Args:
-        send: passes a command on.
-        say: prints a line.
         patient: whether lines wait for the run to hold, as a script wants; a user may pause what runs.
     """
 

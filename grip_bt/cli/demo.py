@@ -175,11 +175,9 @@ class Attempt:
     """One turn of the task's attempt node.
 
     Attributes:
-        number: counted from 1.
         target: the object nearest to the chosen grasp, None while none was chosen.
         steps: leaf -> outcome (and failure code), in order of their ends.
         outcome: how the attempt node ended; None when it was interrupted.
-        failure: why.
         where: path of the leaf that failed first.
         held: objects that the referee saw in the hand when the task checked.
         duration: on the run's clock [s].

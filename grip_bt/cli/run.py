@@ -209,12 +209,9 @@ def exit_status(end: RunEnd) -> int:
 
 def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> int:
     """Run in a child process, pass on what goes either way, and return the exit status."""
-    started: list[Mapping[str, Any]] = []
     prompt: Prompt | None = None
 
     def told(event: Mapping[str, Any]) -> None:
-        if event["event"] == "started":
-            started.append(event)
         if event["event"] == "progress":
             if args.control or not args.json:
                 progress(event["part"], event["detail"])
@@ -241,9 +238,10 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> in
         print(end["message"], file=sys.stderr)
         return INVALID
     if not args.control:
-        _tell({**end, "run": started[0]["run"] if started else None}, args.json)
+        started = supervisor.started
+        _tell({**end, "run": started["run"] if started else None}, args.json)
         if started and not args.json:
-            _tell_failures(started[0], end["message"])
+            _tell_failures(started, end["message"])
     return exit_status(end)
 
 

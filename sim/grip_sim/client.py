@@ -117,7 +117,6 @@ class SimClient(Closing):
     """Owns one simulator process.
 
     Attributes:
-        clock: the run's.
         sent: how many requests were sent, without what is said of turns.
         on_fault: told of each fault of the world that begins or is over: its name, what happened, whether it is over.
 

@@ -161,13 +161,7 @@ class Event(NamedTuple):
 
 
 class Faults:
-    """Has the faults of a world happen.
-
-    Args:
-        faults: by name.
-        seed: of what is drawn.
-        world: where.
-    """
+    """Has the faults of a world happen."""
 
     def __init__(self, faults: Mapping[str, Fault], seed: int, world: Disturbed):
         self._faults, self._seed, self._world = faults, seed, world

@@ -33,7 +33,6 @@ class Ended:
 
     Attributes:
         error: empty, `aborted` or `canceled`.
-        message: what is said of that.
         stopped: whether the joints were measured at rest.
     """
 
@@ -61,7 +60,6 @@ class Brake:
 
     Args:
         rows: which joints, n of them.
-        ramp: how their targets come to rest.
         begun: simulated time now [s].
     """
 

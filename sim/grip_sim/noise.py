@@ -64,13 +64,7 @@ class NoiseSpec:
     latency: Annotated[float, Field(ge=0, le=10)] = 0.0
 
     def deviation(self, depth: Array, focal: float, cosine: Array | float = 1.0) -> Array:
-        """Return the standard deviation of depth [m].
-
-        Args:
-            depth: [m].
-            focal: length [px].
-            cosine: of the angle between ray and normal.
-        """
+        """Return the standard deviation of depth [m]."""
         straight = self.constant + self.linear * depth + self.subpixel * depth**2 / (focal * self.baseline)
         tangent = np.sqrt(np.maximum(1 - np.square(cosine), 0)) / np.maximum(cosine, 0.05)
         return straight * (1 + self.slant * tangent)

@@ -39,7 +39,6 @@ def ignore_each_other(shapes: Iterable[physx.PhysxCollisionShape], bit: int) -> 
     may be in several such sets.
 
     Args:
-        shapes: the set.
         bit: names the set, 0-31.
     """
     for shape in shapes:

@@ -26,7 +26,6 @@ class ObjectTruth:
     """Where an object is and in which state.
 
     Attributes:
-        name: the object.
         status: `held`: the hand touches it and nothing else bears it; things beside it may touch it too.
             `placed`: at rest, its centre in a region that is a target. `fallen`: lower than where the world begins.
             `standing`, `lying`: at rest elsewhere. `elsewhere`: none of these.

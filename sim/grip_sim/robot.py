@@ -42,7 +42,6 @@ class SimRobot:
 
     Args:
         scene: where it is put, with its base link at the origin.
-        description: what it is.
     """
 
     def __init__(self, scene: sapien.Scene, description: RobotDescription):

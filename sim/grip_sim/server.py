@@ -41,7 +41,6 @@ class Server:
     """Obeys one client.
 
     Args:
-        connection: to the client.
         pace: simulated seconds per second; None for as fast as it goes.
         hold: over which somebody else may have the robot hold for good, by any word; None for nobody.
     """

@@ -101,14 +101,10 @@ class SimHand(_Joints):
         goal = posture.ordered(self._names)
         _check_finite("a posture", goal)
         check_positive("the duration of a motion", duration)
-        if torque_limit is not None:
-            check_positive("a torque limit", torque_limit)
-        if force is not None:
-            check_positive("a force", force)
-        moved = self._client.move(
-            "move_hand", {"goal": goal}, names=list(self._names), duration=duration, limit=torque_limit, force=force
-        )
-        return _measured(moved)
+        check_positive("a torque limit", 1.0 if torque_limit is None else torque_limit)
+        check_positive("a force", 1.0 if force is None else force)
+        said = {"names": list(self._names), "duration": duration, "limit": torque_limit, "force": force}
+        return _measured(self._client.move("move_hand", {"goal": goal}, **said))
 
     def contacts(self) -> Mapping[str, float]:
         """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
@@ -119,12 +115,10 @@ class SimCamera:
     """Implements `grip_bt.base.ports.Camera`; one on a link is where the link is."""
 
     def __init__(self, client: SimClient, spec: CameraSpec):
-        self._client, self._name, self._info, self._moves = client, spec.name, spec.info(), spec.link is not None
+        self._client, self._name, self._info = client, spec.name, spec.info()
 
     def info(self) -> CameraInfo:
         """Return the camera's geometry, with where it is now in world."""
-        if not self._moves:
-            return self._info
         return replace(self._info, pose=_pose(self._client.ask("camera_pose", camera=self._name)))
 
     def capture(self) -> Operation[RgbdFrame]:
@@ -183,12 +177,7 @@ SETTLE = 0.5
 
 
 class Simulation(SimClient):
-    """A running simulator. Physics advances only while something is under way. Implements `grip_bt.base.ports.Stepped`.
-
-    Attributes:
-        spec: the world.
-        referee: the truth; for judges, never for a task.
-    """
+    """A running simulator, whose physics advances only while something is under way; implements `ports.Stepped`."""
 
     def __init__(self, spec: WorldSpec, pace: float | None = None, hold: int | None = None):
         if pace is not None:

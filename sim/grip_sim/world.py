@@ -33,8 +33,6 @@ class Contact(NamedTuple):
     """Two bodies that touch.
 
     Attributes:
-        first: the one's name.
-        second: the other's.
         push: force on the first along the surface's normal, without friction, in world [N].
     """
 
@@ -66,7 +64,6 @@ class World:
     """The physics of one spec. The same spec and the same sequence of calls give the same states, bit by bit.
 
     Args:
-        spec: what it consists of.
         description: the robot; by default the one that the spec names.
     """
 

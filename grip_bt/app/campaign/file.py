@@ -96,9 +96,7 @@ class Campaign:
     def seeds(self) -> tuple[int, ...]:
         """The seeds, in order."""
         said = self.file.seeds
-        if isinstance(said, SeedRange):
-            return tuple(range(said.first, said.first + said.count))
-        return tuple(said)
+        return tuple(range(said.first, said.first + said.count) if isinstance(said, SeedRange) else said)
 
     def task(self, variant: str) -> Path:
         """Return the file of a variant's task.
@@ -112,8 +110,11 @@ class Campaign:
         for folder in folders:
             if (folder / name).is_file():
                 return folder / name
-        looked = ", ".join(map(str, folders))
-        raise CampaignError(str(self.path), f"variant {variant!r}: there is no task {name!r} (looked in {looked})")
+        raise self.error(f"variant {variant!r}: there is no task {name!r} (looked in {', '.join(map(str, folders))})")
+
+    def error(self, text: str) -> CampaignError:
+        """Return what is wrong with it, as an error."""
+        return CampaignError(str(self.path), text)
 
     def trials(self) -> Iterator[tuple[str, int]]:
         """Yield each (variant, seed), seed by seed, so that an early end leaves pairs that can be compared."""
@@ -130,19 +131,19 @@ def read_campaign(path: Path) -> Campaign:
         CampaignError: it has no variant and no task, a variant without one, or a seed twice.
     """
     file = read_model(path, CampaignFile)
-    if not file.variants:
-        if file.task is None:
-            raise CampaignError(str(path), "nothing to run: give `task`, or `variants` with a `task` each")
+    if not file.variants and file.task is not None:
         file = file.model_copy(update={"variants": {Path(file.task).stem: Variant()}})
-    without = [name for name, variant in file.variants.items() if variant.task is None and file.task is None]
-    if without:
-        raise CampaignError(str(path), f"no task for {', '.join(without)}: give `task` there, or one for all")
     campaign = Campaign(path, file)
-    if not campaign.seeds:
-        raise CampaignError(str(path), "`seeds` is empty: give a list of numbers, or first and count")
+    without = [name for name, variant in file.variants.items() if variant.task is None and file.task is None]
     twice = sorted(seed for seed, times in Counter(campaign.seeds).items() if times > 1)
+    if not file.variants:
+        raise campaign.error("nothing to run: give `task`, or `variants` with a `task` each")
+    if without:
+        raise campaign.error(f"no task for {', '.join(without)}: give `task` there, or one for all")
+    if not campaign.seeds:
+        raise campaign.error("`seeds` is empty: give a list of numbers, or first and count")
     if twice:
-        raise CampaignError(str(path), f"duplicate seeds: {', '.join(map(str, twice))}")
+        raise campaign.error(f"duplicate seeds: {', '.join(map(str, twice))}")
     return campaign
 
 
@@ -191,7 +192,6 @@ class Results:
     """What is in a file of results.
 
     Attributes:
-        path: the file.
         head: about the campaign: `name`, `doc`, `measures`, `variants` (name -> its settings).
         rows: the trials, in the order of their ends: `variant`, `seed`, and what `judged` returns.
     """
@@ -234,9 +234,8 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
         changed = [] if before in (None, now) else [key for key in now if now[key] != before.get(key)]
         if changed:
             text = f"{variant!r} isn't what it was when these trials ran (changed: {', '.join(changed)})"
-            raise CampaignError(
-                str(path), f"{text}; results of different settings aren't mixed: start a new file with -o FILE"
-            )
+            advice = "results of different settings aren't mixed: start a new file with -o FILE"
+            raise CampaignError(str(path), f"{text}; {advice}")
     written = path.read_bytes()
     if not written.endswith(b"\n"):  # what a crash has left of a line
         path.write_bytes(written[: written.rfind(b"\n") + 1])
@@ -252,12 +251,9 @@ def read(path: Path) -> Results:
     try:
         lines = path.read_text().split("\n")
         rows = [json.loads(line) for line in lines[:-1] if line]
-    except OSError as error:
-        raise CampaignError(
-            str(path), f"can't be read: {error.strerror}; `grip bench CAMPAIGN` writes results"
-        ) from error
-    except ValueError as error:
-        raise CampaignError(str(path), f"can't be read as results of a campaign: {error}") from error
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        raise CampaignError(str(path), f"can't be read as results: {why}; `grip bench CAMPAIGN` writes them") from error
     if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != _FORMAT:
         raise CampaignError(str(path), "these aren't results of a campaign: `grip bench CAMPAIGN` writes them")
     return Results(path, rows[0], rows[1:])

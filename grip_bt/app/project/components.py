@@ -34,7 +34,6 @@ class Wish:
     """What is known of a component to be.
 
     Attributes:
-        interface: its interface.
         server: the name under which it is served; empty for one made from the interface's.
         name: the component's; empty for one made from the server's.
         package: folder of the interface package, to be copied; None for an installed one.
@@ -101,7 +100,6 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
 
     Args:
         outcomes: as `--outcomes` takes them; None asks the user, on a terminal.
-        failures: outcomes that mean failure.
 
     Raises:
         OutcomesNeededError: nobody said how it can end.
@@ -159,12 +157,7 @@ def _ask(interface: InterfaceSpec) -> str:
 
 
 def label_of(component: ComponentFile, reply: Mapping[str, Any]) -> str:
-    """Return how an answer is called: by its number, or by the outcomes' rules.
-
-    Args:
-        component: whose answer it is.
-        reply: outputs, and the `outcome` of a contract.
-    """
+    """Return how an answer is called: by its number, or by the outcomes' rules."""
     if not component.rules:
         return f"{component.outcomes[reply['outcome']]!r} ({reply['outcome']})"
     for label, text in component.rules.items():

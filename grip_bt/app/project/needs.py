@@ -59,7 +59,6 @@ def nodes_in_need(
 
     Args:
         packages: those with interfaces that a run would find; None where ROS isn't installed.
-        links: of the robot.
         robot_known: False where the robot couldn't be read: nothing is known of its links then.
 
     Nothing is said of frames where the project declares none at all, neither by a robot nor by a mount: then all of

@@ -32,8 +32,6 @@ def world_of(project: Project, seed: int, world: str = "") -> WorldSpec:
     """Return a world with the project's robot in it, as a seed draws it.
 
     Args:
-        project: the project.
-        seed: of what is drawn.
         world: its name; the project's own where empty.
 
     Raises:
@@ -85,11 +83,7 @@ class WorldCondition:
     """A condition over what is true in a world.
 
     Args:
-        text: the condition.
-        regions: names of the world's regions.
-        measures: names of what is known of articulated objects.
         where: what to name in errors, such as `goals/pick`.
-        file: that it stands in.
 
     Raises:
         DocumentError: it isn't a condition over these names.

@@ -186,11 +186,7 @@ class _AtNodes(Observer):
 
 @contextmanager
 def injected(resources: Resources, runner: Runner, tell: Callable[[str, str], None]) -> Iterator[None]:
-    """Have the faults of the simulated world happen while the block runs; before the runner begins.
-
-    Args:
-        tell: told of each, by `fault` and what happened.
-    """
+    """Have the faults of the simulated world happen while the block runs; before the runner begins."""
     world = resources.world
     if world is None or not world.spec.faults:
         yield

@@ -68,18 +68,13 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
         file.parent.mkdir(parents=True, exist_ok=True)
         _thin_out(file.parent)
         with file.open("a", encoding="utf-8") as out:
-            states = {name: part.state() for name, part in parts.items()}
-            out.write(json.dumps({"parts": {name: list(state.names) for name, state in states.items()}}) + "\n")
-            told: dict[str, Any] = {}
+            out.write(json.dumps({"parts": {name: part.state().names for name, part in parts.items()}}) + "\n")
+            told, bodies = dict[str, Any](), Bodies()
             scene: SceneSnapshot | None = None
-            bodies = Bodies()
             while True:
-                last = over.is_set()
-                line: dict[str, Any] = {}
-                moved = {
-                    name: p for name, part in parts.items() if _changed(p := part.state().position, told.get(name))
-                }
-                if moved:
+                last, line = over.is_set(), dict[str, Any]()
+                now_at = {name: part.state().position for name, part in parts.items()}
+                if moved := {name: p for name, p in now_at.items() if _changed(p, told.get(name))}:
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 now = resources.scene.snapshot() if resources.scene is not None else None
@@ -101,12 +96,7 @@ def _changed(now: Any, before: Any) -> bool:
 
 def _objects(objects: Mapping[str, Any], bodies: Bodies) -> dict[str, Any]:
     return {
-        name: {
-            **_shape(item.shape, bodies),
-            "at": _place(item.pose, item.shape),
-            "hand": item.hand,
-            "fixed": item.fixed,
-        }
+        name: _shape(item.shape, bodies) | {"at": _place(item.pose, item.shape), "hand": item.hand, "fixed": item.fixed}
         for name, item in objects.items()
     }
 

@@ -113,7 +113,6 @@ def replay(
 
     Args:
         speed: seconds of the run in a second; None for as fast as it goes.
-        until: where to end; None for the end of the run.
 
     Returns:
         the last moment, and whether `until` was reached.
@@ -238,7 +237,6 @@ class Coverage:
 
     Attributes:
         seen: node -> outcome -> how often, for outcomes that were seen.
-        missing: node -> outcomes that weren't.
         codes: (node, outcome) -> failure codes that were seen, with how often.
     """
 

@@ -182,7 +182,6 @@ class ResumeRequest:
     """What is gone on with, and how.
 
     Attributes:
-        run: its id.
         at: the last event that happens again, in a new run; None to go on with the run itself.
         results: leaf -> (outcome, code) of its next end, in place of its work.
         values: variable -> value from then on.

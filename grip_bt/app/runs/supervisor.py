@@ -54,8 +54,6 @@ class Supervisor:
     """Runs one task in a child process.
 
     Args:
-        task: the task's file.
-        options: how it is run.
         told: called with each event of the run, in a thread of the supervisor.
         silence: how long [s] the process may stand still before it is ended; None for ever.
         own_input: whether the child may read our standard input.
@@ -116,6 +114,11 @@ class Supervisor:
     def pid(self) -> int:
         """The child's process id."""
         return self._process.pid
+
+    @property
+    def started(self) -> Mapping[str, Any] | None:
+        """The event `started`; None as long as nothing has begun."""
+        return self._run
 
     def send(self, command: Mapping[str, Any]) -> None:
         """Pass a command on; `stop` is seen to. From any thread."""

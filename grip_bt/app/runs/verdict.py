@@ -26,9 +26,6 @@ PLACE = "grip_bt.nodes.place:Place"
 class Verdict(Observer):
     """Observes a run, and asks the referee in its end.
 
-    Args:
-        session: with a runner that wasn't begun; it is told of the observer.
-
     Raises:
         DocumentError: the project's goal for the task isn't a condition over what a referee says.
     """

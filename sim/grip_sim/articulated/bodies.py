@@ -35,12 +35,7 @@ FRONT, METAL, RED, GLASS, BLUE = (186, 146, 100), (120, 122, 128), (196, 44, 40)
 
 
 class Articulated:
-    """An articulated object in a scene.
-
-    Attributes:
-        body: its links and joints.
-        links: what can be seen and touched, with its colour.
-    """
+    """An articulated object in a scene."""
 
     body: physx.PhysxArticulation
     links: Mapping[physx.PhysxRigidBodyComponent, Colour]

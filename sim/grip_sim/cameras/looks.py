@@ -34,7 +34,6 @@ class Target:
     """A body that a camera may see.
 
     Attributes:
-        body: its physical component.
         name: for the referee's segmentation.
         colour: red green blue, 0-255, of what has no colour of its own.
         visuals: reads what it looks like, in its own frame; None for its collision shapes.

@@ -47,7 +47,6 @@ class RasterRenderer:
     Args:
         info: the camera, with its principal point in the middle.
         far: nothing is seen beyond [m].
-        targets: the bodies.
         visual: whether their visuals are drawn where they have some, not their collision shapes.
     """
 

@@ -26,12 +26,6 @@ from grip_sim.specs import CameraSpec, WorldSpec
 class Rig:
     """Takes frames of bodies.
 
-    Args:
-        spec: of the world, with its cameras.
-        targets: all that can be seen.
-        links: what cameras may be mounted on.
-        faults: of the world.
-
     Raises:
         UnknownNameError: a camera is mounted on a link that the robot doesn't have.
     """

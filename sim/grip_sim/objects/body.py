@@ -28,10 +28,7 @@ class ObjectModel:
     """An object whose frame has its origin in the middle of its bounding box, z up when it stands.
 
     Attributes:
-        name: of its file.
-        doc: what it is.
         parts: corners of its convex parts, each of shape (n, 3) [m].
-        looks: what cameras see.
         size: of its bounding box [m].
         mass: [kg].
         centre: its centre of mass [m].

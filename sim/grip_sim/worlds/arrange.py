@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .model import CameraConfig, FixtureConfig, ObjectConfig, ShapeConfig, Span,
 
 TRIES, RESTARTS = 10_000, 30
 COLOURS: tuple[Colour, ...] = ((205, 60, 45), (60, 150, 70), (225, 170, 40), (120, 70, 160), (30, 140, 160))
+ORIGIN = (0.0, 0.0, 0.0)
 GREY: Colour = (150, 150, 150)
 WOOD: Colour = (150, 112, 74)
 Models: TypeAlias = Callable[[str], Path]
@@ -31,13 +32,6 @@ class ArrangementError(GripError):
 
 def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: Models = object_file) -> WorldSpec:
     """Return the arrangement that a seed draws: the same file and seed give the same one.
-
-    Args:
-        world: the file's content.
-        seed: of what is drawn.
-        folder: that the file's paths begin in.
-        robot: what is simulated: a name or a file.
-        models: returns the file of an object that is named.
 
     Raises:
         UnknownNameError, DocumentError: there is no such object, or its file is wrong.
@@ -81,12 +75,10 @@ def arrange(world: WorldFile, seed: int, folder: Path, robot: str = "", models: 
 def _boxes(name: str, fixture: FixtureConfig) -> Iterator[BoxSpec]:
     x, y, z = fixture.at
     if fixture.box is not None:
-        yield BoxSpec(
-            name, fixture.box, (x, y, z + fixture.box[2] / 2), fixture.colour or GREY, fixture.yaw, fixture.pitch
-        )
+        centre, colour = (x, y, z + fixture.box[2] / 2), fixture.colour or GREY
+        yield BoxSpec(name, fixture.box, centre, colour, fixture.yaw, fixture.pitch)
     elif fixture.open_box is not None:
-        colour = {"colour": fixture.colour} if fixture.colour is not None else {}
-        yield from open_box(name, fixture.open_box, fixture.at, fixture.wall, **colour)
+        yield from open_box(name, fixture.open_box, fixture.at, fixture.wall, fixture.colour or (70, 110, 170))
 
 
 def _cabinets(name: str, said: ArticulatedConfig) -> Iterator[BoxSpec]:
@@ -96,79 +88,59 @@ def _cabinets(name: str, said: ArticulatedConfig) -> Iterator[BoxSpec]:
             yield BoxSpec(f"{name}_{wall}", size, (x, y, z), WOOD, said.yaw)
 
 
-@dataclass(frozen=True)
-class _Kind:
-    """What one object consists of before it has a place."""
-
-    shape: Literal["cylinder", "box", "sphere", "model"]
-    radius: float
-    height: float
-    mass: float
-    friction: float
-    model: str = ""
-    scale: float = 1.0
-
-    def at(
-        self, name: str, place: Sequence[float], yaw: float, colour: Colour, tilt: tuple[float, float]
-    ) -> ObjectSpec:
-        """Return it with its underside's middle at a place in world [m]."""
-        position = (float(place[0]), float(place[1]), float(place[2]) + self.height / 2)
-        return ObjectSpec(name, position=position, yaw=yaw, colour=colour, tilt=tilt, **asdict(self))
-
-    @property
-    def name(self) -> str:
-        """What drawn ones are called after."""
-        return Path(self.model).stem if self.model else self.shape
-
-
 def _within(rng: np.random.Generator | None, span: Span) -> float:
     if not isinstance(span, tuple):
         return span
     return float(rng.uniform(*span)) if rng is not None else (span[0] + span[1]) / 2
 
 
-def _kind(config: ShapeConfig, rng: np.random.Generator | None, models: Models) -> tuple[_Kind, float]:
-    """Return what a configuration stands for, and its yaw; where nothing is drawn, the middle of ranges and no turn.
+def _made(config: ShapeConfig, rng: np.random.Generator | None, models: Models) -> ObjectSpec:
+    """Return what a configuration stands for, at the origin; where nothing is drawn, the middle of ranges and no turn.
 
     Drawn: radius and height or scale, yaw, mass, in that order, which seeds that people have noted depend on.
     """
     if config.model is not None:
         path = models(config.model)
-        model = load_object(path)
-        scale = _within(rng, config.scale)
-        kind = _Kind("model", model.radius * scale, model.size[2] * scale, model.mass, model.friction, str(path), scale)
+        model, scale = load_object(path), _within(rng, config.scale)
+        radius, height = model.radius * scale, model.size[2] * scale
+        made = ObjectSpec(path.stem, "model", radius, height, ORIGIN, model=str(path), scale=scale)
+        made = replace(made, mass=model.mass, friction=model.friction)
     else:
         assert config.shape is not None, "the file was checked"
         assert config.radius is not None, "the file was checked"
         radius = _within(rng, config.radius)
         height = _within(rng, config.height) if config.height is not None else 2 * radius
-        kind = _Kind(config.shape, radius, height, 0.2, 1.0)
+        made = ObjectSpec(config.shape, config.shape, radius, height, ORIGIN)
     yaw = float(rng.uniform(-np.pi, np.pi)) if rng is not None else 0.0
-    mass = kind.mass if config.mass is None else _within(rng, config.mass)
-    return replace(kind, mass=mass, friction=kind.friction if config.friction is None else config.friction), yaw
+    mass = made.mass if config.mass is None else _within(rng, config.mass)
+    return replace(made, yaw=yaw, mass=mass, friction=made.friction if config.friction is None else config.friction)
+
+
+def _standing(thing: ObjectSpec, x: float, y: float, z: float) -> ObjectSpec:
+    """Return it with its underside's middle at a place in world [m]."""
+    return replace(thing, position=(float(x), float(y), float(z) + thing.height / 2))
 
 
 def _placed(name: str, thing: ObjectConfig, models: Models) -> ObjectSpec:
     assert thing.at is not None, "the file was checked"
-    kind, _ = _kind(thing, None, models)
-    return kind.at(name, thing.at, thing.yaw, thing.colour or COLOURS[0], thing.tilt)
+    made = replace(_made(thing, None, models), name=name, yaw=thing.yaw, tilt=thing.tilt)
+    return _standing(replace(made, colour=thing.colour or COLOURS[0]), *thing.at)
 
 
 def _drawn(
     name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator, models: Models
 ) -> Iterator[ObjectSpec]:
-    clearance = thing.clearance or 0.01 + 2 * max(_kind(each, None, models)[0].radius for each in thing.of)
+    clearance = thing.clearance or 0.01 + 2 * max(_made(each, None, models).radius for each in thing.of)
     places = _places(thing.draw, region, clearance, taken, rng, name, thing.drop)
     floor = region.centre[2] - region.size[2] / 2
     for index, place in enumerate(places):
         config = thing.of[min(int(rng.random() * len(thing.of)), len(thing.of) - 1)]
-        kind, yaw = _kind(config, rng, models)
-        tilt, up = (0.0, 0.0), floor
+        made, tilt, up = _made(config, rng, models), (0.0, 0.0), floor
         if thing.drop:
             tilt = (float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(-np.pi / 2, np.pi / 2)))
-            up += index * clearance + (np.hypot(2 * kind.radius, kind.height) - kind.height) / 2
+            up += index * clearance + (np.hypot(2 * made.radius, made.height) - made.height) / 2
         colour = config.colour or COLOURS[index % len(COLOURS)]
-        yield kind.at(f"{kind.name}_{index}", (place[0], place[1], up), yaw, colour, tilt)
+        yield _standing(replace(made, name=f"{made.name}_{index}", colour=colour, tilt=tilt), place[0], place[1], up)
 
 
 def _places(
