@@ -53,10 +53,6 @@ class SimClock:
         """Simulated time alone [s]."""
         return self._simulated
 
-    def simulated_now(self) -> float:
-        """Return simulated time alone [s]."""
-        return self._simulated
-
     def begin(self) -> None:
         """A motion begins."""
         with self._lock:

@@ -127,18 +127,16 @@ class Follow:
         off = np.abs(path.at(at - since) - positions[0]).max()
         if off > 1e-3:
             raise ValueError(f"the new tail starts {off:.4f} rad away from the motion")
-        old = path.times + since
-        kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
         if path.velocities is None:  # its speed jumps at its points: nothing goes on smoothly from there
             return False
+        old = path.times + since
+        kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
         whole = np.concatenate([old[kept], at + times])
         self._since = float(whole[0])
-        self._path = Trajectory(
-            path.names,
-            whole - self._since,
-            np.concatenate([path.positions[kept], positions]),
-            np.concatenate([path.velocities[kept], velocities]),
-        )
+        rows = [
+            np.concatenate(each) for each in ((path.positions[kept], positions), (path.velocities[kept], velocities))
+        ]
+        self._path = Trajectory(path.names, whole - self._since, *rows)
         return True
 
     def wrong_start(self) -> str:

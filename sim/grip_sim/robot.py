@@ -232,12 +232,11 @@ class SimRobot:
 
     def _let_neighbours_pass(self) -> None:
         fingers = list(self.description.finger_links.values())
-        for link in self.links:
-            for shape in link.collision_shapes if link.name in self.hand_links else ():
-                shape.set_collision_groups([*HAND, *shape.get_collision_groups()[2:]])
         distal = {link for finger in fingers for link in finger[2:]}
         thumb = set(fingers[-1][:3]) if fingers else set()
         for link in self.links:
+            for shape in link.collision_shapes if link.name in self.hand_links else ():
+                shape.set_collision_groups([*HAND, *shape.get_collision_groups()[2:]])
             if link.name not in distal:  # arm, palm, roots of the fingers: the planner keeps them apart
                 ignore_each_other(link.collision_shapes, NEAR_BASE)
             if link.name in thumb:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_sim.articulated.bodies import make_articulated
+from grip_sim.articulated.bodies import make_articulated, moving, set_moving
 from grip_sim.articulated.model import Vector
 from grip_sim.cameras.frame import Frame
 from grip_sim.cameras.looks import Target, visuals_of
@@ -81,12 +81,14 @@ class World:
             name: make_articulated(self._scene, name, said, lambda link, body: self.cameras.replaced(link, body))
             for name, said in spec.articulated.items()
         }
-        self._touchable = frozenset(self._objects) | {link.name for link in self._moving_links()}
+        self._touchable = frozenset(self._objects) | {
+            link.name for each in self.articulated.values() for link in each.links
+        }
         self._steps = 0
         self._moved: set[str] = set()
         self.faults = Faults(spec.faults, spec.seed, self)
-        moving = (Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items())
-        seen = [*still, *self._robot_targets(), *self._object_targets(), *moving]
+        links = [Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items()]
+        seen = [*still, *self._robot_targets(), *self._object_targets(), *links]
         self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
 
     # --- time ---
@@ -119,15 +121,12 @@ class World:
     def object_speeds(self, name: str) -> tuple[float, float]:
         """Return how fast an object moves [m/s] and turns [rad/s]."""
         body = self._object(name)
-        speeds = (body.linear_velocity, body.angular_velocity)
-        return float(np.linalg.norm(speeds[0])), float(np.linalg.norm(speeds[1]))
+        return float(np.linalg.norm(body.linear_velocity)), float(np.linalg.norm(body.angular_velocity))
 
     def move_object(self, name: str, pose: Pose) -> None:
         """Put an object elsewhere, at rest; for experiments that disturb a task."""
         body = self._object(name)
-        body.set_entity_pose(_sapien_pose(pose))
-        body.set_linear_velocity(np.zeros(3))
-        body.set_angular_velocity(np.zeros(3))
+        set_moving(body, np.array([*pose.position, *pose.quaternion, *np.zeros(6)]))
         body.wake_up()
         self._moved.add(name)
 
@@ -159,10 +158,10 @@ class World:
 
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""
-        for link in self.robot.links:
-            if link.name == name:
-                return _pose(link.entity_pose)
-        raise UnknownNameError("link", name, (link.name for link in self.robot.links))
+        links = {link.name: link for link in self.robot.links}
+        if name not in links:
+            raise UnknownNameError("link", name, links)
+        return _pose(links[name].entity_pose)
 
     def contacts(self) -> Iterator[Contact]:
         """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
@@ -184,10 +183,11 @@ class World:
 
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
-        total, links = 0.0, self.robot.description.hands[hand]
+        total, links, things = 0.0, self.robot.description.hands[hand], self._touchable
         for contact in self._scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
-            if _between(one, two, links, self._touchable) and self._moved.isdisjoint((one, two)):
+            touches = (one in links and two in things) or (two in links and one in things)
+            if touches and self._moved.isdisjoint((one, two)):
                 total += float(np.linalg.norm(sum(point.impulse for point in contact.points))) / self.spec.dt
         return total / 2
 
@@ -206,14 +206,9 @@ class World:
     def kept(self) -> dict[str, Array]:
         """Return everything that moves, and how: the robot, and the poses and velocities of the objects."""
         bodies = list(self._objects.values())
-        poses = [[*body.entity_pose.p, *body.entity_pose.q] for body in bodies]
-        speeds = [[*body.linear_velocity, *body.angular_velocity] for body in bodies]
-        return {
-            **self.robot.kept(),
-            "poses": np.array(poses, float).reshape(-1, 7),
-            "object_speeds": np.array(speeds, float).reshape(-1, 6),
-            **{f"articulated.{name}": each.kept() for name, each in self.articulated.items()},
-        }
+        states = np.array([moving(body) for body in bodies]).reshape(-1, 13)
+        articulated = {f"articulated.{name}": each.kept() for name, each in self.articulated.items()}
+        return {**self.robot.kept(), "poses": states[:, :7], "object_speeds": states[:, 7:], **articulated}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring everything that moves to where it was kept; what physics remembers of contacts builds up again.
@@ -229,9 +224,7 @@ class World:
         for name, state in states.items():
             self.articulated[name].put_back(state)
         for body, pose, speed in zip(self._objects.values(), poses, speeds, strict=True):
-            body.set_entity_pose(sapien.Pose(pose[:3], pose[3:]))
-            body.set_linear_velocity(speed[:3])
-            body.set_angular_velocity(speed[3:])
+            set_moving(body, np.concatenate([pose, speed]))
             body.wake_up()
 
     def fingerprint(self) -> str:
@@ -247,9 +240,6 @@ class World:
         return digest.hexdigest()
 
     # --- building ---
-
-    def _moving_links(self) -> Iterator[physx.PhysxRigidBodyComponent]:
-        return (link for each in self.articulated.values() for link in each.links)
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:
@@ -273,13 +263,12 @@ class World:
         material = movable(spec.friction)
         r, h = spec.radius, spec.height
         if spec.shape == "cylinder":
-            density = spec.mass / (np.pi * r * r * h)
-            builder.add_cylinder_collision(UPRIGHT, r, h / 2, material=material, density=density)
+            builder.add_cylinder_collision(UPRIGHT, r, h / 2, material, spec.mass / (np.pi * r * r * h))
         elif spec.shape == "sphere":
             builder.add_sphere_collision(radius=r, material=material, density=spec.mass / (4 / 3 * np.pi * r**3))
         else:
-            half, density = [r, r, h / 2], spec.mass / (4 * r * r * h)
-            builder.add_box_collision(half_size=half, material=material, density=density)
+            density = spec.mass / (4 * r * r * h)
+            builder.add_box_collision(half_size=[r, r, h / 2], material=material, density=density)
         builder.set_initial_pose(_sapien_pose(spec.pose))
         entity = builder.build(name=spec.name)
         return entity.find_component_by_type(physx.PhysxRigidDynamicComponent)
@@ -309,10 +298,6 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
 
 def _looks_of(spec: ObjectSpec) -> list[Look]:
     return [look.moved(np.eye(4), spec.scale) for look in load_object(Path(spec.model)).looks]
-
-
-def _between(one: str, two: str, links: Container[str], things: Container[str]) -> bool:
-    return (one in links and two in things) or (two in links and one in things)
 
 
 def _static(builder: sapien.ActorBuilder, name: str, pose: Pose) -> physx.PhysxRigidStaticComponent:

@@ -67,7 +67,7 @@ def messages(value: Any, nanoseconds: int) -> dict[str, Message]:
         return {suffix: messages(each, nanoseconds)[""] for suffix, each in seen.items()}
     match value:
         case Pose():
-            kind, frame, fields = "PoseInFrame", value.frame, {"pose": _pose_fields(value)}
+            kind, frame, fields = "PoseInFrame", value.frame, dict[str, Any](pose=_pose_fields(value))
         case Grasp():
             return messages([value], nanoseconds)
         case [Grasp(), *_] if all(isinstance(grasp, Grasp) for grasp in value):

@@ -77,6 +77,13 @@ def moving(body: physx.PhysxRigidBodyComponent) -> Array:
     return np.array([*pose.p, *pose.q, *body.linear_velocity, *body.angular_velocity], float)
 
 
+def set_moving(body: physx.PhysxRigidDynamicComponent, state: Array) -> None:
+    """Have a body be where it was and move as it did; see `moving`."""
+    body.set_entity_pose(sapien.Pose(state[:3], state[3:7]))
+    body.set_linear_velocity(state[7:10])
+    body.set_angular_velocity(state[10:13])
+
+
 Replaced = Callable[[physx.PhysxRigidBodyComponent, physx.PhysxRigidBodyComponent], None]
 """Told of a link whose place another body takes."""
 
@@ -303,6 +310,4 @@ class _ScrewBottle(Articulated):
         if len(extra) and self._free is None:
             self._let_go()
         if self._free is not None:
-            self._free.set_entity_pose(sapien.Pose(extra[:3], extra[3:7]))
-            self._free.set_linear_velocity(extra[7:10])
-            self._free.set_angular_velocity(extra[10:])
+            set_moving(self._free, extra)

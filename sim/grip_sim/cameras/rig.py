@@ -94,19 +94,11 @@ class Rig:
         return replace(frame, depth=depth, image=noise.on_image(frame.image, seed))
 
     def view(self, camera: str | CameraSpec) -> Frame:
-        """Show what is there now by a camera, or one that isn't among them, without its sensor's faults.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Show what is there now by a camera, or one that isn't among them, without its sensor's faults; see `look`."""
         return self._drawn(self._spec(camera) if isinstance(camera, str) else camera, self._time, self._now())
 
     def pose(self, name: str) -> Pose:
-        """Return the optical frame of a camera in world, as it is now.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Return the optical frame of a camera in world, as it is now; see `look`."""
         return self._pose(self._spec(name), self._now())
 
     def _spec(self, name: str) -> CameraSpec:
@@ -133,14 +125,10 @@ class Rig:
         return Pose(carrier[:3], carrier[3:]) @ pose
 
     def _drawn(self, spec: CameraSpec, time: float, rows: Array) -> Frame:
-        renderer = self._renderer(spec)
-        return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self._targets)])), time=time)
-
-    def _renderer(self, spec: CameraSpec) -> Renderer:
-        """Return who draws for a camera; made when it is first asked for, since meshes take their time to read."""
-        if spec not in self._renderers:
+        if spec not in self._renderers:  # made when it is first asked for, since meshes take their time to read
             self._renderers[spec] = make_renderer(spec, self._targets)
-        return self._renderers[spec]
+        renderer = self._renderers[spec]
+        return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self._targets)])), time=time)
 
 
 def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:
