@@ -20,7 +20,6 @@ from .terminal import on_stop
 
 
 def add_bench(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.usage = (
         "grip bench CAMPAIGN [--workers N] [--resume] [-o FILE]\n       grip bench report RESULTS [--json | --csv]"
     )

@@ -11,9 +11,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-from grip_bt.app.project.components import components_folder, from_file, from_graph, from_type, label_of, make_component
+from grip_bt.app.project.components import Wish, components_folder, from_file, from_graph, label_of, make_component
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
@@ -33,7 +32,6 @@ KINDS = ("srv", "action", "msg")
 
 
 def add_component(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     new, add, listed, test = add_actions(
         parser,
         {
@@ -94,7 +92,7 @@ def _folder(what: str, args: argparse.Namespace) -> Path:
     if path.suffix[1:] in KINDS:
         return _made(from_file(path), args)
     if re.fullmatch(r"[a-z][a-z0-9_]*/(\w+/)?[A-Z]\w*", what) or what.count("/") == 2:
-        return _made(from_type(what), args)
+        return _made(Wish(read_interface(what)), args)
     home = components_folder(args.project)
     known = [file.parent.name for file in sorted(home.glob(f"*/{FILE_NAME}"))]
     raise GripError(
@@ -119,7 +117,7 @@ def _check_component(folder: Path) -> None:
         )
 
 
-def _made(wish: Any, args: argparse.Namespace) -> Path:
+def _made(wish: Wish, args: argparse.Namespace) -> Path:
     wish = replace(wish, name=args.name, server=args.server or wish.server)
     failures = [label for label in args.failure.split(",") if label]
     folder = make_component(wish, components_folder(args.project), args.outcomes, failures)
@@ -141,12 +139,10 @@ def generate(folders: Sequence[Path]) -> int:
 
 def check(folders: Sequence[Path]) -> int:
     """Tell which nodes aren't up to date; 1 when there are some."""
-    stale = False
-    for folder in folders:
-        for path in outdated(folder / _NODE_FOLDER, rendered(folder)):
-            print(f"{folder / _NODE_FOLDER / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
-            stale = True
-    return int(stale)
+    stale = [(folder, path) for folder in folders for path in outdated(folder / _NODE_FOLDER, rendered(folder))]
+    for folder, path in stale:
+        print(f"{folder / _NODE_FOLDER / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
+    return int(bool(stale))
 
 
 def _run_list(args: argparse.Namespace) -> int:
@@ -200,7 +196,6 @@ def rendered(folder: Path) -> dict[str, str]:
 
 
 def add_interfaces(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     what = {"build": (_run_interfaces, "build the .msg, .srv and .action packages in a folder, once per content")}
     (build,) = add_actions(parser, what)
     build.add_argument("folder", type=Path, help="an interface package, or a folder with some")

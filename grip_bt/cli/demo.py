@@ -43,7 +43,6 @@ CHECK = "next_object/attempt/check/held"
 
 
 def add_demo(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     which = "which one (default: reactive)"
     parser.add_argument("name", nargs="?", default="reactive", choices=("reactive",), help=which)
     add_run_options(parser)
@@ -114,13 +113,8 @@ def _show(task: Path, args: argparse.Namespace) -> int:
 
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     options = RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace or 1.0)
-    return serve(
-        task.parent.parent,
-        task=task,
-        autostart=options,
-        port=args.port,
-        open_browser=not args.no_browser and sys.stdout.isatty(),
-    )
+    browser = not args.no_browser and sys.stdout.isatty()
+    return serve(task.parent.parent, task=task, autostart=options, port=args.port, open_browser=browser)
 
 
 def demo_task() -> Path:
@@ -136,12 +130,10 @@ def examples_folder() -> Path:
         NotWritableError: there is no room for a copy.
     """
     package = Path(grip_bt.__file__).resolve().parent
-    own, installed = package.parent / "examples", package / "_examples"
-    if (own / "grip.yaml").is_file() and os.access(own, os.W_OK):
-        return own
-    for folder in (own, installed):
+    own = package.parent / "examples"
+    for folder in (own, package / "_examples"):
         if (folder / "grip.yaml").is_file():
-            return _copied(folder)
+            return own if folder == own and os.access(own, os.W_OK) else _copied(folder)
     raise MissingPartError("the example project", "clone the repository, or reinstall the wheel")
 
 

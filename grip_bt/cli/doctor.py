@@ -16,6 +16,7 @@ from typing import Literal
 
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.environment import environment
+from grip_sim import render_support
 
 from .terminal import tell
 
@@ -65,8 +66,6 @@ def _version(distribution: str) -> str:
 def _rendering() -> Finding:
     if find_spec("sapien") is None:
         return Finding("camera", "missing", "no module 'sapien'", _INSTALL.format(extra="sim"), needed=False)
-    from grip_sim import render_support
-
     return Finding("camera", "ok", render_support(), needed=False)
 
 
@@ -99,7 +98,6 @@ _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
 
 def add_doctor(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("--json", action="store_true", help="print one JSON list")
     parser.set_defaults(run=run)
 

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 
 def add_launch(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     what = "a launch file with NAME:=VALUE ..., or processes of the project (default: all of them)"
     parser.add_argument("what", nargs="*", metavar="FILE|NAME", help=what)
     parser.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
@@ -119,7 +118,6 @@ def _tell(name: str, state: str, detail: str) -> None:
 
 
 def add_sim(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     add, positive = parser.add_argument, number(above=0)
     add("world", nargs="?", default="table", help="which world (default: table)")
     add("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
@@ -157,12 +155,10 @@ def _run_sim(args: argparse.Namespace) -> int:
 def _settings(served: Served, room: Path | None) -> str:
     """Return what `grip.yaml` says to reach it."""
     lines = ["", "serving; press Ctrl-C to stop. For `grip run TASK --robot ros`, put this into grip.yaml:", ""]
-    if room is not None:
-        lines.append(f"scene: {room}")
+    lines += [f"scene: {room}"] if room is not None else []
     lines += ["ros:", f"  joint_states: {served.joints}", "  controllers:"]
     lines += [f"    {name}: {{trajectory: {action}}}" for name, action in served.controllers.items()]
-    if served.cameras:
-        lines.append("  cameras:")
+    lines += ["  cameras:"] if served.cameras else []
     for name, topics in served.cameras.items():
         lines += [f"    {name}:", *(f"      {part}: {topics[part]}" for part in ("image", "depth", "info"))]
         mount = ", ".join(f"{key}: {value}" for key, value in served.mounts[name].items())

@@ -34,7 +34,6 @@ ARCHIVE = "messages.sqlite"
 
 
 def add_messages(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     serve, listing, show, take, watch, add, push, delete, reset, _ = add_actions(
         parser,
         {
@@ -45,8 +44,8 @@ def add_messages(parser: argparse.ArgumentParser) -> None:
             "watch": (_run_watch, "print each change as it comes, until stopped"),
             "add": (_run_put, "add or replace a message"),
             "push": (_run_put, "add a message to the end of a queue"),
-            "delete": (_run_delete, "remove one message"),
-            "reset": (_run_reset, "empty a store, or all, and read the project's files again"),
+            "delete": (_run_removal, "remove one message"),
+            "reset": (_run_removal, "empty a store, or all, and read the project's files again"),
             "save": (_run_save, "save everything so that it survives a restart of the server"),
         },
     )
@@ -129,15 +128,9 @@ def _run_put(args: argparse.Namespace) -> int:
     return 0
 
 
-def _run_delete(args: argparse.Namespace) -> int:
+def _run_removal(args: argparse.Namespace) -> int:
     with _server() as server:
-        _done(server.delete(args.store, args.name))
-    return 0
-
-
-def _run_reset(args: argparse.Namespace) -> int:
-    with _server() as server:
-        _done(server.reset(args.store))
+        _done(server.delete(args.store, args.name) if "name" in args else server.reset(args.store))
     return 0
 
 
@@ -179,10 +172,8 @@ def _value(server: RosMessages, args: argparse.Namespace) -> Any:
         raise GripError(f"{several}: say YAML, `-` (the standard input), `--file FILE` or `--topic TOPIC`")
     if args.topic is not None:
         return server.next_of(args.topic, args.type, args.within)
-    if args.file is not None:
-        text, source = read_file(args.file), str(args.file)
-    else:
-        text, source = (sys.stdin.read() if args.value == "-" else args.value), "value"
+    source = "value" if args.file is None else str(args.file)
+    text = read_file(source) if args.file else sys.stdin.read() if args.value == "-" else args.value
     type_ = args.type or next((e.type for e in _done(server.listing()).entries if e.store == args.store), "")
     return value_from_text(args.store, source, text, type_, ServerStates(server, _done))
 

@@ -24,7 +24,6 @@ from .terminal import on_hang_up
 
 
 def add_new(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("folder", metavar="DIR", help="a new or empty folder")
     robot = (
         "a ready-made robot, a robot's file, a MoveIt package (folder or name), a workspace (default: panda_allegro)"
@@ -76,7 +75,6 @@ def _chosen(given: list[str], question: str, names: Sequence[str]) -> str:
 
 
 def add_edit(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     path = "a project folder or a task file (default: here); with --execute, code that makes a tree of py_trees"
     parser.add_argument("path", nargs="?", default=".", type=Path, help=path)
     parser.add_argument("--execute", action="store_true", help="run that code to draw its tree, if you trust it")

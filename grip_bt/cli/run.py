@@ -42,7 +42,6 @@ class _Given(argparse.Action):
 
 
 def add_run(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument(
         "task",
         type=Path,

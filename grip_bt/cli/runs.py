@@ -36,7 +36,6 @@ from .terminal import tell
 
 
 def add_runs(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     add = parser.add_argument
     add("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
     add("--journal", type=Path, metavar="FILE", help="another journal")
@@ -149,7 +148,6 @@ def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> None
 
 
 def add_replay(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")
     doc = "playback speed (default: 1 on a terminal, otherwise 0: as fast as possible)"
@@ -196,17 +194,10 @@ def _run_replay(args: argparse.Namespace) -> int:
 
 def _check_place(reader: JournalReader, run: str, until: Until) -> None:
     """Refuse a place that a run which is over never came to, before its events are shown."""
-    paths: set[str] = set()
-    ends: set[str] = set()  # of the node, where its name is right
-    node, last = until.text.partition(":")[0], 0
-    for event in reader.iterate(run):
-        if until.reached(event):
-            return
-        paths.add(event.path)
-        if event.path == node and event.outcome is not None:
-            ends.add(f"{node}:{event.outcome}")
-        last = event.seq
-    raise _unknown_place(until.text, run, ends or paths, last)
+    node, events = until.text.partition(":")[0], list(reader.iterate(run))
+    if not any(map(until.reached, events)):
+        ends = {f"{node}:{event.outcome}" for event in events if event.path == node and event.outcome is not None}
+        raise _unknown_place(until.text, run, ends or {event.path for event in events}, events[-1].seq if events else 0)
 
 
 def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> UnknownNameError:
@@ -215,7 +206,6 @@ def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> Unk
 
 
 def add_capsule(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to (default: RUN.html)")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")

@@ -82,7 +82,6 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
 
 
 def add_help(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("verb", nargs="?", choices=(*VERBS, "all"), metavar="VERB", help="a verb, or all")
     parser.set_defaults(run=_run_help)
 
@@ -179,7 +178,6 @@ _ZSH = "autoload -U +X bashcompinit && bashcompinit\n" + _BASH
 
 
 def add_completion(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     source = "source what it prints: source <(grip completion bash)"
     parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=source)
     parser.set_defaults(run=_run_completion)

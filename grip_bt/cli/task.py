@@ -27,7 +27,6 @@ from .terminal import counted, put, tell
 
 
 def add_check(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("tasks", nargs="*", metavar="TASK", help="a task file")
     parser.add_argument("--strict", action="store_true", help="1 also where there are only warnings, for CI")
     parser.add_argument("--json", action="store_true", help="print one JSON list")
@@ -66,7 +65,6 @@ def _issues(path: str) -> tuple[Issue, ...]:
 
 
 def add_fmt(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("tasks", nargs="+", metavar="TASK", help="a task file; - reads stdin and writes stdout")
     parser.add_argument("--check", action="store_true", help="change nothing; 1 when a file isn't canonical")
     parser.set_defaults(run=_run_fmt)
@@ -94,7 +92,6 @@ def _both(path: str) -> tuple[str, str]:
 
 
 def add_apply(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("task", metavar="TASK", help="a task file; it is changed")
     parser.add_argument(
         "command",

@@ -22,7 +22,6 @@ T = TypeVar("T")
 
 
 def add_teach(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("name", nargs="?", help="the name; without it, what was taught is listed")
     parser.add_argument("--project", default=".", help="a project folder, or a file in it (default: this folder)")
     part = parser.add_mutually_exclusive_group()

@@ -30,7 +30,6 @@ SPOT = (0.60, 0.0)
 
 
 def add_world(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     listed, show, check, new = add_actions(
         parser,
         {
@@ -52,7 +51,6 @@ def add_world(parser: argparse.ArgumentParser) -> None:
 
 
 def add_object(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     listed, show, check, add = add_actions(
         parser,
         {

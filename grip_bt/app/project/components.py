@@ -26,8 +26,6 @@ from grip_bt.task.catalog.ros_config import InterfaceSpec
 
 from .folder import find_project
 
-_NOTHING = YamlMapping({}, 1, 1)
-
 
 @dataclass(frozen=True)
 class Wish:
@@ -46,11 +44,7 @@ class Wish:
 
 
 def from_file(path: Path) -> Wish:
-    """Take a .srv, .action or .msg file of an interface package.
-
-    Raises:
-        DocumentError: it can't be read, or lies in no package.
-    """
+    """Take a .srv, .action or .msg file of an interface package; DocumentError where it isn't one or lies in none."""
     if not path.is_file():
         raise DocumentError("there is no such file", str(path))
     package = path.resolve().parent.parent
@@ -59,15 +53,6 @@ def from_file(path: Path) -> Wish:
         reason = f"an interface belongs to a package, whose name is part of its type: put the file into {where}"
         raise DocumentError(reason, str(path))
     return Wish(read_interface(path), package=package)
-
-
-def from_type(name: str) -> Wish:
-    """Take an installed type, such as `std_srvs/srv/Trigger`.
-
-    Raises:
-        DocumentError: it isn't one, or isn't installed.
-    """
-    return Wish(read_interface(name))
 
 
 def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:
@@ -84,10 +69,8 @@ def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish
     from grip_bt.ros.client.graph import find_served
 
     served = find_served(name, within)
-    if interfaces is not None:
-        file = interface_file(interfaces, served.type)
-        if file is not None:
-            return Wish(read_interface(file), served.name, package=file.parent.parent)
+    if interfaces is not None and (file := interface_file(interfaces, served.type)) is not None:
+        return Wish(read_interface(file), served.name, package=file.parent.parent)
     try:
         return Wish(read_interface(served.type), served.name)
     except DocumentError as error:
@@ -112,7 +95,10 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     if (home / FILE_NAME).exists():
         raise GripError(f"{home / FILE_NAME} already exists; edit it and run: grip component add {home}")
     if outcomes is None and wish.interface.kind != "msg":
-        outcomes = _ask(wish.interface)
+        needed = OutcomesNeededError(wish.interface)
+        if not sys.stdin.isatty():
+            raise needed
+        outcomes = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip() or needed.suggestion
     chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)
     try:
         text = component_text(wish.interface, name, server, chosen, failures)
@@ -121,7 +107,7 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
             raise document_error(faults, FILE_NAME)
         check_contract(component, wish.interface, partial(fields_within, wish.package and wish.package.parent))
     except ValidationError as error:
-        raise GripError(diagnostic_of(_NOTHING, error.errors()[0])[0]) from None
+        raise GripError(diagnostic_of(YamlMapping({}, 1, 1), error.errors()[0])[0]) from None
     home.mkdir(parents=True, exist_ok=True)
     for package in _with_needed(wish.package):
         if not (home / "interfaces" / package.name).exists():
@@ -146,14 +132,6 @@ def components_folder(start: Path) -> Path:
     """Return the folder of the components of the project around `start`."""
     project = find_project(start)
     return project.folder / (project.file.components or "components")
-
-
-def _ask(interface: InterfaceSpec) -> str:
-    needed = OutcomesNeededError(interface)
-    if not sys.stdin.isatty():
-        raise needed
-    said = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip()
-    return said or needed.suggestion
 
 
 def label_of(component: ComponentFile, reply: Mapping[str, Any]) -> str:

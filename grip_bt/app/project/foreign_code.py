@@ -12,7 +12,6 @@ from grip_bt.compilers.resolve import resolve
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.catalog.component_file import load_component
-from grip_bt.task.catalog.component_parts import Start
 from grip_bt.task.model import Foreign
 
 from .folder import Project
@@ -62,12 +61,6 @@ def of_component(folder: Path | None) -> Iterator[str]:
         component = None if folder is None else load_component(folder)
     except GripError:
         return  # refused in its own words when it is started
-    if component is not None and component.start is not None:
-        yield f"component {component.name}: starts {started(component.start)}"
-
-
-def started(start: Start) -> str:
-    """Return what is started, as it is written."""
-    if start.command:
-        return shlex.join(start.command)
-    return " ".join(filter(None, (start.package, start.executable or start.launch)))
+    if component is not None and (start := component.start) is not None:
+        words = start.command or filter(None, (start.package, start.executable or start.launch))
+        yield f"component {component.name}: starts {shlex.join(words)}"
