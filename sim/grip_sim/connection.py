@@ -137,7 +137,7 @@ LINES = 40
 
 
 class SimProcess:
-    """A child process that runs `python -m grip_sim`.
+    """A child process that runs `python -m grip_sim.server`.
 
     It ends by itself when the other end of its connection is gone, also when our process was killed.
 
@@ -148,7 +148,7 @@ class SimProcess:
 
     def __init__(self, connection: socket.socket, hold: int | None = None):
         descriptors = [connection.fileno(), *([] if hold is None else [hold])]
-        command = python_command("-m", "grip_sim", *map(str, descriptors))
+        command = python_command("-m", "grip_sim.server", *map(str, descriptors))
         # What it prints is kept from our standard output, which may carry a protocol.
         self._process = subprocess.Popen(
             command,

@@ -1,9 +1,15 @@
-"""The simulator's process: physics advances only while something is under way; it ends when its client is gone."""
+"""`python -m grip_sim.server FD [HOLD]`: the simulator's process, started by `grip_sim.client` with open sockets.
+
+Physics advances only while something is under way; the process ends when its client is gone.
+"""
 
 from __future__ import annotations
 
+import os
 import select
+import signal
 import socket
+import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -337,3 +343,24 @@ ASKED: Mapping[str, Callable[[World], Answer]] = {
     "kept": World.kept,
 }
 """Calls that only ask the world."""
+
+
+def main() -> int:
+    """Make the world that the client asks for and obey it."""
+    # Ctrl-C reaches the whole process group; when to end is the client's decision, and its end is ours.
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    connection = socket.socket(fileno=int(sys.argv[1]))
+    try:
+        fields, _ = receive(connection)
+        hold = socket.socket(fileno=int(sys.argv[2])) if len(sys.argv) > 2 else None
+        server = Server(connection, WorldSpec.from_json(fields["spec"]), fields["pace"], hold)
+        connection.sendall(pack({"id": fields["id"], "time": 0.0}))
+    except (ClosedError, BrokenPipeError):
+        return 0
+    server.serve()
+    os._exit(0)  # nothing is left to be saved, and taking the physics apart would take half a second
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -18,7 +18,7 @@ from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_sim.articulated.bodies import make_articulated, moving, set_moving
 from grip_sim.articulated.model import Vector
-from grip_sim.cameras.frame import Frame
+from grip_sim.cameras import Frame
 from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.mesh_files import Look
 from grip_sim.cameras.rig import Rig

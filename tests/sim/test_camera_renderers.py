@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from ray_camera import RayCamera
 from scipy.spatial import ConvexHull
 
-from grip_sim.cameras import vulkan_works
-from grip_sim.cameras.frame import Places
+from grip_sim.cameras import Places, vulkan_works
 from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.mesh_files import read_mesh
 from grip_sim.cameras.raster import RasterRenderer

@@ -14,8 +14,7 @@ import numpy as np
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Pose
-from grip_sim.cameras import vulkan_works
-from grip_sim.cameras.frame import Frame, Places, Renderer
+from grip_sim.cameras import Frame, Places, Renderer, vulkan_works
 from grip_sim.cameras.looks import Target
 from grip_sim.cameras.raster import RasterRenderer
 from grip_sim.faults import Faults, darkened

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import CameraInfo, Pose
-from grip_sim.cameras.frame import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
+from grip_sim.cameras import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
 from grip_sim.cameras.looks import Target
 from grip_sim.cameras.mesh_files import Look
 from grip_sim.physics import sapien
