@@ -179,11 +179,7 @@ class SimRobot:
         return {"positions": self.positions(), "velocities": self.velocities(), **copies}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
-        """Bring the robot into a state that was kept.
-
-        Raises:
-            ValueError: it is of a robot with other joints.
-        """
+        """Bring the robot into a state that was kept. Raises ValueError where it is of a robot with other joints."""
         count = len(self._joints)
         wrong = {name: np.shape(kept[name]) for name in self.kept() if np.shape(kept[name]) != (count,)}
         if wrong:

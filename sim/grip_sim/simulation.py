@@ -187,11 +187,7 @@ class Simulation(SimClient):
         self.spec, self.referee = spec, SimReferee(self)
 
     def executor(self, group: str) -> SimExecutor:
-        """Return what moves a group of joints.
-
-        Raises:
-            UnknownNameError: the robot has no such group.
-        """
+        """Return what moves a group of joints. Raises UnknownNameError where the robot has no such group."""
         return SimExecutor(self, self._robot.group(group))
 
     def hand(self, group: str) -> SimHand:
@@ -199,11 +195,7 @@ class Simulation(SimClient):
         return SimHand(self, self._robot.group(group))
 
     def camera(self, name: str) -> SimCamera:
-        """Return a camera.
-
-        Raises:
-            UnknownNameError: the world has no such camera.
-        """
+        """Return a camera. Raises UnknownNameError where the world has no such camera."""
         cameras = {camera.name: camera for camera in self.spec.cameras}
         if name not in cameras:
             raise UnknownNameError("camera", name, cameras)
@@ -214,11 +206,7 @@ class Simulation(SimClient):
         self.ask("entered", node=node)
 
     def settle(self, seconds: float = SETTLE) -> None:
-        """Let simulated time pass and wait for it.
-
-        Raises:
-            SimulatorLostError: the simulator ended meanwhile.
-        """
+        """Let simulated time pass and wait for it. Raises SimulatorLostError where the simulator ended meanwhile."""
         wait = self.move("wait", seconds=seconds)
         wait.wait()
         wait.result()

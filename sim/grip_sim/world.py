@@ -196,11 +196,7 @@ class World:
         return {f"{name}_{key}": n for name, each in self.articulated.items() for key, n in each.measures().items()}
 
     def look(self, camera: str) -> Frame:
-        """Take a frame with a camera.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Take a frame with a camera. Raises UnknownNameError where there is no such camera."""
         return self.cameras.look(camera)
 
     def kept(self) -> dict[str, Array]:

@@ -99,11 +99,7 @@ class Campaign:
         return tuple(range(said.first, said.first + said.count) if isinstance(said, SeedRange) else said)
 
     def task(self, variant: str) -> Path:
-        """Return the file of a variant's task.
-
-        Raises:
-            CampaignError: it isn't there.
-        """
+        """Return the file of a variant's task. Raises CampaignError where it isn't there."""
         name = self.file.variants[variant].task or self.file.task
         assert name is not None, "a campaign's variants have tasks"
         folders = [self.path.absolute().parent, *self.path.absolute().parent.parents[:2]]
@@ -206,11 +202,7 @@ class Results:
         return {(row["variant"], row["seed"]) for row in self.rows}
 
     def add(self, row: TrialRow) -> None:
-        """Write a trial; it is on disk when this returns.
-
-        Raises:
-            NotWritableError: it can't be written.
-        """
+        """Write a trial; it is on disk when this returns. Raises NotWritableError where it can't be written."""
         _append(self.path, row)
         self.rows.append(row)
 

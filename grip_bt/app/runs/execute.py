@@ -225,7 +225,6 @@ def open_session(
         GripError: a part of the robot, or a component, can't be started.
     """
     with ExitStack() as code:
-        resume = options.resume
         compiled: CompiledTree | CompiledMachine
         if not isinstance(path, Task) and (where := _tree_of(path)):
             project, document, compiled = tree = _adopted(path, where, options, progress, code)
@@ -236,9 +235,7 @@ def open_session(
         for point in options.breaks:
             make_breakpoint(compiled, 0, **point)  # refused before anything is started
         if options.faults and options.robot != "sim":
-            raise GripError(
-                f"faults happen in a simulated world, not with --robot {options.robot}; mocks fail anywhere"
-            )
+            raise GripError(f"faults happen in simulated worlds, not with --robot {options.robot}; mocks fail anywhere")
         check_nodes(options.faults, compiled.by_path)
         needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
         running: list[Runner] = []
@@ -248,48 +245,11 @@ def open_session(
             for runner in running:
                 runner.tell(part, words)
 
-        faults = options.faults if resume is None else None  # what has happened doesn't happen again
+        faults = options.faults if options.resume is None else None  # what has happened doesn't happen again
         opening = Opening(project, options.seed, options.pace, told, hold, faults)
         parts = open_resources(opening, needs, options.robot, own)
         with parts as resources, Journal(options.journal or project.journal) as journal:
-            log = re_execution = None
-            kept = kept_parts(resources)
-            back: Restored = {}
-            if resume is not None:
-                log, re_execution, back = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
-            restored = {part: seq for part, seq in back.items() if isinstance(seq, int)}
-            anew = {part: why for part, why in back.items() if isinstance(why, str)}
-            for part, seq in restored.items():
-                progress(part, f"restored to event {seq}")
-            for part, why in anew.items():
-                progress(part, f"starts from its initial state: it {why}")
-            context = resources.context(None if re_execution is None else re_execution.clock)
-            runner = Runner(
-                compiled,
-                context,
-                journal=journal,
-                task_path=document.source,
-                task_text=document.text,
-                seed=options.seed,
-                rate=options.rate,
-                watchdog=options.watchdog,
-                log=log,
-                re_execution=re_execution,
-                facts={
-                    "options": OPTIONS.dump_python(options, mode="json", include=_RECORDED),
-                    "keeps": sorted(kept),
-                    **{key: said for key, said in (("restored", restored), ("anew", anew)) if said},
-                },
-            )
-            changed = {p: tuple(x for x in changes(leaf.manifest) if x in kept) for p, leaf in compiled.leaves.items()}
-            runner.keep(kept, {path: parts for path, parts in changed.items() if parts})
-            if options.durable:
-                asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
-                runner.observe(Durable(journal, asked))
-            for point in options.breaks:
-                runner.debugger.set(**point)
-            if options.paused:
-                runner.pause()
+            runner = _runner(compiled, document, options, resources, journal, progress)
             running.append(runner)
             try:
                 with _filmed(resources, options), injected(resources, runner, told):
@@ -303,6 +263,57 @@ def open_session(
                 _log.warning("%s", error)
             else:
                 _log.info("%s: %d old runs were removed (journal_limit)", project.journal, len(pruned.runs))
+
+
+def _runner(
+    compiled: CompiledTree | CompiledMachine,
+    document: Document,
+    options: RunOptions,
+    resources: Resources,
+    journal: Journal,
+    progress: Progress,
+) -> Runner:
+    """Return the runner of a new run, or of one that goes on, as its options want it."""
+    resume = options.resume
+    log = re_execution = None
+    kept = kept_parts(resources)
+    back: Restored = {}
+    if resume is not None:
+        log, re_execution, back = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
+    restored = {part: seq for part, seq in back.items() if isinstance(seq, int)}
+    anew = {part: why for part, why in back.items() if isinstance(why, str)}
+    for part, seq in restored.items():
+        progress(part, f"restored to event {seq}")
+    for part, why in anew.items():
+        progress(part, f"starts from its initial state: it {why}")
+    context = resources.context(None if re_execution is None else re_execution.clock)
+    runner = Runner(
+        compiled,
+        context,
+        journal=journal,
+        task_path=document.source,
+        task_text=document.text,
+        seed=options.seed,
+        rate=options.rate,
+        watchdog=options.watchdog,
+        log=log,
+        re_execution=re_execution,
+        facts={
+            "options": OPTIONS.dump_python(options, mode="json", include=_RECORDED),
+            "keeps": sorted(kept),
+            **{key: said for key, said in (("restored", restored), ("anew", anew)) if said},
+        },
+    )
+    changed = {p: tuple(x for x in changes(leaf.manifest) if x in kept) for p, leaf in compiled.leaves.items()}
+    runner.keep(kept, {path: parts for path, parts in changed.items() if parts})
+    if options.durable:
+        asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
+        runner.observe(Durable(journal, asked))
+    for point in options.breaks:
+        runner.debugger.set(**point)
+    if options.paused:
+        runner.pause()
+    return runner
 
 
 def _filmed(resources: Resources, options: RunOptions) -> AbstractContextManager[None]:

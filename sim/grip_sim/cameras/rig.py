@@ -64,11 +64,7 @@ class Rig:
             self._past.append((time, self._now()))
 
     def look(self, name: str) -> Frame:
-        """Take a frame with a camera, as its sensor gives it.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Take a frame with a camera, as its sensor gives it. Raises UnknownNameError where there is no such camera."""
         spec = self._spec(name)
         if self._faults.of_camera("freeze", name) and name in self._last:
             return replace(self._last[name], time=self._time)

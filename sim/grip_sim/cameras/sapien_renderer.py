@@ -66,11 +66,7 @@ def _shaders() -> Path:
 
 
 class SapienRenderer:
-    """Draws bodies by their triangles; as `RasterRenderer`.
-
-    Raises:
-        GripError: Vulkan doesn't work here.
-    """
+    """Draws bodies by their triangles; as `RasterRenderer`. Raises GripError where Vulkan doesn't work here."""
 
     def __init__(self, info: CameraInfo, far: float, targets: Sequence[Target], visual: bool = True):
         _system()

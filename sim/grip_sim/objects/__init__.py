@@ -54,11 +54,7 @@ def object_file(name: str, project: Path | None = None) -> Path:
 
 
 def load_object(path: Path) -> ObjectModel:
-    """Return what a file describes.
-
-    Raises:
-        DocumentError: it, or a mesh that it names, is missing or wrong.
-    """
+    """Return what a file describes. Raises DocumentError where it, or a mesh that it names, is missing or wrong."""
     note(path)
     file = _read(path, _written(path))
     meshes = (_written(path.parent / mesh) for mesh in (file.mesh, file.parts) if mesh)
