@@ -33,10 +33,9 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     form.add_argument("--csv", action="store_true", help="print one line per trial")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_bench(args: argparse.Namespace) -> int:
     """Run a campaign, or print a report; 0 when every trial was run, whatever came of it."""
     if args.what[0] == "report":
         if len(args.what) != 2:

@@ -65,14 +65,13 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     add_no_code(test)
 
 
-def _run_new(args: argparse.Namespace) -> int:
+def _run_new(args: argparse.Namespace) -> None:
     folder = args.folder or components_folder(Path()) / args.name
     written = make_repository(folder, args.name, args.lang)
     print(f"{folder}: {', '.join(str(file) for file in written)}")
     generate([folder])
     algorithm = "algorithm.py" if args.lang == "python" else "src/algorithm.cpp"
     print(f"next: grip component test {shlex.quote(str(folder))}; then put your own into {folder / algorithm}")
-    return 0
 
 
 def _run_add(args: argparse.Namespace) -> int:
@@ -204,9 +203,8 @@ def add_interfaces(parser: argparse.ArgumentParser) -> None:
     build.add_argument("--json", action="store_true", help="print one JSON list")
 
 
-def _run_interfaces(args: argparse.Namespace) -> int:
+def _run_interfaces(args: argparse.Namespace) -> None:
     built = build_interfaces(args.folder, args.cache, args.overlay)
     rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]
     lines = (f"{b.package:<28} {'cached' if b.cached else f'{b.seconds:5.1f} s'}  {b.prefix}" for b in built)
     tell(args.json, rows, lines)
-    return 0

@@ -50,10 +50,9 @@ def add_demo(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--gui", action="store_true", help="show the run live in a browser")
     parser.add_argument("--port", type=int, default=0, help="of the page (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the page's address")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_demo(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
     task = demo_task()
     if args.gui:

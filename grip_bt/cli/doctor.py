@@ -99,10 +99,9 @@ _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
 def add_doctor(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON list")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_doctor(args: argparse.Namespace) -> int:
     """Print the findings; 1 when something that the demo needs is missing."""
     findings, lines = [check() for check in _CHECKS], []
     for finding in findings:

@@ -39,10 +39,9 @@ def add_launch(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
     parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
     add_no_code(parser)
-    parser.set_defaults(run=_run_launch)
 
 
-def _run_launch(args: argparse.Namespace) -> int:
+def run_launch(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
     if args.write is not None:
         args.write.write_text(launch_file_of(find_project(args.project)), encoding="utf-8")
@@ -127,10 +126,9 @@ def add_sim(parser: argparse.ArgumentParser) -> None:
     add("--room", type=Path, metavar="FILE", help="write the world's fixed objects to a .scene file, for planners")
     add("--simulated-time", action="store_true", help="publish /clock, and stamp everything with simulated time")
     add("--setup", type=Path, metavar="FILE", help="write a setup.bash, by which other shells find the interfaces")
-    parser.set_defaults(run=_run_sim)
 
 
-def _run_sim(args: argparse.Namespace) -> int:
+def run_sim(args: argparse.Namespace) -> int:
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)

@@ -74,7 +74,7 @@ def add_messages(parser: argparse.ArgumentParser) -> None:
     watch.add_argument("--json", action="store_true", help="print one JSON object a line, with the value")
 
 
-def _run_serve(args: argparse.Namespace) -> int:
+def _run_serve(args: argparse.Namespace) -> None:
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)
@@ -84,7 +84,6 @@ def _run_serve(args: argparse.Namespace) -> int:
         print(f"serving the messages of {project.folder} under /grip/messages", flush=True)
         while not over.wait(1.0):
             pass
-    return 0
 
 
 WAIT = 15.0
@@ -93,7 +92,7 @@ SILENT = 2.0
 """After how long somebody who waits is told what for [s]."""
 
 
-def _run_list(args: argparse.Namespace) -> int:
+def _run_list(args: argparse.Namespace) -> None:
     with _server() as server:
         if args.store:
             _done(server.names(args.store))  # tells which stores there are
@@ -107,10 +106,9 @@ def _run_list(args: argparse.Namespace) -> int:
     tell(args.json, rows, lines)
     if not lines and not args.json:
         print("no messages; `grip messages add STORE NAME VALUE` adds one", file=sys.stderr)
-    return 0
 
 
-def _run_show(args: argparse.Namespace) -> int:
+def _run_show(args: argparse.Namespace) -> None:
     with _server() as server:
         entry = _done(server.message(args.store, args.name))
     if args.json:
@@ -119,29 +117,25 @@ def _run_show(args: argparse.Namespace) -> int:
     else:
         said = text_of(entry.value) if args.message else text_of_message(args.store, entry.value)
         print(said.rstrip() or f"# a {type_name(type(entry.value))}, too large to print")
-    return 0
 
 
-def _run_put(args: argparse.Namespace) -> int:
+def _run_put(args: argparse.Namespace) -> None:
     with _server() as server:
         _done(server.put(args.store, args.name, _value(server, args), args.by or "grip messages"))
-    return 0
 
 
-def _run_removal(args: argparse.Namespace) -> int:
+def _run_removal(args: argparse.Namespace) -> None:
     with _server() as server:
         _done(server.delete(args.store, args.name) if "name" in args else server.reset(args.store))
-    return 0
 
 
-def _run_save(args: argparse.Namespace) -> int:
+def _run_save(args: argparse.Namespace) -> None:
     with _server() as server:
         count = _done(server.save())
     print(f"{count} messages saved; they survive a restart of the server")
-    return 0
 
 
-def _run_watch(args: argparse.Namespace) -> int:
+def _run_watch(args: argparse.Namespace) -> None:
     changes: queue.SimpleQueue[tuple[str, str, str, Any]] = queue.SimpleQueue()
     printed = 0
     with _server() as server, suppress(KeyboardInterrupt):
@@ -154,7 +148,6 @@ def _run_watch(args: argparse.Namespace) -> int:
                 print(_change(store, kind, name, value, args.json), flush=True)
                 printed += 1
         stop()
-    return 0
 
 
 def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> str:

@@ -25,7 +25,7 @@ def add_no_code(parser: argparse.ArgumentParser) -> None:
 
 
 def add_actions(
-    parser: argparse.ArgumentParser, actions: Mapping[str, tuple[Callable[[argparse.Namespace], int], str]]
+    parser: argparse.ArgumentParser, actions: Mapping[str, tuple[Callable[[argparse.Namespace], int | None], str]]
 ) -> list[argparse.ArgumentParser]:
     """Add what may follow a verb, name -> what runs it and its help; return the parser of each."""
     choices, made = parser.add_subparsers(title="actions", metavar="ACTION", required=True), []

@@ -31,16 +31,14 @@ def add_new(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", metavar="PATH|NAME", help=robot)
     which = "which one, where the robot has several"
     parser.add_argument("--configuration", metavar="NAME", action="append", default=[], help=which)
-    parser.set_defaults(run=_run_new)
 
 
-def _run_new(args: argparse.Namespace) -> int:
+def run_new(args: argparse.Namespace) -> None:
     files = _files_of_robot(args) if args.robot is not None else None
     written = make_project(args.folder, files)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
     folder = shlex.quote(args.folder)
     print(f"next: grip run {folder}/tasks/first.yaml --robot fake, or `grip edit {folder}`")
-    return 0
 
 
 def _files_of_robot(args: argparse.Namespace) -> dict[str, str]:
@@ -81,10 +79,9 @@ def add_edit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--port", type=int, default=0, help="port on this machine (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     add_no_code(parser)
-    parser.set_defaults(run=_run_edit)
 
 
-def _run_edit(args: argparse.Namespace) -> int:
+def run_edit(args: argparse.Namespace) -> int:
     from grip_gui.server import serve  # here, since `grip edit --help` needs no extra
 
     if args.execute:

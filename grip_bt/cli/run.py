@@ -88,7 +88,6 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     add("--set-outcome", action="append", default=[], metavar="NODE=OUTCOME", help=outcome)
     add("--yes", action="store_true", help="confirm everything that would be asked")
     add("--durable", action="store_true", help="write the journal to disk before each motion starts and after it ends")
-    parser.set_defaults(run=run)
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -159,7 +158,7 @@ def options_of(args: argparse.Namespace) -> RunOptions:
     )
 
 
-def run(args: argparse.Namespace) -> int:
+def run_run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
     _check_usage(args)
     debug = args.debug or (bool(args.breaks) and not args.control)

@@ -48,10 +48,9 @@ def add_runs(parser: argparse.ArgumentParser) -> None:
     add("--coverage", type=Path, metavar="TASK", help="show which outcomes of a task its runs have reached")
     doc = "remove the oldest runs that have ended until the journal holds no more, such as 500MB (default: its limit)"
     add("--prune", nargs="?", const="", metavar="SIZE", help=doc)
-    parser.set_defaults(run=_run_runs)
 
 
-def _run_runs(args: argparse.Namespace) -> int:
+def run_runs(args: argparse.Namespace) -> int:
     if args.prune is not None:
         return _prune(args)
     if (args.to is None) != (args.output is None):
@@ -157,10 +156,9 @@ def add_replay(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON event per line")
     parser.add_argument("--gui", action="store_true", help="open the page on this run")
     parser.add_argument("--no-browser", action="store_true", help="with --gui: only print its address")
-    parser.set_defaults(run=_run_replay)
 
 
-def _run_replay(args: argparse.Namespace) -> int:
+def run_replay(args: argparse.Namespace) -> int:
     file = journal_of(None, args.journal)
     with JournalReader(file) as reader:
         found = find_run(reader, args.run_name)
@@ -209,10 +207,9 @@ def add_capsule(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to (default: RUN.html)")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")
-    parser.set_defaults(run=_run_capsule)
 
 
-def _run_capsule(args: argparse.Namespace) -> int:
+def run_capsule(args: argparse.Namespace) -> None:
     with JournalReader(journal_of(None, args.journal)) as reader:
         found = find_run(reader, args.run_name)
         file = args.output or Path(f"{found}.html")
@@ -221,4 +218,3 @@ def _run_capsule(args: argparse.Namespace) -> int:
         if made.left_out:
             print(f"  left out: {made.left_out}")
         reader.raise_if_damaged()
-    return 0

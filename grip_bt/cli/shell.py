@@ -76,17 +76,17 @@ def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> ar
     for verb, doc in VERBS.items():
         options = subparsers.add_parser(verb, help=doc) if verb in shown else subparsers.add_parser(verb)
         if verb == named:
-            options.set_defaults(usage_error=options.error)
-            getattr(import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}"), f"add_{verb}")(options)
+            module = import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}")
+            options.set_defaults(usage_error=options.error, run=getattr(module, f"run_{verb}", None))
+            getattr(module, f"add_{verb}")(options)
     return parser
 
 
 def add_help(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("verb", nargs="?", choices=(*VERBS, "all"), metavar="VERB", help="a verb, or all")
-    parser.set_defaults(run=_run_help)
 
 
-def _run_help(args: argparse.Namespace) -> int:
+def run_help(args: argparse.Namespace) -> int:
     if args.verb in (None, "all"):
         make_parser(shown=VERBS if args.verb else FIRST).print_help()
         return 0
@@ -136,7 +136,7 @@ def _done(arguments: Sequence[str] | None) -> int:
         from grip_bt.app.project.foreign_code import forbid
 
         forbid()
-    return int(args.run(args))
+    return int(args.run(args) or 0)
 
 
 def _refused_by_the_system(error: OSError) -> int:
@@ -180,19 +180,17 @@ _ZSH = "autoload -U +X bashcompinit && bashcompinit\n" + _BASH
 def add_completion(parser: argparse.ArgumentParser) -> None:
     source = "source what it prints: source <(grip completion bash)"
     parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=source)
-    parser.set_defaults(run=_run_completion)
 
 
-def _run_completion(args: argparse.Namespace) -> int:
+def run_completion(args: argparse.Namespace) -> None:
     words = {verb: _words(verb) for verb in VERBS}
     if args.shell == "fish":
         print("\n".join(_fish(words)))
-        return 0
+        return
     cases = "\n".join(
         f'        {verb}) COMPREPLY=($(compgen -W "{" ".join(w)}" -- "$word")) ;;' for verb, w in words.items() if w
     )
     print((_ZSH if args.shell == "zsh" else _BASH).format(verbs=" ".join(VERBS), cases=cases), end="")
-    return 0
 
 
 def _words(verb: str) -> list[str]:

@@ -31,10 +31,9 @@ def add_check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--strict", action="store_true", help="1 also where there are only warnings, for CI")
     parser.add_argument("--json", action="store_true", help="print one JSON list")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of task files")
-    parser.set_defaults(run=_run_check)
 
 
-def _run_check(args: argparse.Namespace) -> int:
+def run_check(args: argparse.Namespace) -> int:
     if args.schema:
         print(json.dumps(schema(), indent=2))
         return 0
@@ -67,10 +66,9 @@ def _issues(path: str) -> tuple[Issue, ...]:
 def add_fmt(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("tasks", nargs="+", metavar="TASK", help="a task file; - reads stdin and writes stdout")
     parser.add_argument("--check", action="store_true", help="change nothing; 1 when a file isn't canonical")
-    parser.set_defaults(run=_run_fmt)
 
 
-def _run_fmt(args: argparse.Namespace) -> int:
+def run_fmt(args: argparse.Namespace) -> int:
     formatted = {path: _both(path) for path in args.tasks}  # a file that can't be read stops all before any is written
     changed = [path for path, (before, after) in formatted.items() if before != after]
     if args.check:
@@ -99,10 +97,9 @@ def add_apply(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--inverse", metavar="FILE", help="write the command that undoes everything")
     parser.add_argument("--dry-run", action="store_true", help="print the resulting text; change no file")
-    parser.set_defaults(run=_run_apply)
 
 
-def _run_apply(args: argparse.Namespace) -> int:
+def run_apply(args: argparse.Namespace) -> None:
     words = sys.stdin.read() if args.command == "-" else args.command
     document, catalog = read(args.task), project_catalog(args.task)
     files: dict[str, str] = {}
@@ -113,7 +110,7 @@ def _run_apply(args: argparse.Namespace) -> int:
         inverses.insert(0, edited.inverse.model_dump(mode="json"))
     if args.dry_run:
         put(document.text)
-        return 0
+        return
     if args.inverse:  # first: where it can't be written, the task stays as it is
         replace_text(Path(args.inverse), json.dumps(inverses, indent=1) + "\n")
     for name, text in files.items():
@@ -124,7 +121,6 @@ def _run_apply(args: argparse.Namespace) -> int:
         file.write_text(text, encoding="utf-8")
     replace_text(Path(args.task), document.text)
     print(f"{args.task}: {len(inverses)} command{'s' * (len(inverses) != 1)} applied")
-    return 0
 
 
 def _listed(words: str) -> list[Any]:

@@ -30,10 +30,9 @@ def add_teach(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pose", action="store_true", help="the pose of the arm's hand instead of its joints")
     parser.add_argument("--robot", choices=("ros", "sim"), default="ros", help="which robot to read (default: ros)")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_teach(args: argparse.Namespace) -> None:
     """Teach, or list."""
     project = find_project(args.project)
     if args.name is None:
@@ -48,7 +47,6 @@ def run(args: argparse.Namespace) -> int:
         except ValueError as error:
             raise GripError(str(error)) from error
     tell(args.json, {"part": part, "name": args.name, **_plain(value)}, [_line(part, args.name, value)])
-    return 0
 
 
 def _teach(resources: Resources, args: argparse.Namespace) -> tuple[str, JointState | Pose]:
@@ -65,12 +63,11 @@ def _one(kind: str, parts: Mapping[str, T], name: str) -> T:
     return parts[name or next(iter(parts))]
 
 
-def _list(file: Path, as_json: bool) -> int:
+def _list(file: Path, as_json: bool) -> None:
     taught = TaughtStates(file)
     entries = [(part, name, value) for part in taught.parts() for name, value in taught.of(part).items()]
     lines = [_line(*entry) for entry in entries] or [f"nothing was taught yet; `grip teach NAME` writes {file}"]
     tell(as_json, [{"part": part, "name": name, **_plain(value)} for part, name, value in entries], lines)
-    return 0
 
 
 def _plain(value: JointState | Pose) -> dict[str, Any]:

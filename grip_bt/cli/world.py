@@ -77,7 +77,7 @@ def _here() -> Project:
     return find_project(Path.cwd())
 
 
-def _list(args: argparse.Namespace, files: dict[str, Path], told: Callable[[Path], str]) -> int:
+def _list(args: argparse.Namespace, files: dict[str, Path], told: Callable[[Path], str]) -> None:
     def line(name: str, file: Path) -> str:
         try:
             return f"{name}: {told(file)}"
@@ -86,19 +86,18 @@ def _list(args: argparse.Namespace, files: dict[str, Path], told: Callable[[Path
 
     data = {name: str(file) for name, file in files.items()}
     tell(args.json, data, (line(name, file) for name, file in files.items()))
-    return 0
 
 
-def _list_worlds(args: argparse.Namespace) -> int:
-    return _list(args, world_files(_here().folder), lambda file: read_world(str(file))[0].doc)
+def _list_worlds(args: argparse.Namespace) -> None:
+    _list(args, world_files(_here().folder), lambda file: read_world(str(file))[0].doc)
 
 
-def _list_objects(args: argparse.Namespace) -> int:
+def _list_objects(args: argparse.Namespace) -> None:
     def told(file: Path) -> str:
         model = objects.load_object(file)
         return f"{model.doc or 'no doc'} ({_size(model)}, {model.mass:g} kg)"
 
-    return _list(args, objects.object_files(_here().folder), told)
+    _list(args, objects.object_files(_here().folder), told)
 
 
 def _check(
@@ -141,18 +140,17 @@ def _faults_of_object(name: str, project: Project) -> Iterator[GripError]:
         yield error
 
 
-def _show(args: argparse.Namespace, data: object, lines: Iterator[str], spec: WorldSpec, camera: str) -> int:
+def _show(args: argparse.Namespace, data: object, lines: Iterator[str], spec: WorldSpec, camera: str) -> None:
     tell(args.json, data, lines)
     if args.picture is not None:
         take_picture(spec, camera, args.picture)
         print(f"{args.picture}: written", file=sys.stderr)
-    return 0
 
 
-def _show_world(args: argparse.Namespace) -> int:
+def _show_world(args: argparse.Namespace) -> None:
     project = _here()
     spec = load_world(args.world, args.seed, project.folder, "" if project.file.robot is None else project.robot_source)
-    return _show(args, spec.to_json(), _lines_of_world(spec), spec, args.camera)
+    _show(args, spec.to_json(), _lines_of_world(spec), spec, args.camera)
 
 
 def _lines_of_world(spec: WorldSpec) -> Iterator[str]:
@@ -199,7 +197,7 @@ def take_picture(spec: WorldSpec, camera: str, file: Path) -> None:
         raise GripError(f"{file}: can't be written; a picture is a .png or .jpg file in a folder that is there")
 
 
-def _new_world(args: argparse.Namespace) -> int:
+def _new_world(args: argparse.Namespace) -> None:
     project = _here()
     if not args.name.isidentifier():
         raise GripError(f"{args.name!r} can't be a world's name: use letters, digits and _, as in my_table")
@@ -211,19 +209,18 @@ def _new_world(args: argparse.Namespace) -> int:
     file.write_text(read_file(source))
     print(f"{file}: written; `world: {args.name}` in grip.yaml uses it")
     print(f"next: grip world show {args.name} --picture {args.name}.png")
-    return 0
 
 
 def _size(model: ObjectModel) -> str:
     return " x ".join(f"{1e3 * edge:.0f}" for edge in model.size) + " mm"
 
 
-def _show_object(args: argparse.Namespace) -> int:
+def _show_object(args: argparse.Namespace) -> None:
     file = objects.object_file(args.object, _here().folder)
     model = objects.load_object(file)
     data = {key: getattr(model, key) for key in ("name", "doc", "size", "mass", "friction")}
     data |= {"centre_of_mass": model.centre.tolist(), "inertia": model.inertia.tolist(), "parts": len(model.parts)}
-    return _show(args, data, _lines_of_object(model), _on_a_table(model, file), "close")
+    _show(args, data, _lines_of_object(model), _on_a_table(model, file), "close")
 
 
 def _lines_of_object(model: ObjectModel) -> Iterator[str]:
@@ -246,7 +243,7 @@ def _on_a_table(model: ObjectModel, file: Path) -> WorldSpec:
     return replace(load_world("table"), objects=(replace(thing, model=str(file)),), cameras=(camera,))
 
 
-def _add(args: argparse.Namespace) -> int:
+def _add(args: argparse.Namespace) -> None:
     from grip_sim.objects.adding import check_mesh, find_object, write_object  # which needs trimesh
 
     folder = _here().folder
@@ -265,4 +262,3 @@ def _add(args: argparse.Namespace) -> int:
     print(*(f"{name}: {remark}" for remark in checked.remarks), *_lines_of_object(model), sep="\n")
     print(f"{file}: written{hidden}; `model: {name}` in a world's file uses it")
     print(f"next: grip object show {name} --picture {name}.png")
-    return 0

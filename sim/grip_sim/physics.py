@@ -95,5 +95,5 @@ __all__ = [
     "make_scene",
     "movable",
     "physx",
-    "sapien",
 ]
+__all__ += ["sapien"]

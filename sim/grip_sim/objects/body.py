@@ -74,29 +74,19 @@ def build(file: ObjectFile, path: Path) -> ObjectModel:
             parts = [np.array(whole.vertices)]
         hulls = [_hull(points, path) for points in parts]
         surface = [whole] if whole.is_volume else hulls
-    return _in_the_middle(file, path.stem, [np.array(hull.vertices) for hull in hulls], looks, surface)
-
-
-def _in_the_middle(
-    file: ObjectFile,
-    name: str,
-    parts: list[Array],
-    looks: list[Look],
-    surface: list[trimesh.Trimesh],
-) -> ObjectModel:
-    low = np.min([points.min(axis=0) for points in parts], axis=0)
-    high = np.max([points.max(axis=0) for points in parts], axis=0)
+    corners = [np.array(hull.vertices) for hull in hulls]
+    low = np.min([points.min(axis=0) for points in corners], axis=0)
+    high = np.max([points.max(axis=0) for points in corners], axis=0)
     back = EYE.copy()
-    back[:3, 3] = -(low + high) / 2
-    volume = sum(float(each.volume) for each in surface)
-    centre, inertia = _mass_properties(surface, file.mass / volume)
+    back[:3, 3] = -(low + high) / 2  # so that the origin is in the middle
+    centre, inertia = _mass_properties(surface, file.mass / sum(float(each.volume) for each in surface))
     if file.centre_of_mass is not None:
         centre = np.array(file.centre_of_mass)
     x, y, z = (float(edge) for edge in high - low)
     return ObjectModel(
-        name=name,
+        name=path.stem,
         doc=file.doc,
-        parts=tuple(points + back[:3, 3] for points in parts),
+        parts=tuple(points + back[:3, 3] for points in corners),
         looks=tuple(look.moved(back) for look in looks),
         size=(x, y, z),
         mass=file.mass,

@@ -131,7 +131,7 @@ def _drawn(
     name: str, thing: ObjectConfig, region: RegionSpec, taken: list[Array], rng: np.random.Generator, models: Models
 ) -> Iterator[ObjectSpec]:
     clearance = thing.clearance or 0.01 + 2 * max(_made(each, None, models).radius for each in thing.of)
-    places = _places(thing.draw, region, clearance, taken, rng, name, thing.drop)
+    places = _places(name, thing, clearance, region, taken, rng)
     floor = region.centre[2] - region.size[2] / 2
     for index, place in enumerate(places):
         config = thing.of[min(int(rng.random() * len(thing.of)), len(thing.of) - 1)]
@@ -144,32 +144,26 @@ def _drawn(
 
 
 def _places(
-    count: int,
-    region: RegionSpec,
-    clearance: float,
-    taken: list[Array],
-    rng: np.random.Generator,
-    name: str,
-    above_each_other: bool,
+    name: str, thing: ObjectConfig, clearance: float, region: RegionSpec, taken: list[Array], rng: np.random.Generator
 ) -> list[Array]:
     """Return places in a region, seen from above, that keep their distance; what was tried in vain begins anew."""
     half, most = np.array(region.size[:2]) / 2, 0
     cosine, sine = np.cos(region.yaw), np.sin(region.yaw)
-    for _ in range(1 if above_each_other else RESTARTS):
+    for _ in range(1 if thing.drop else RESTARTS):
         places: list[Array] = []
         for _ in range(TRIES):
-            if len(places) == count:
+            if len(places) == thing.draw:
                 taken += places
                 return places
             x, y = rng.uniform(-half, half)
             place = np.array([cosine * x - sine * y, sine * x + cosine * y]) + region.centre[:2]
-            if above_each_other or all(np.linalg.norm(place - other) >= clearance for other in (*taken, *places)):
+            if thing.drop or all(np.linalg.norm(place - other) >= clearance for other in (*taken, *places)):
                 places.append(place)
         most = max(most, len(places))
     size = " x ".join(f"{edge:g}" for edge in region.size[:2])
     beside = f", beside {len(taken)} others" if taken else ""
     raise ArrangementError(
-        f"objects/{name}: {count} objects {clearance:g} m apart don't fit into the region {region.name!r} ({size} m)"
+        f"objects/{name}: {thing.draw} objects {clearance:g} m apart don't fit into the region {region.name!r} ({size} m)"
         f"{beside}: {most} do. Draw fewer, lower `clearance`, enlarge the region, or let them fall: `drop: true`"
     )
 
