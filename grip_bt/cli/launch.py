@@ -91,7 +91,12 @@ def _members(args: argparse.Namespace) -> tuple[Project, list[Member], list[Laun
 
 def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: Path, follow: bool) -> int:
     stopped: list[int] = []
-    group = ProcessGroup(members, logs, on_change=_tell, events=events)
+
+    def tell_state(name: str, state: str, detail: str) -> None:
+        first = f": {detail.splitlines()[0]}" if detail else ""
+        print(f"  {name:<20} {state}{first}", file=sys.stderr, flush=True)
+
+    group = ProcessGroup(members, logs, on_change=tell_state, events=events)
 
     def stop(number: int, frame: object) -> None:
         stopped.append(number)
@@ -109,11 +114,6 @@ def _supervise(members: Sequence[Member], events: Sequence[LaunchEvent], logs: P
     if stopped:
         return STOPPED
     return complain(why, NODE_ERROR) if why else 0
-
-
-def _tell(name: str, state: str, detail: str) -> None:
-    first = detail.splitlines()[0] if detail else ""
-    print(f"  {name:<20} {state}{': ' + first if first else ''}", file=sys.stderr, flush=True)
 
 
 def add_sim(parser: argparse.ArgumentParser) -> None:

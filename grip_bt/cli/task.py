@@ -69,24 +69,21 @@ def add_fmt(parser: argparse.ArgumentParser) -> None:
 
 
 def run_fmt(args: argparse.Namespace) -> int:
-    formatted = {path: _both(path) for path in args.tasks}  # a file that can't be read stops all before any is written
-    changed = [path for path, (before, after) in formatted.items() if before != after]
+    texts = {path: sys.stdin.read() if path == "-" else read_file(path) for path in args.tasks}
+    # a file that can't be read stops all before any is written
+    formatted = {path: fmt(text, "<stdin>" if path == "-" else path) for path, text in texts.items()}
+    changed = [path for path, text in texts.items() if text != formatted[path]]
     if args.check:
         for path in changed:
             print(f"{path}: not formatted; run `grip fmt {path}`")
         return int(bool(changed))
-    for path in formatted:
+    for path, text in formatted.items():
         if path == "-":
-            put(formatted[path][1])
+            put(text)
         elif path in changed:
-            replace_text(Path(path), formatted[path][1])
+            replace_text(Path(path), text)
             print(f"{path}: formatted")
     return 0
-
-
-def _both(path: str) -> tuple[str, str]:
-    before = sys.stdin.read() if path == "-" else read_file(path)
-    return before, fmt(before, "<stdin>" if path == "-" else path)
 
 
 def add_apply(parser: argparse.ArgumentParser) -> None:

@@ -229,7 +229,11 @@ class SimClient(Closing):
             self.sent += 1
             number = self.sent
         message = pack({"id": number, **fields}, arrays)
-        operation: Operation[Reply] = Operation((lambda: self._cancel(number)) if cancelable else None)
+
+        def cancel() -> None:
+            self._send({"call": "cancel", "motion": number})
+
+        operation: Operation[Reply] = Operation(cancel if cancelable else None)
         with self._lock:
             if self._lost is not None:
                 return Operation.failed(self._lost)
@@ -240,9 +244,6 @@ class SimClient(Closing):
         except OSError:
             pass  # the reader notices the end and fails every pending operation
         return operation
-
-    def _cancel(self, number: int) -> None:
-        self._send({"call": "cancel", "motion": number})
 
     def _await(self, operation: Operation[Reply], seconds: float) -> Reply:
         if not operation.wait_here(seconds):

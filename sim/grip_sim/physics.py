@@ -84,16 +84,4 @@ def add_model(scene: sapien.Scene, spec: ObjectSpec, model: ObjectModel) -> phys
     return body
 
 
-__all__ = [
-    "FIXED",
-    "HAND",
-    "SLIPPERY",
-    "SOLID",
-    "LinkBuilder",
-    "add_model",
-    "ignore_each_other",
-    "make_scene",
-    "movable",
-    "physx",
-]
-__all__ += ["sapien"]
+__all__ = ["LinkBuilder", "physx", "sapien"]

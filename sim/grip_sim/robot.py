@@ -61,7 +61,9 @@ class SimRobot:
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
         self._set_drives(scene.timestep)
         self._let_neighbours_pass()
-        self.place(self._with_followers({j: q for j, q in description.at_rest.items() if j in self._rows}))
+        rest = {j: q for j, q in description.at_rest.items() if j in self._rows}
+        following = {j: m.multiplier * rest.get(m.joint, 0.0) + m.offset for j, m in description.mimics.items()}
+        self.place(rest | following)
 
     def rows(self, names: Sequence[str]) -> Indices:
         """Return the indices of joints, for the other methods."""
@@ -210,11 +212,6 @@ class SimRobot:
         self._target[row], self._speed[row] = position, speed
         self._joints[row].set_drive_target(position)
         self._joints[row].set_drive_velocity_target(speed)
-
-    def _with_followers(self, positions: Mapping[str, float]) -> dict[str, float]:
-        mimics = self.description.mimics
-        follow = {j: m.multiplier * positions.get(m.joint, 0.0) + m.offset for j, m in mimics.items()}
-        return {**positions, **follow}
 
     def _set_drives(self, dt: float) -> None:
         linked = {*self._followers, *(row for each in self._followers.values() for row, _ in each)}

@@ -70,10 +70,10 @@ class World:
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
         self._scene = make_scene(spec.dt)
-        still = [
-            *(self._add_box(box) for box in (*spec.boxes, _floor(spec.floor))),
-            *(self._add_mesh(mesh) for mesh in spec.meshes),
-        ]
+        under = (0.0, 0.0, spec.floor - FLOOR_DEPTH / 2)
+        floor = BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), under, FLOOR_COLOUR)
+        fixtures: list[BoxSpec | MeshSpec] = [*spec.boxes, floor, *spec.meshes]
+        still = [self._add_still(each) for each in fixtures]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
@@ -242,15 +242,16 @@ class World:
             raise UnknownNameError("object", name, self._objects)
         return self._objects[name]
 
-    def _add_box(self, box: BoxSpec) -> Target:
+    def _add_still(self, spec: BoxSpec | MeshSpec) -> Target:
         builder = self._scene.create_actor_builder()
-        builder.add_box_collision(half_size=[s / 2 for s in box.size], material=FIXED)
-        return Target(_static(builder, box.name, box.pose), box.name, box.colour)
-
-    def _add_mesh(self, mesh: MeshSpec) -> Target:
-        builder = self._scene.create_actor_builder()
-        builder.add_nonconvex_collision_from_file(mesh.file, scale=[mesh.scale] * 3, material=FIXED)
-        return Target(_static(builder, mesh.name, mesh.pose), mesh.name, mesh.colour)
+        if isinstance(spec, BoxSpec):
+            builder.add_box_collision(half_size=[s / 2 for s in spec.size], material=FIXED)
+        else:
+            builder.add_nonconvex_collision_from_file(spec.file, scale=[spec.scale] * 3, material=FIXED)
+        builder.set_physx_body_type("static")
+        builder.set_initial_pose(_sapien_pose(spec.pose))
+        body = builder.build(name=spec.name).find_component_by_type(physx.PhysxRigidStaticComponent)
+        return Target(body, spec.name, spec.colour)
 
     def _add_object(self, spec: ObjectSpec) -> physx.PhysxRigidDynamicComponent:
         if spec.shape == "model":
@@ -294,16 +295,6 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
 
 def _looks_of(spec: ObjectSpec) -> list[Look]:
     return [look.moved(np.eye(4), spec.scale) for look in load_object(Path(spec.model)).looks]
-
-
-def _static(builder: sapien.ActorBuilder, name: str, pose: Pose) -> physx.PhysxRigidStaticComponent:
-    builder.set_physx_body_type("static")
-    builder.set_initial_pose(_sapien_pose(pose))
-    return builder.build(name=name).find_component_by_type(physx.PhysxRigidStaticComponent)
-
-
-def _floor(height: float) -> BoxSpec:
-    return BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), (0.0, 0.0, height - FLOOR_DEPTH / 2), FLOOR_COLOUR)
 
 
 def _sapien_pose(pose: Pose) -> sapien.Pose:

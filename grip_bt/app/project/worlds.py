@@ -7,7 +7,7 @@ Conditions of `goals` and `judge` name how many objects are in a state (`held`, 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import get_args
@@ -99,7 +99,7 @@ class WorldCondition:
                 if name not in known:
                     near, there = nearest(name, known), ", ".join(known)
                     raise DocumentError(f"{where}: unknown name {name!r}{near} (available: {there})", file)
-            self._compute = condition_of(parsed, {name: self._reader(name) for name in parsed.names})
+            self._compute = condition_of(parsed, {name: partial(self._count, name) for name in parsed.names})
             self._compute()
         except (ExpressionError, EvaluationError) as error:
             raise DocumentError(f"{where}: {error}", file) from error
@@ -109,8 +109,8 @@ class WorldCondition:
         self._counts = counts
         return self._compute()
 
-    def _reader(self, name: str) -> Callable[[], float]:
-        return lambda: self._counts.get(name, 0)
+    def _count(self, name: str) -> float:
+        return self._counts.get(name, 0)
 
 
 def counted(truth: Iterable[ObjectTruth], regions: Iterable[str], measures: Counts) -> Counts:

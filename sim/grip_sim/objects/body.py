@@ -14,7 +14,6 @@ from scipy.spatial.transform import Rotation
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError
 from grip_sim.cameras.mesh_files import Look, joined, read_mesh
-from grip_sim.specs import Colour
 
 from .model import ObjectFile, SolidConfig
 
@@ -62,7 +61,10 @@ def build(file: ObjectFile, path: Path) -> ObjectModel:
         shaded = [(points, solid.colour or file.colour) for solid in file.solids for points in parts_of(solid)]
         parts = [points * file.scale for points, _ in shaded]
         hulls = [_hull(points, path) for points in parts]
-        looks = [_look(hull, colour) for hull, (_, colour) in zip(hulls, shaded, strict=True)]
+        looks = [
+            Look(np.array(hull.vertices, float), np.array(hull.faces, np.int32), colour)
+            for hull, (_, colour) in zip(hulls, shaded, strict=True)
+        ]
         surface = hulls
     else:
         looks = [look.moved(EYE, file.scale) for look in read_mesh(path.parent / str(file.mesh))]
@@ -111,10 +113,6 @@ def _hull(points: Array, path: Path) -> trimesh.Trimesh:
     if len(points) < 4 or np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[2] < THIN:
         raise DocumentError(f"a part of it is flat: it is less than {THIN * 1e3:g} mm thick", str(path))
     return trimesh.convex.convex_hull(points)
-
-
-def _look(hull: trimesh.Trimesh, colour: Colour | None) -> Look:
-    return Look(np.array(hull.vertices, float), np.array(hull.faces, np.int32), colour)
 
 
 # --- pieces as convex parts, which their descriptions give without any search ---
