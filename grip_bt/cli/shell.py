@@ -60,16 +60,10 @@ _MODULES = {
 
 
 def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> argparse.ArgumentParser:
-    """Return the command's parser with all verbs, and the options of the one that a command line names.
-
-    Args:
-        shown: the verbs that its help lists.
-    """
-    parser = Parser(
-        prog="grip",
-        description="Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine.",
-        epilog="`grip help all` lists all verbs, `grip help VERB` and `grip VERB --help` say how one is used.",
-    )
+    """Return the command's parser with all verbs, of which some are shown, and the options of the one that is named."""
+    about = "Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine."
+    more = "`grip help all` lists all verbs, `grip help VERB` and `grip VERB --help` say how one is used."
+    parser = Parser(prog="grip", description=about, epilog=more)
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
     subparsers = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
     named = next((word for word in words if not word.startswith("-")), None)
@@ -145,9 +139,8 @@ def _refused_by_the_system(error: OSError) -> int:
         if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
             raise error
         give_up()
-        return complain(
-            f"stdout: {error.strerror}; the output is incomplete: free some space, or redirect it elsewhere"
-        )
+        advice = "the output is incomplete: redirect it elsewhere, or free some space"
+        return complain(f"stdout: {error.strerror}; {advice}")
     name = str(error.filename) if isinstance(error.filename, int) else os.fsdecode(error.filename)
     advice = "make its folder first" if error.errno == errno.ENOENT else "change its permissions"
     return complain(f"{name}: {error.strerror}; {advice}, or name another place")

@@ -68,7 +68,6 @@ class Brake:
         self._hold: Array | None = None
 
     def advance(self, world: World) -> Ended | None:
-        """Move the targets on, and wait for the joints to stand still."""
         t = world.time - self._begun + world.spec.dt
         position, velocity, _ = self._ramp.sampled(np.array([t]))
         if t <= self._ramp.duration:
@@ -88,7 +87,6 @@ class Brake:
         return None
 
     def braking(self, world: World) -> Motion:
-        """Go on."""
         return self
 
 
@@ -197,7 +195,6 @@ class MoveHand:
         self._still_since: float | None = None
 
     def advance(self, world: World) -> Ended | None:
-        """Move the targets; the end is when the time is over and the fingers stand still, or the grace is over."""
         t = world.time - self._begun + world.spec.dt
         part = min(1.0, t / self._duration)
         self._robot.drive(self.rows, self._start + (self._goal - self._start) * part)
@@ -233,9 +230,7 @@ class Wait:
         self._until, self._end = until, end or Ended()
 
     def advance(self, world: World) -> Ended | None:
-        """Wait until the simulated time."""
         return self._end if world.time >= self._until else None
 
     def braking(self, world: World) -> Motion:
-        """End with the next step."""
         return Wait(world.time, Ended("canceled", "the wait was cancelled"))

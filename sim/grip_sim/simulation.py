@@ -39,15 +39,12 @@ class _Joints:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints, in order."""
         return self._names
 
     def state(self) -> JointState:
-        """Return the measured state; efforts are the drives' torques [N m]."""
         return _state(self._client.ask("state", names=list(self._names)))
 
     def stop(self) -> None:
-        """Hold where the joints are and end a motion under way; what stands still keeps pressing as it did."""
         self._client.ask("stop", names=list(self._names))
 
 
@@ -65,11 +62,9 @@ class SimExecutor(_Joints):
         return _measured(self._client.move("follow", self._arrays(trajectory), names=list(self._names)))
 
     def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed, in simulated time [s]; see `ports.Steerable`."""
         return self._client.ask("passed", names=list(self._names)).fields["passed"]
 
     def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         arrays = self._arrays(tail)
         if "velocities" not in arrays:
             arrays["velocities"] = np.gradient(arrays["positions"], tail.times, axis=0)
@@ -107,7 +102,6 @@ class SimHand(_Joints):
         return _measured(self._client.move("move_hand", {"goal": goal}, **said))
 
     def contacts(self) -> Mapping[str, float]:
-        """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
         return self._client.ask("contacts").fields["contacts"]
 
 
@@ -118,11 +112,9 @@ class SimCamera:
         self._client, self._name, self._info = client, spec.name, spec.info()
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry, with where it is now in world."""
         return replace(self._info, pose=_pose(self._client.ask("camera_pose", camera=self._name)))
 
     def capture(self) -> Operation[RgbdFrame]:
-        """Take one frame; its time and its pose are those at which it shows the world."""
         return self._client.request("look", camera=self._name).then(self._frame)
 
     def _frame(self, reply: Reply) -> Operation[RgbdFrame]:
@@ -247,17 +239,14 @@ class Simulation(SimClient):
         self.ask("put_back", dict(kept))
 
     def pause(self) -> None:
-        """Have the world stand still in the middle of whatever moves, and the clock with it; see `Pausable`."""
         self.ask("pause")
         self.clock.pause()
 
     def resume(self) -> None:
-        """Have the world go on."""
         self.clock.resume()
         self.ask("resume")
 
     def keep_to_simulated(self, only: bool) -> None:
-        """Have the clock show simulated time alone, or let ours go on in it while nothing moves."""
         self.clock.keep_to_simulated(only)
 
 

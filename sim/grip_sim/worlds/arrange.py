@@ -160,10 +160,10 @@ def _places(
             if thing.drop or all(np.linalg.norm(place - other) >= clearance for other in (*taken, *places)):
                 places.append(place)
         most = max(most, len(places))
-    size = " x ".join(f"{edge:g}" for edge in region.size[:2])
+    where = f"the region {region.name!r} ({' x '.join(f'{edge:g}' for edge in region.size[:2])} m)"
     beside = f", beside {len(taken)} others" if taken else ""
     raise ArrangementError(
-        f"objects/{name}: {thing.draw} objects {clearance:g} m apart don't fit into the region {region.name!r} ({size} m)"
+        f"objects/{name}: {thing.draw} objects {clearance:g} m apart don't fit into {where}"
         f"{beside}: {most} do. Draw fewer, lower `clearance`, enlarge the region, or let them fall: `drop: true`"
     )
 
