@@ -142,8 +142,9 @@ def _refused_by_the_system(error: OSError) -> int:
         advice = "the output is incomplete: redirect it elsewhere, or free some space"
         return complain(f"stdout: {error.strerror}; {advice}")
     name = str(error.filename) if isinstance(error.filename, int) else os.fsdecode(error.filename)
-    advice = "make its folder first" if error.errno == errno.ENOENT else "change its permissions"
-    return complain(f"{name}: {error.strerror}; {advice}, or name another place")
+    if error.errno == errno.ENOENT:
+        return complain(f"{name}: {error.strerror}; make its folder first, or name another place")
+    return complain(f"{name}: {error.strerror}; name another place, or change its permissions")
 
 
 _PACKAGES = {
