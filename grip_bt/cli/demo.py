@@ -122,12 +122,7 @@ def demo_task() -> Path:
 
 
 def examples_folder() -> Path:
-    """Return the folder of the example project, writable: the clone's own, or a copy of what is installed.
-
-    Raises:
-        MissingPartError: this installation has no examples.
-        NotWritableError: there is no room for a copy.
-    """
+    """Return the folder of the example project, writable: the clone's own, or a copy of what is installed."""
     package = Path(grip_bt.__file__).resolve().parent
     own = package.parent / "examples"
     for folder in (own, package / "_examples"):

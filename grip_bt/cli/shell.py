@@ -88,12 +88,7 @@ def run_help(args: argparse.Namespace) -> int:
 
 
 def run_verb(arguments: Sequence[str] | None) -> int:
-    """Run the verb of a command line and return the exit status; what goes wrong is said on stderr.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C.
-        SystemExit: 2, the command line is wrong; 0, help was asked for.
-    """
+    """Run the verb of a command line and return the exit status; what goes wrong is said on stderr."""
     ready()
     try:
         status = _done(arguments)

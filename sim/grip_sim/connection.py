@@ -57,11 +57,7 @@ def pack(fields: Mapping[str, object], arrays: Arrays | None = None) -> bytes:
 
 
 def receive(connection: socket.socket) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Wait for one message and return its fields and its arrays, which are read-only.
-
-    Raises:
-        ClosedError: the other end is gone, or what it sent is no message.
-    """
+    """Wait for a message; return its fields and read-only arrays. Raises ClosedError where the other end is gone."""
     header_length, body_length = _LENGTHS.unpack(_exactly(connection, _LENGTHS.size))
     if header_length + body_length > LARGEST:
         raise ClosedError(f"a message of {header_length + body_length} bytes")

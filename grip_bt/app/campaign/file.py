@@ -235,11 +235,7 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
 
 
 def read(path: Path) -> Results:
-    """Read results; a last line that was cut off while it was written is left out.
-
-    Raises:
-        CampaignError: it isn't such a file.
-    """
+    """Read results, without a last line that was cut off. Raises CampaignError where it isn't such a file."""
     try:
         lines = path.read_text().split("\n")
         rows = [json.loads(line) for line in lines[:-1] if line]

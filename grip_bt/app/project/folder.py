@@ -97,11 +97,7 @@ class Project:
 
     @property
     def state_folder(self) -> Path:
-        """Where runs, logs and built interfaces are kept; made when it isn't there.
-
-        Raises:
-            NotWritableError: it can't be made.
-        """
+        """Where runs, logs and built interfaces are kept; made, if it can be: NotWritableError else."""
         folder = self.folder / ".grip"
         try:
             folder.mkdir(exist_ok=True)

@@ -27,11 +27,7 @@ def forbid() -> None:
 
 
 def refuse(found: Iterable[str]) -> None:
-    """Refuse to go on where code that isn't GRIP's is forbidden, and some would be imported or started.
-
-    Raises:
-        UntrustedCodeError: there is some; it names all of it.
-    """
+    """Raise UntrustedCodeError, which names all, where code that isn't GRIP's is forbidden and some would run."""
     if os.environ.get(VARIABLE) and (told := list(dict.fromkeys(found))):
         raise UntrustedCodeError(told)
 

@@ -133,11 +133,7 @@ def check_task(path: str | Path | Task, text: str | None = None) -> tuple[Projec
 
 
 def check_inputs(document: Document, given: Mapping[str, object]) -> None:
-    """Refuse a run of a task that isn't given what it needs.
-
-    Raises:
-        InvalidTaskError: it names each input that is missing.
-    """
+    """Refuse a run of a task that isn't given what it needs: InvalidTaskError names each input that is missing."""
     missing = []
     for name, said in document.task.inputs.items():
         if name not in given and not (isinstance(said, Variable) and said.has_value):

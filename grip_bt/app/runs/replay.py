@@ -253,11 +253,7 @@ class Coverage:
 
 
 def coverage(reader: JournalReader, task: str) -> Coverage:
-    """Look through all runs of a task, by its name, for the outcomes that its nodes have now.
-
-    Raises:
-        DocumentError, InvalidTaskError: the task can't be read or is wrong.
-    """
+    """Look through all runs of a task, by its name, for the outcomes that its nodes have now; see `check_task`."""
     project, document, _ = check_task(task)
     parts = resolve(document.task, catalogue_of(project)).root.walk()
     wanted = {part.path: list(part.meaning) for part in parts}

@@ -129,11 +129,7 @@ def _read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, 
 
 
 def agree(asked: Sequence[str], ask: Callable[[str], bool] | None) -> None:
-    """Have a person agree to everything; `ask` is None where nobody can be asked.
-
-    Raises:
-        ResumeError: somebody doesn't agree, or can't be asked.
-    """
+    """Have a person agree to everything, by `ask` if there is one. Raises ResumeError where they don't or can't."""
     if ask is None and asked:
         raise ResumeError("\n  ".join(("resuming needs your confirmation (or pass --yes):", *asked)))
     for question in asked:

@@ -79,11 +79,7 @@ class Supervisor:
     # --- for whoever controls the run ---
 
     def start(self) -> None:
-        """Start the process.
-
-        Raises:
-            GripError: it can't be started; it says what the system refuses.
-        """
+        """Start the process. Raises GripError where it can't be; it says what the system refuses."""
         with ExitStack() as stack:  # of the child's ends
             try:
                 commands, self._command_end = os.pipe()

@@ -104,11 +104,7 @@ def _numbers(text: str | None, default: str = "") -> list[float]:
 
 
 def shape_look(shape: physx.PhysxCollisionShape) -> Look:
-    """Return the triangles of a collision shape in its body's frame.
-
-    Raises:
-        TypeError: it has no end, as a plane has none.
-    """
+    """Return the triangles of a collision shape in its body's frame. Raises TypeError where it has no end."""
     match shape:
         case physx.PhysxCollisionShapeConvexMesh():
             look = hull_look(np.asarray(shape.vertices, float) * shape.scale)

@@ -174,11 +174,7 @@ class Film:
             self._taken += 1
 
     def close(self) -> None:
-        """End the film and take the last picture; harmless when it was closed before.
-
-        Raises:
-            GripError: the picture can't be written.
-        """
+        """End the film and take the last picture, unless that was done. Raises GripError where it can't be written."""
         if self._writer is not None:
             self._writer.release()
             self._writer = None

@@ -32,11 +32,7 @@ def files_by_name(builtin: Path, own: Path | None) -> dict[str, Path]:
 
 
 def file_named(kind: str, name: str, files: Mapping[str, Path]) -> Path:
-    """Return the file of a name, or the path itself of one that ends in `.yaml`.
-
-    Raises:
-        UnknownNameError: there is none of this name.
-    """
+    """Return the file of a name, or the path itself of one that ends in `.yaml`. Raises UnknownNameError."""
     path = Path(name) if name.endswith((".yaml", ".yml")) else files.get(name)
     if path is None:
         raise UnknownNameError(kind, name, files)

@@ -54,11 +54,7 @@ class Found:
 
 
 def find_object(path: Path) -> Found:
-    """Return what a file or a folder holds.
-
-    Raises:
-        DocumentError: it is no object, or names a mesh that isn't there.
-    """
+    """Return what a file or a folder holds. Raises DocumentError where it is no object, or its mesh isn't there."""
     if path.is_dir():
         inside = [path / each for each in _FOLDERS if (path / each).is_file()]
         inside += sorted(f for f in path.iterdir() if f.suffix.lower() in (".urdf", ".sdf", *FORMATS))
@@ -182,11 +178,7 @@ def _decomposed(whole: trimesh.Trimesh, most: int) -> list[Array]:
 def write_object(
     name: str, found: Found, checked: Checked, folder: Path, *, mass: float | None, friction: float | None, source: str
 ) -> Path:
-    """Write an object's file, with the mesh and its parts in a folder beside it, and return the file.
-
-    Raises:
-        GripError: there is an object of this name.
-    """
+    """Write an object's file, with mesh and parts beside it, and return it. Raises GripError where there is one."""
     file, own = folder / f"{name}.yaml", folder / name
     if file.exists() or own.exists():
         raise GripError(f"{file} is there already and was left alone: choose another `--name`")

@@ -52,11 +52,7 @@ class ObjectModel:
 
 
 def build(file: ObjectFile, path: Path) -> ObjectModel:
-    """Return what a file describes; what it lacks of inertia comes of an even density.
-
-    Raises:
-        DocumentError: a mesh is missing or wrong, or has no volume.
-    """
+    """Return what a file describes, by an even density. Raises DocumentError where a mesh is missing, wrong or flat."""
     if file.solids:
         shaded = [(points, solid.colour or file.colour) for solid in file.solids for points in parts_of(solid)]
         parts = [points * file.scale for points, _ in shaded]
