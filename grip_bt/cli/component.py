@@ -51,7 +51,7 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     )
     add.add_argument("--from-graph", metavar="NAME", help="a running service, action or topic")
     add.add_argument(
-        "--outcomes", metavar="O", help="`one,none`: names of 0, 1 ...; `2`; or `found: count > 0; none: true`"
+        "--outcomes", metavar="O", help="`one,none`: names of 0, 1 ...; `2`; `found: count > 0; none: true`"
     )
     add.add_argument("--failure", metavar="LABELS", default="", help="outcomes that mean failure, such as none,timeout")
     add.add_argument("--name", default="", help="the component's name (default: from the server's)")

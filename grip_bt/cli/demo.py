@@ -253,9 +253,7 @@ def attempt_line(attempt: Attempt) -> str:
     elif attempt.failure is not None:
         how = f"failed at {attempt.where or 'the task'}: {attempt.failure}"
     elif attempt.outcome == "success":
-        how = (
-            "held, and put into the crate" if attempt.held else "put into the crate, says the task, with an empty hand"
-        )
+        how = "held, and put into the crate" if attempt.held else "put into the crate, it says; the hand was empty"
     else:
         how = attempt.outcome.replace("_", " ")
     return f"attempt {attempt.number:<2} {attempt.duration:6.1f} s  {what:<12} {how}"

@@ -25,9 +25,7 @@ from .terminal import on_hang_up
 
 def add_new(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", metavar="DIR", help="a new or empty folder")
-    robot = (
-        "a ready-made robot, a robot's file, a MoveIt package (folder or name), a workspace (default: panda_allegro)"
-    )
+    robot = "a ready-made robot, a robot's file, a MoveIt package or its name, a workspace (default: panda_allegro)"
     parser.add_argument("--robot", metavar="PATH|NAME", help=robot)
     which = "which one, where the robot has several"
     parser.add_argument("--configuration", metavar="NAME", action="append", default=[], help=which)

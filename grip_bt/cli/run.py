@@ -34,9 +34,7 @@ _WATCHDOG = 10.0
 class _Given(argparse.Action):
     """Keeps a value, and that the command line gave it: what it doesn't give is as it was in the run that goes on."""
 
-    def __call__(
-        self, parser: object, namespace: argparse.Namespace, values: object, option: str | None = None
-    ) -> None:
+    def __call__(self, parser: object, namespace: argparse.Namespace, values: object, name: str | None = None) -> None:
         setattr(namespace, self.dest, values)
         namespace.given = getattr(namespace, "given", frozenset()) | {self.dest}
 
@@ -99,9 +97,8 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     seed = "of the simulated world (default: 0)"
     add("--seed", type=whole(0, MOST_SEED), default=0, action=_Given, metavar="N", help=seed)
     pace = number(above=0, advice="; leave it out for as fast as the simulation goes")
-    add(
-        "--pace", type=pace, action=_Given, metavar="X", help="simulated seconds a second (default: as fast as it goes)"
-    )
+    fast = "simulated seconds a second (default: as fast as it goes)"
+    add("--pace", type=pace, action=_Given, metavar="X", help=fast)
     add = parser.add_argument_group("what the simulated world looks like").add_argument
     add("--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run")
     add("--picture", type=Path, metavar="FILE.png", help="take a picture in the end")

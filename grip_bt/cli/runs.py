@@ -59,9 +59,8 @@ def run_runs(args: argparse.Namespace) -> int:
     one = args.to is not None or args.data or args.timing or not place.exists()
     if args.coverage is not None and args.what == ".":
         place = args.coverage
-    journal = (
-        args.journal or find_project(Path() if one and not place.exists() else place).folder / ".grip" / "runs.sqlite"
-    )
+    home = find_project(Path() if one and not place.exists() else place).folder
+    journal = args.journal or home / ".grip" / "runs.sqlite"
     if not journal.is_file():
         if one and args.journal is None:
             raise UnknownNameError("run", args.what, [], f"{journal}: there are no runs yet")

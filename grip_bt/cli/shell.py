@@ -176,9 +176,8 @@ def run_completion(args: argparse.Namespace) -> None:
     if args.shell == "fish":
         print("\n".join(_fish(words)))
         return
-    cases = "\n".join(
-        f'        {verb}) COMPREPLY=($(compgen -W "{" ".join(w)}" -- "$word")) ;;' for verb, w in words.items() if w
-    )
+    said = {verb: " ".join(options) for verb, options in words.items() if options}
+    cases = "\n".join(f'        {v}) COMPREPLY=($(compgen -W "{w}" -- "$word")) ;;' for v, w in said.items())
     print((_ZSH if args.shell == "zsh" else _BASH).format(verbs=" ".join(VERBS), cases=cases), end="")
 
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 SEEDS = 20
 """So many arrangements are drawn by `check`."""
+Faults = Callable[[str, Project], Iterator[GripError]]
 SPOT = (0.60, 0.0)
 """Where a thing stands on the table when its picture is taken [m]."""
 
@@ -100,9 +101,7 @@ def _list_objects(args: argparse.Namespace) -> None:
     _list(args, objects.object_files(_here().folder), told)
 
 
-def _check(
-    given: Sequence[str], files: dict[str, Path], faults: Callable[[str, Project], Iterator[GripError]], what: str
-) -> int:
+def _check(given: Sequence[str], files: dict[str, Path], faults: Faults, what: str) -> int:
     """Print what is wrong with what is named, or with all that the project has of its own."""
     project = _here()
     names = given or [name for name, file in files.items() if file.parent.parent == project.folder]

@@ -131,10 +131,8 @@ class Follow:
         kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
         whole = np.concatenate([old[kept], at + times])
         self._since = float(whole[0])
-        rows = [
-            np.concatenate(each) for each in ((path.positions[kept], positions), (path.velocities[kept], velocities))
-        ]
-        self._path = Trajectory(path.names, whole - self._since, *rows)
+        told, speeds = (path.positions[kept], positions), (path.velocities[kept], velocities)
+        self._path = Trajectory(path.names, whole - self._since, np.concatenate(told), np.concatenate(speeds))
         return True
 
     def wrong_start(self) -> str:

@@ -81,13 +81,12 @@ class World:
             name: make_articulated(self._scene, name, said, lambda link, body: self.cameras.replaced(link, body))
             for name, said in spec.articulated.items()
         }
-        self._touchable = frozenset(self._objects) | {
-            link.name for each in self.articulated.values() for link in each.links
-        }
+        mechanisms = self.articulated.values()
+        self._touchable = frozenset(self._objects) | {link.name for each in mechanisms for link in each.links}
         self._steps = 0
         self._moved: set[str] = set()
         self.faults = Faults(spec.faults, spec.seed, self)
-        links = [Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items()]
+        links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
         seen = [*still, *self._robot_targets(), *self._object_targets(), *links]
         self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
 

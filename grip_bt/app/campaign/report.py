@@ -33,13 +33,13 @@ def summary(results: Results) -> dict[str, Any]:
     for row in results.rows:
         by_variant.setdefault(row["variant"], []).append(row)
     names, run = list(by_variant), {name for name, rows in by_variant.items() if rows}
+    others = [name for name in names[1:] if {name, names[0]} <= run]
+    compared = {name: _compared(by_variant[names[0]], by_variant[name]) for name in others}
     return {
         "campaign": results.head["name"],
         "trials": len(results.rows),
         "variants": {name: _one(rows) for name, rows in by_variant.items() if rows},
-        "compared": {
-            n: _compared(by_variant[names[0]], by_variant[n]) for n in names[1:] if n in run and names[0] in run
-        },
+        "compared": compared,
     }
 
 

@@ -22,6 +22,8 @@ from grip_bt.task.catalog.ros_config import sensor_manifest
 from .faults import TAUGHT, common_states, faults_of_arm, faults_of_camera, faults_of_hand, faults_of_world
 from .folder import Project, find_project
 
+Known = dict[str, Iterable[str]]
+"""Kind of names -> those that a part of the robot has."""
 _robots: FileCache[tuple[str, str], RobotDescription | GripError | None] = FileCache()
 """Folder and `robot:` of a project -> the robot, or what is wrong with it."""
 
@@ -48,7 +50,17 @@ def project_parts_of(project: Project) -> ProjectParts:
         taught = TaughtStates(project.folder / TAUGHT)
     except DocumentError as error:
         problems = (*problems, _problem(error))
-    arms, hands = _arms(project, robot, taught, problems), _hands(project, robot, taught, links, problems)
+    arms, hands = dict[str, PartNames](), dict[str, PartNames]()
+    for name, arm in file.arms.items():
+        known: Known = {} if taught is None else {"taught": taught.of(name)}
+        if robot is not None and taught is not None:
+            known |= _names_of_arm(project, name, robot, taught)
+        wrong = () if robot is None else faults_of_arm(project, name, robot)
+        arms[name] = _part_names(known, [*problems, *map(_problem, wrong), *_uncontrolled(project, name, arm.arms)])
+    for name, hand in file.hands.items():
+        known = {} if robot is None or taught is None else _names_of_hand(name, hand.group, robot, taught, links)
+        wrong = () if robot is None else faults_of_hand(project, name, robot)
+        hands[name] = _part_names(known, [*problems, *map(_problem, wrong), *_uncontrolled(project, name)])
     return ProjectParts(arms, hands, nodes, packages)
 
 
@@ -62,41 +74,22 @@ def _robot(project: Project) -> RobotDescription | GripError | None:
         return error
 
 
-def _arms(
-    project: Project, robot: RobotDescription | None, taught: TaughtStates | None, problems: tuple[Problem, ...]
-) -> dict[str, PartNames]:
-    found = {}
-    for name, arm in project.file.arms.items():
-        known: dict[str, Iterable[str]] = {}
-        if taught is not None:
-            known["taught"] = taught.of(name)
-        if robot is not None and taught is not None and arm.group in robot.groups:
-            states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
-            known["state"] = {**states, **taught.states(name)}
-        faults = () if robot is None else faults_of_arm(project, name, robot)
-        found[name] = _part_names(known, [*problems, *map(_problem, faults), *_uncontrolled(project, name, arm.arms)])
-    return found
+def _names_of_arm(project: Project, name: str, robot: RobotDescription, taught: TaughtStates) -> Known:
+    arm = project.file.arms[name]
+    states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
+    return {"state": {**states, **taught.states(name)}} if arm.group in robot.groups else {}
 
 
-def _hands(
-    project: Project,
-    robot: RobotDescription | None,
-    taught: TaughtStates | None,
-    links: list[str],
-    problems: tuple[Problem, ...],
-) -> dict[str, PartNames]:
-    found = {}
-    for name, hand in project.file.hands.items():
-        known: dict[str, Iterable[str]] = {}
-        if robot is not None and taught is not None and hand.group in robot.groups:
-            fingers = joints_of_fingers(robot, hand.group)
-            known["posture"] = {**robot.named_states.get(hand.group, {}), **taught.states(name)}
-            known["finger"] = fingers
-            known["tip"] = [*fingers, *links_of_groups(robot, {name: hand.group})[name]]
-            known["link"] = [*links, "grasp", *(f"grasp/{group}" for group in robot.grasp_frames)]
-        faults = () if robot is None else faults_of_hand(project, name, robot)
-        found[name] = _part_names(known, [*problems, *map(_problem, faults), *_uncontrolled(project, name)])
-    return found
+def _names_of_hand(name: str, group: str, robot: RobotDescription, taught: TaughtStates, links: list[str]) -> Known:
+    if group not in robot.groups:
+        return {}
+    fingers = joints_of_fingers(robot, group)
+    return {
+        "posture": {**robot.named_states.get(group, {}), **taught.states(name)},
+        "finger": fingers,
+        "tip": [*fingers, *links_of_groups(robot, {name: group})[name]],
+        "link": [*links, "grasp", *(f"grasp/{each}" for each in robot.grasp_frames)],
+    }
 
 
 def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> list[Problem]:

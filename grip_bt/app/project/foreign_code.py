@@ -39,14 +39,12 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
         if isinstance(part.node, Foreign):
             if catalog.code.is_third_party(part.node.imported):
                 yield f"{part.path}: imports {part.node.imported}"
-        elif (
-            part.manifest is not None and part.manifest.implementation and not {part.path, part.manifest.id} & {*mocked}
-        ):
-            where = part.manifest.implementation.rpartition(":")[0]
+        elif (face := part.manifest) is not None and face.implementation and not {part.path, face.id} & {*mocked}:
+            where = face.implementation.rpartition(":")[0]
             if where.endswith(".py") or where.partition(".")[0] not in _OURS:
                 yield f"{part.path}: imports {where}"
-            if part.manifest.id.startswith("component/"):
-                components[part.manifest.id.partition("/")[2]] = part.path
+            if face.id.startswith("component/"):
+                components[face.id.partition("/")[2]] = part.path
     for name in components if robot != "fake" else ():
         yield from of_component(project.component_folders().get(name))
 

@@ -100,9 +100,7 @@ class Supervisor:
                     stdin=None if self._own_input else subprocess.DEVNULL,
                 )
             except OSError as error:
-                why = (
-                    f"{error.strerror}; `ulimit -a` and the room in {tempfile.gettempdir()} (TMPDIR) tell what is short"
-                )
+                why = f"{error.strerror}; `ulimit -a` and the room in {tempfile.gettempdir()} (TMPDIR) tell more"
                 raise GripError(f"the run's process can't be started: {why}") from None
         self._send(self._order)
         self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)

@@ -42,10 +42,8 @@ class Verdict(Observer):
         self._goal = condition(goal, where=f"goals/{name}", file=file) if goal else None
         world = f"world {session.project.file.world}"
         self._judge = {n: condition(text, where=f"judge/{n}", file=world) for n, text in spec.judge.items()}
-        leaves = session.runner.compiled.leaves.items()
-        self._places = {
-            path for path, leaf in leaves if leaf.manifest.implementation == PLACE and leaf.params["target"]
-        }
+        there = session.runner.compiled.leaves.items()
+        self._places = {path for path, leaf in there if leaf.manifest.implementation == PLACE and leaf.params["target"]}
         self._placed = 0
         session.runner.observe(self)
 

@@ -8,6 +8,7 @@ slide bears goes back to the turn as a torque, so that both move each other and 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import numpy as np
 
@@ -100,6 +101,7 @@ def make_articulated(scene: sapien.Scene, name: str, said: ArticulatedConfig, re
 
 
 Shape = Callable[[LinkBuilder], None]
+Builder: TypeAlias = "LinkBuilder | sapien.ActorBuilder"
 
 
 def _build(
@@ -233,9 +235,7 @@ class _Button(Articulated):
         self._pressed, self._count = bool(extra[0]), int(extra[1])
 
 
-def _add_cylinder(
-    builder: LinkBuilder | sapien.ActorBuilder, radius: float, height: float, mass: float, middle: float
-) -> None:
+def _add_cylinder(builder: Builder, radius: float, height: float, mass: float, middle: float) -> None:
     """Add an upright cylinder of a mass [kg] whose middle is at a height [m]."""
     place, density = sapien.Pose([0, 0, middle], ALONG_Z.q), mass / (np.pi * radius**2 * height)
     builder.add_cylinder_collision(place, radius, height / 2, movable(GRIP), density=density)
@@ -268,11 +268,10 @@ class _ScrewBottle(Articulated):
         self._turn.set_drive_properties(0.0, 50.0, force_limit=said.friction, mode="force")
         self._turn.set_drive_velocity_target(0.0)
 
-    def _shape_cap(self, builder: LinkBuilder | sapien.ActorBuilder) -> None:
+    def _shape_cap(self, builder: Builder) -> None:
         said = self._said
-        _add_cylinder(
-            builder, said.cap_radius, said.cap_height, said.cap_mass, said.height + said.cap_height / 2 + 0.001
-        )
+        middle = said.height + said.cap_height / 2 + 0.001
+        _add_cylinder(builder, said.cap_radius, said.cap_height, said.cap_mass, middle)
 
     def before_step(self) -> None:
         """Couple the slide and the turn, both ways; let the cap go at the end of its thread."""
