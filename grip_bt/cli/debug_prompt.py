@@ -20,11 +20,7 @@ _HELP = """\
 
 
 class Prompt:
-    """Turns words of a user into commands, and events into words.
-
-    Args:
-        patient: whether lines wait for the run to hold, as a script wants; a user may pause what runs.
-    """
+    """Turns words of a user into commands, and events into words; if `patient`, lines wait for the run to hold."""
 
     def __init__(self, send: Callable[[Mapping[str, Any]], None], say: Callable[[str], object], patient: bool = False):
         self._send, self._say = send, say

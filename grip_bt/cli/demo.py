@@ -166,7 +166,6 @@ class Attempt:
         outcome: how the attempt node ended; None when it was interrupted.
         where: path of the leaf that failed first.
         held: objects that the referee saw in the hand when the task checked.
-        duration: on the run's clock [s].
     """
 
     number: int
@@ -180,12 +179,7 @@ class Attempt:
 
 
 class AttemptRecorder(Observer):
-    """An observer that gathers attempts.
-
-    Args:
-        check: path of the leaf before which the referee is asked what is held.
-        on_end: called with each attempt that ended.
-    """
+    """An observer that gathers attempts; before the leaf `check`, the referee is asked what is held."""
 
     def __init__(
         self,

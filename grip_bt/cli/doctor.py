@@ -25,12 +25,7 @@ _INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
 @dataclass(frozen=True)
 class Finding:
-    """One part of the set-up.
-
-    Attributes:
-        remedy: the command that mends it.
-        needed: whether the demo needs it.
-    """
+    """One part of the set-up, the command that mends it, and whether the demo needs it."""
 
     part: str
     state: Literal["ok", "missing", "broken"]

@@ -116,12 +116,7 @@ class SimClient(Closing):
         sent: how many requests were sent, without what is said of turns.
         on_fault: told of each fault of the world that begins or is over: its name, what happened, whether it is over.
 
-    Args:
-        pace: simulated seconds per second; None for as fast as it goes.
-        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
-
-    Raises:
-        SimulatorLostError: it didn't start; the message holds what it printed.
+    Args and what is raised: see `start_simulation`.
     """
 
     def __init__(self, spec: WorldSpec, pace: float | None = None, hold: int | None = None):

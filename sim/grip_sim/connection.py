@@ -62,20 +62,15 @@ def receive(connection: socket.socket) -> tuple[dict[str, Any], dict[str, NDArra
     if header_length + body_length > LARGEST:
         raise ClosedError(f"a message of {header_length + body_length} bytes")
     header, body = _exactly(connection, header_length), _exactly(connection, body_length)
+    arrays, offset = dict[str, NDArray[Any]](), 0
     try:
         content = json.loads(header)
-        return dict(content["fields"]), _arrays(content["arrays"], body)
+        for name, dtype, shape in content["arrays"]:
+            arrays[name] = np.frombuffer(body, np.dtype(dtype), math.prod(shape), offset).reshape(shape)
+            offset += arrays[name].nbytes
+        return dict(content["fields"]), arrays
     except (ValueError, KeyError, TypeError) as error:
         raise ClosedError(f"a message that can't be read: {error!r}") from None
-
-
-def _arrays(shapes: list[Any], body: bytes) -> dict[str, NDArray[Any]]:
-    arrays, offset = {}, 0
-    for name, dtype, shape in shapes:
-        count = math.prod(shape)
-        arrays[name] = np.frombuffer(body, np.dtype(dtype), count, offset).reshape(shape)
-        offset += arrays[name].nbytes
-    return arrays
 
 
 def _exactly(connection: socket.socket, count: int) -> bytes:
@@ -98,13 +93,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Reply:
-    """An answer of the simulator.
-
-    Attributes:
-        fields: JSON data.
-        arrays: by name.
-        time: when it arrived, on the run's clock [s].
-    """
+    """An answer of the simulator: JSON data, arrays, when it arrived on the run's clock [s]."""
 
     fields: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]]
@@ -133,13 +122,9 @@ LINES = 40
 
 
 class SimProcess:
-    """A child process that runs `python -m grip_sim.server`.
+    """A child process that runs `python -m grip_sim.server` with its end of a socket pair, which may be closed then.
 
-    It ends by itself when the other end of its connection is gone, also when our process was killed.
-
-    Args:
-        connection: its end of a socket pair; may be closed here afterwards.
-        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
+    It ends by itself when the other end is gone, also when our process was killed.
     """
 
     def __init__(self, connection: socket.socket, hold: int | None = None):

@@ -29,12 +29,7 @@ _PAST = 0.1
 
 @dataclass(frozen=True)
 class Ended:
-    """How a motion has ended.
-
-    Attributes:
-        error: empty, `aborted` or `canceled`.
-        stopped: whether the joints were measured at rest.
-    """
+    """How a motion has ended: empty, `aborted` or `canceled`, why, and whether the joints were measured at rest."""
 
     error: str = ""
     message: str = ""

@@ -44,12 +44,7 @@ _LOOSE = -(1 << 40)
 
 
 class Server:
-    """Obeys one client.
-
-    Args:
-        pace: simulated seconds per second; None for as fast as it goes.
-        hold: over which somebody else may have the robot hold for good, by any word; None for nobody.
-    """
+    """Obeys one client; somebody else may have the robot hold for good by any word over `hold`."""
 
     def __init__(
         self, connection: socket.socket, spec: WorldSpec, pace: float | None, hold: socket.socket | None = None

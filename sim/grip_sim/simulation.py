@@ -54,11 +54,7 @@ class SimExecutor(_Joints):
     steerable = True
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory; see the port.
-
-        Raises:
-            ValueError: the trajectory isn't for these joints, or holds what isn't a number.
-        """
+        """See the port. Raises ValueError where it isn't for these joints, or holds what isn't a number."""
         return _measured(self._client.move("follow", self._arrays(trajectory), names=list(self._names)))
 
     def passed(self) -> float | None:
@@ -87,12 +83,7 @@ class SimHand(_Joints):
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
-        """Move the fingers towards a posture; see the port.
-
-        Raises:
-            KeyError: the posture lacks a joint.
-            ValueError: the posture isn't finite, or the duration, the limit or the force isn't positive.
-        """
+        """See the port. Raises KeyError for a missing joint, ValueError where a number isn't finite or positive."""
         goal = posture.ordered(self._names)
         _check_finite("a posture", goal)
         check_positive("the duration of a motion", duration)
@@ -207,13 +198,8 @@ class Simulation(SimClient):
     def filmed(self, view: str, video: Path | None = None, picture: Path | None = None) -> Iterator[None]:
         """Film the world while the block runs, 25 frames a second of simulated time, and take a picture in the end.
 
-        Args:
-            view: a camera of the world, empty for the first one; or six numbers `X,Y,Z,X,Y,Z`, from where to where.
-            video: an .mp4 file; None for none.
-            picture: a .png or .jpg file; None for none.
-
-        Raises:
-            GripError: there is no such camera, or a file can't be written.
+        Raises GripError where `view` is no camera of the world (empty for the first one), nor six numbers `X,Y,Z,X,Y,Z`
+        from where to where, or a file can't be written: `video` is an .mp4, `picture` a .png or .jpg.
         """
         place = _viewpoint(view or next((camera.name for camera in self.spec.cameras), ""))
         film, still = (None if file is None else str(file.absolute()) for file in (video, picture))
@@ -231,11 +217,7 @@ class Simulation(SimClient):
         return dict(self.ask("kept").arrays)
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
-        """Bring everything that moves to where it was kept, in a world of the same spec.
-
-        Raises:
-            GripError: it was another world, or something moves.
-        """
+        """Bring everything to where it was kept. Raises GripError where that was another world, or something moves."""
         self.ask("put_back", dict(kept))
 
     def pause(self) -> None:
@@ -268,8 +250,7 @@ def start_simulation(spec: WorldSpec, pace: float | None = None, hold: int | Non
 
     Raises:
         SimulatorLostError: it can't be started; the message holds what it printed.
-        UnknownNameError: there is no such robot.
-        ValueError: the pace isn't positive.
+        UnknownNameError, ValueError: there is no such robot; the pace isn't positive.
     """
     simulation = Simulation(spec, pace, hold)
     try:

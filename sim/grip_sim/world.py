@@ -208,8 +208,7 @@ class World:
     def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring everything that moves to where it was kept; what physics remembers of contacts builds up again.
 
-        Raises:
-            KeyError, ValueError: it was kept in another world; nothing was changed.
+        Raises KeyError or ValueError, before anything is changed, where it was kept in another world.
         """
         poses, speeds = np.asarray(kept["poses"]), np.asarray(kept["object_speeds"])
         if len(poses) != len(self._objects):

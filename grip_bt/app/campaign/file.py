@@ -185,12 +185,7 @@ class TrialRow(TypedDict, total=False):
 
 @dataclass
 class Results:
-    """What is in a file of results.
-
-    Attributes:
-        head: about the campaign: `name`, `doc`, `measures`, `variants` (name -> its settings).
-        rows: the trials, in the order of their ends: `variant`, `seed`, and what `judged` returns.
-    """
+    """A file of results: its head (`name`, `doc`, `variants`: name -> settings), and trials in order of their ends."""
 
     path: Path
     head: Mapping[str, Any]

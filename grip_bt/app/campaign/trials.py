@@ -32,12 +32,7 @@ _WAKE = 0.2
 
 
 class Trials:
-    """Runs trials of a campaign.
-
-    Args:
-        journal: where their runs are written.
-        watchdog: how long one tick may take [s] before a trial ends as an error.
-    """
+    """Runs trials of a campaign; one whose tick takes longer than `watchdog` [s] ends as an error."""
 
     def __init__(self, campaign: Campaign, journal: Path, ended: Callable[[TrialRow], None], watchdog: float = 10.0):
         self._campaign, self._journal, self._ended, self._watchdog = campaign, journal, ended, watchdog
@@ -46,11 +41,7 @@ class Trials:
         self._under_way: set[Supervisor] = set()
 
     def run(self, trials: Iterable[_Trial], workers: int = 1) -> None:
-        """Run them all, `workers` at a time; returns when they have ended, or after `stop`.
-
-        Raises:
-            Exception: what `ended` has raised; the other trials are stopped then.
-        """
+        """Run them all, `workers` at a time, to their ends or `stop`; what `ended` raises stops them, and is raised."""
         with ThreadPoolExecutor(workers) as pool:
             jobs = [pool.submit(self._trial, *trial) for trial in trials]
             while (state := wait(jobs, _WAKE)).not_done:
@@ -161,17 +152,10 @@ def check(campaign: Campaign) -> None:
 
 
 def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, str] | None) -> TrialRow:
-    """Return what came of a trial, as JSON data.
+    """Return what came of a trial that took `wall` [s] in all, from its events `started`, if any, and `ended`.
 
-    Args:
-        wall: how long it took in all [s].
-        started: the event `started`; None when it didn't begin.
-
-    Returns:
-        status, outcome, code, message, duration, wall, run; `truth` (object -> the referee's word) or None;
-        `contradicted`: whether that contradicts a success; `unconfirmed`: what couldn't be confirmed to have
-        stopped after a stop or an error, in words; `counts`, `measures`, `success`, and
-        `unclear`: what couldn't be computed, with the reason.
+    `truth`: object -> the referee's word; `contradicted`: whether that contradicts a success; `unconfirmed`: what
+    couldn't be confirmed to have stopped, in words; `unclear`: what couldn't be computed, with the reason.
     """
     truth = end.get("truth")
     row: TrialRow = {

@@ -56,15 +56,13 @@ def from_file(path: Path) -> Wish:
 
 
 def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:
-    """Take what runs: its type is asked of the running graph.
+    """Take what runs: its type is asked of the running graph within so many [s].
 
     Args:
-        within: how long to look [s].
         interfaces: folder with the package that defines the type, for one that isn't installed.
 
     Raises:
-        UnknownNameError: nothing of that name runs.
-        GripError: its type isn't known here; it says what to do.
+        UnknownNameError, GripError: nothing of that name runs; its type isn't known here.
     """
     from grip_bt.ros.client.graph import find_served
 
@@ -86,8 +84,7 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
 
     Raises:
         OutcomesNeededError: nobody said how it can end.
-        ContractError: the interface and the outcomes don't fit; nothing is written.
-        GripError: the folder has a component file already, or something doesn't fit.
+        GripError: it is there already, or (ContractError) the interface and the outcomes don't fit; nothing is written.
     """
     server = wish.server or "/" + suggested_name(wish.interface)
     name = wish.name or server.strip("/").replace("/", "_").lower()

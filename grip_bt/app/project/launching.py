@@ -20,8 +20,7 @@ def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]
     """Return the processes of a project; all of those that are to be run, where none is named.
 
     Raises:
-        UnknownNameError: the project has no such process.
-        PackageError: a package, its program or its launch file isn't here.
+        UnknownNameError, PackageError: there is no such process, package, program or launch file.
     """
     declared = project.file.processes
     for name in names:

@@ -29,15 +29,7 @@ _worlds: FileCache[tuple[str, str], WorldSpec | GripError] = FileCache()
 
 
 def world_of(project: Project, seed: int, world: str = "") -> WorldSpec:
-    """Return a world with the project's robot in it, as a seed draws it.
-
-    Args:
-        world: its name; the project's own where empty.
-
-    Raises:
-        UnknownNameError, DocumentError: there is no such world, or its file is wrong.
-        ArrangementError: objects don't fit into it.
-    """
+    """Return a world, by default the project's own, with the project's robot, as a seed draws it; see `load_world`."""
     spec = load_world(world or project.file.world or "", seed, project.folder)
     return replace(spec, robot=project.robot_source)
 
@@ -80,13 +72,9 @@ Counts = Mapping[str, float]
 
 
 class WorldCondition:
-    """A condition over what is true in a world.
+    """A condition over what is true in a world; `where` and `file` are named in errors, such as `goals/pick`.
 
-    Args:
-        where: what to name in errors, such as `goals/pick`.
-
-    Raises:
-        DocumentError: it isn't a condition over these names.
+    Raises DocumentError where it isn't a condition over the names of its regions and measures.
     """
 
     def __init__(self, text: str, regions: Iterable[str], measures: Iterable[str], where: str, file: str):

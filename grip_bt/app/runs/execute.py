@@ -341,10 +341,7 @@ def run(task: str | Path | Task, *, observer: Observer | None = None, **options:
 def make_room(file: Path, limit: int, give_back: bool = False) -> Pruned:
     """Remove the oldest runs of a journal that are over, until it holds less than `limit` [bytes].
 
-    A run that has no end stays while its process lives.
-
-    Args:
-        give_back: whether free room is given back to the disk.
+    A run that has no end stays while its process lives; with `give_back`, the disk gets free room back.
 
     Raises:
         JournalError: it is no journal, or can't be written.

@@ -148,13 +148,9 @@ class _Given(Settings):
 
 
 def read_faults(given: Sequence[str]) -> dict[str, Fault]:
-    """Return the faults of a command line by name.
+    """Return by name the faults of a command line, `NAME: {fault: drop, node: attempt/lift}` as in a world's file.
 
-    Args:
-        given: texts as in a world's file, `NAME: {fault: drop, node: attempt/lift}`.
-
-    Raises:
-        DocumentError: one isn't a fault, or two have one name.
+    Raises DocumentError where one isn't a fault, or two have one name.
     """
     found: dict[str, Fault] = {}
     for text in given:

@@ -37,11 +37,7 @@ _NEAREST = 8
 
 
 def find_run(reader: JournalReader, name: str) -> str:
-    """Return the id of the run that is meant: an id, its beginning, or `last`.
-
-    Raises:
-        UnknownNameError: none is, or several are; it lists the nearest.
-    """
+    """Return the id that is meant by an id, its beginning, or `last`. Raises UnknownNameError with the nearest ones."""
     ids = [record.id for record in reader.runs()]
     fitting = ids[:1] if name == "last" else [name] if name in ids else [id for id in ids if id.startswith(name)]
     if len(fitting) == 1:
@@ -53,11 +49,7 @@ def find_run(reader: JournalReader, name: str) -> str:
 
 
 def journal_of(place: Path | None, journal: Path | None) -> Path:
-    """Return the journal to read: the one that is given, or that of the project around `place`.
-
-    Raises:
-        UnknownNameError: there are no runs yet.
-    """
+    """Return the journal that is given, or of the project around `place`. Raises UnknownNameError where none is."""
     file = journal or find_project(place or Path()).folder / ".grip" / "runs.sqlite"
     if not file.is_file():
         raise UnknownNameError("journal", str(file), [], "there are no runs yet; give --journal FILE, or run a task")
@@ -109,13 +101,9 @@ def replay(
     until: Until | None = None,
     sleep: Callable[[float], None] = time.sleep,
 ) -> tuple[RunSnapshot, bool]:
-    """Show one event after the other.
+    """Show one event after the other, `speed` seconds of the run in a second, or as fast as it goes.
 
-    Args:
-        speed: seconds of the run in a second; None for as fast as it goes.
-
-    Returns:
-        the last moment, and whether `until` was reached.
+    Returns the last moment, and whether `until` was reached.
     """
     moment, began = RunSnapshot(), 0.0
     for event in events:
@@ -233,12 +221,7 @@ def failures(events: Iterable[Event]) -> dict[tuple[str, str], tuple[int, str]]:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Which outcomes of a task's nodes were seen in its runs.
-
-    Attributes:
-        seen: node -> outcome -> how often, for outcomes that were seen.
-        codes: (node, outcome) -> failure codes that were seen, with how often.
-    """
+    """Which outcomes of a task's nodes were seen in its runs, with which failure codes, and how often."""
 
     runs: int
     seen: Mapping[str, Mapping[str, int]]

@@ -133,11 +133,7 @@ _MOVING = _CHANGED_BY.keys() - {"component", "grasp"}
 
 
 def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
-    """Return which parts can't be brought back since the journal hasn't got their states any more, and why.
-
-    Args:
-        stays: a part that outlives the run's process.
-    """
+    """Return which parts can't be brought back since the journal hasn't got their states any more, and why."""
     others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}
     found = {}
     for name, event in _last_kept(events).items():

@@ -126,8 +126,7 @@ class Supervisor:
     def stop(self, lost: bool = False) -> None:
         """Stop the run, or its start; whatever the process does. May be called from a signal handler.
 
-        Args:
-            lost: nobody has asked for that, but whoever controls the run has gone: it can be resumed.
+        With `lost`, nobody has asked for that, but whoever controls the run has gone: it can be resumed.
         """
         with self._lock:
             if self._stopping:

@@ -26,11 +26,7 @@ PLACE = "grip_bt.nodes.place:Place"
 
 
 class Verdict(Observer):
-    """Observes a run, and asks the referee in its end.
-
-    Raises:
-        DocumentError: the project's goal for the task isn't a condition over what a referee says.
-    """
+    """Observes a run, and asks the referee in its end; see `WorldCondition` for goals that are wrong."""
 
     def __init__(self, session: Session):
         self._referee = session.resources.referee

@@ -23,11 +23,7 @@ from grip_sim.specs import CameraSpec, WorldSpec
 
 
 class Rig:
-    """Takes frames of bodies.
-
-    Raises:
-        UnknownNameError: a camera is mounted on a link that the robot doesn't have.
-    """
+    """Takes frames of bodies. Raises UnknownNameError where a camera is on a link that the robot doesn't have."""
 
     def __init__(
         self,
@@ -141,17 +137,11 @@ RATE = 25
 
 
 class Film:
-    """Is filled while the world goes on; frames are taken without a sensor's faults, and change nothing.
-
-    Args:
-        camera: a camera of the world, or one that stands apart.
-        start: time of the world [s].
-        video: file that the film is written to, as MPEG-4; None for none.
-        picture: file that gets a last picture; None for none.
+    """Is filled while the world goes on from `start` [s]; frames are without a sensor's faults, and change nothing.
 
     Raises:
         UnknownNameError: there is no such camera.
-        GripError: a file can't be written.
+        GripError: the video (MPEG-4) or the last picture can't be written.
     """
 
     def __init__(self, cameras: Rig, camera: str | CameraSpec, start: float, video: Path | None, picture: Path | None):

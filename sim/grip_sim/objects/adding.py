@@ -37,14 +37,7 @@ _COMPANIONS = (".mtl", ".png", ".jpg", ".jpeg", ".bin")
 
 @dataclass(frozen=True)
 class Found:
-    """What somebody's file says of an object.
-
-    Attributes:
-        collision: the mesh that it collides by; None for the same.
-        scale: factor of lengths.
-        mass: [kg]; None where nothing is said.
-        friction: coefficient; None where nothing is said.
-    """
+    """What somebody's file says of an object, with the mesh that it collides by if that is another; mass in kg."""
 
     mesh: Path
     collision: Path | None = None
@@ -137,8 +130,7 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
         scale: factor of lengths; None for that of its file, or a guess where a mesh alone can't be in metres.
         parts: most convex parts; 1 for its hull.
 
-    Raises:
-        DocumentError: it has no volume, or a size that no hand can hold.
+    Raises DocumentError where it has no volume, or a size that no hand can hold.
     """
     whole = joined(read_mesh(found.collision or found.mesh))
     remarks = []
