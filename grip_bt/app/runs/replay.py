@@ -110,7 +110,8 @@ def replay(
         if speed is not None:
             if moment.seq == 0:
                 began = time.monotonic() - event.t / speed
-            sleep(max(0.0, event.t / speed - (time.monotonic() - began)))
+            if (early := event.t / speed - (time.monotonic() - began)) > 0:
+                sleep(early)
         moment.apply(event)
         show(event, moment)
         if until is not None and until.reached(event):
