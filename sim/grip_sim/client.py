@@ -211,8 +211,6 @@ class SimClient(Closing):
         self._connection.close()
         self._process.close()
 
-    # --- requests ---
-
     def _send(
         self,
         fields: dict[str, object],
@@ -244,8 +242,6 @@ class SimClient(Closing):
         if not operation.wait_here(seconds):
             raise SimulatorLostError(f"the simulator (process {self.pid}) gives no answer within {seconds:.0f} s")
         return operation.result()
-
-    # --- answers ---
 
     def _read(self) -> None:
         try:

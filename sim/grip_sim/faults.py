@@ -193,8 +193,6 @@ class Faults:
         events, self._told = self._told, []
         return events
 
-    # --- what is on ---
-
     def aborted(self, groups: Iterable[str]) -> str:
         """Return why a controller of one of these groups gives up now, or an empty string."""
         groups = set(groups)
@@ -212,8 +210,6 @@ class Faults:
     def brightness(self) -> float:
         """What colours are multiplied with now."""
         return float(np.prod([f.factor for f in self._on.values() if f.factor is not None]))
-
-    # --- beginning and ending ---
 
     def _draw(self, name: str, now: float) -> None:
         fault = self._faults[name]

@@ -90,8 +90,6 @@ class World:
         seen = [*still, *self._robot_targets(), *self._object_targets(), *links]
         self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
 
-    # --- time ---
-
     @property
     def time(self) -> float:
         """Simulated time since the world was made [s]."""
@@ -111,8 +109,6 @@ class World:
             self.robot.regulate(rows, self.pressed(hand), self.spec.dt)
         self.cameras.stepped(self.time)
 
-    # --- what is where ---
-
     def object_pose(self, name: str) -> Pose:
         """Return the pose of an object's centre in world."""
         return _pose(self._object(name).entity_pose)
@@ -128,8 +124,6 @@ class World:
         set_moving(body, np.array([*pose.position, *pose.quaternion, *np.zeros(6)]))
         body.wake_up()
         self._moved.add(name)
-
-    # --- what goes wrong on purpose ---
 
     def held_objects(self) -> list[str]:
         """Return the objects that a hand touches."""
@@ -152,8 +146,6 @@ class World:
     def restrict(self, joint: str, between: tuple[float, float] | None) -> None:
         """Keep a joint within a range [rad or m], where it is for an empty one; None ends it."""
         self.robot.restrict(joint, between)
-
-    # --- what is where ---
 
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""
@@ -232,8 +224,6 @@ class World:
         for each in self.articulated.values():
             digest.update(np.asarray(each.kept(), dtype=np.float32).tobytes())
         return digest.hexdigest()
-
-    # --- building ---
 
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:

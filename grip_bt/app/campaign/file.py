@@ -10,31 +10,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, field_validator
+from pydantic import Field, ValidationError, field_validator
 
+from grip_bt.app.project.folder import Key
 from grip_bt.app.runs.execute import MOST_SEED
 from grip_bt.app.runs.mocks import Script
 from grip_bt.base.errors import CampaignError, NotWritableError
-from grip_bt.base.yaml.models import read_model
+from grip_bt.base.yaml.models import Settings, read_model
 from grip_sim.faults import Fault
 
 MOST_SEEDS = 100_000
 Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]
-Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
 
-class _Config(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, populate_by_name=True)
-
-
-class SeedRange(_Config):
+class SeedRange(Settings):
     """Seeds one after the other."""
 
     first: Seed = 0
     count: int = Field(ge=1, le=MOST_SEEDS)
 
 
-class Variant(_Config):
+class Variant(Settings, populate_by_name=True):
     """One of the ways that are compared."""
 
     task: str | None = None
@@ -49,7 +45,7 @@ class Variant(_Config):
     """What goes wrong in the simulated world, besides the faults of its file."""
 
 
-class CampaignFile(_Config):
+class CampaignFile(Settings):
     """What `campaigns/NAME.yaml` holds."""
 
     campaign: Literal[1]

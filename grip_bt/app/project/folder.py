@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BaseModel, ByteSize, ConfigDict, StringConstraints
+from pydantic import ByteSize, StringConstraints
 
 from grip_bt.base.errors import GripError, NotWritableError, ProjectExistsError
-from grip_bt.base.yaml.models import read_model
+from grip_bt.base.yaml.models import Settings, read_model
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
@@ -30,11 +30,7 @@ MESSAGES, ARCHIVE = "messages", "messages.values.sqlite"
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
 
-class _Config(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
-
-
-class _ArmParts(_Config):
+class _ArmParts(Settings):
     group: str = "arm"
     """Group of joints in the robot's description."""
     hand: str | None = None
@@ -47,13 +43,13 @@ class ArmConfig(MotionSettings, _ArmParts):
     """One arm: its joints, and how it is asked to move."""
 
 
-class HandConfig(_Config):
+class HandConfig(Settings):
     """One hand."""
 
     group: str = "hand"
 
 
-class ProjectFile(_Config):
+class ProjectFile(Settings):
     """What `grip.yaml` holds."""
 
     grip: Literal[1]

@@ -40,31 +40,30 @@ def changes(manifest: Manifest) -> tuple[str, ...]:
     return _CHANGED_BY.get(manifest.id.partition("/")[0], ())
 
 
+@dataclass
 class _KeptState:
     """Implements `SideState` for a part of which some value, quick to look at, tells whether it is as it was."""
 
-    def __init__(
-        self,
-        version: Callable[[], object],
-        save: Callable[[], object],
-        restore: Callable[[Any], None],
-        same: Callable[[object, object], bool] = operator.eq,
-    ):
-        self._version, self._save, self._restore, self._same = version, save, restore, same
-        self._last = version()
+    version: Callable[[], object]
+    save: Callable[[], object]
+    put_back: Callable[[Any], None]
+    same: Callable[[object, object], bool] = operator.eq
+
+    def __post_init__(self) -> None:
+        self._last = self.version()
 
     def changed(self) -> object:
         """Return the state, where it is another one."""
-        now = self._version()
-        if self._same(now, self._last):
+        now = self.version()
+        if self.same(now, self._last):
             return None
         self._last = now
-        return self._save()
+        return self.save()
 
     def restore(self, state: object) -> None:
         """Have the part as it was."""
-        self._restore(state)
-        self._last = self._version()
+        self.put_back(state)
+        self._last = self.version()
 
 
 def kept_parts(resources: Resources) -> dict[str, SideState]:

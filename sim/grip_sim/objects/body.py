@@ -111,8 +111,6 @@ def _hull(points: Array, path: Path) -> trimesh.Trimesh:
     return trimesh.convex.convex_hull(points)
 
 
-# --- pieces as convex parts, which their descriptions give without any search ---
-
 ROUND = 24
 """Corners of a circle: the surface of a mug of 4 cm radius is 0.35 mm off at most."""
 WEDGES = 16
