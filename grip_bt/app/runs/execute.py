@@ -197,9 +197,12 @@ def _adopted(
             progress("ros", "the tree gets the node /grip_tree")
         return nodes[0].node
 
+    there = "rclpy" in sys.modules
     found = tree_code.find_tree(place, node)
     modules = {type(each).__module__ for each in found.tree.root.iterate()}
-    of_ros = any("rclpy" in vars(sys.modules.get(name, object)) or name.startswith("py_trees_ros") for name in modules)
+    of_ros = not there and "rclpy" in sys.modules
+    if there:  # by somebody else: what the behaviours' own code imports tells
+        of_ros = any("rclpy" in vars(sys.modules.get(m, object)) or m.startswith("py_trees_ros") for m in modules)
     setup = {"node": node()} if of_ros and not found.ready else {}
     tree = AdoptedTree(found, where, options.ticks, setup, nodes[0] if nodes else None)
     text = f"# What {where} builds; that is what runs.\n{dumps(tree.task)}"
