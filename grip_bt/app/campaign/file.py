@@ -232,7 +232,8 @@ def read(path: Path) -> Results:
         rows = [json.loads(line) for line in lines[:-1] if line]
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) else error
-        raise CampaignError(str(path), f"can't be read as results: {why}; `grip bench CAMPAIGN` writes them") from error
+        text = f"can't be read as results of a campaign: {why}; `grip bench CAMPAIGN` writes them"
+        raise CampaignError(str(path), text) from error
     if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != _FORMAT:
         raise CampaignError(str(path), "these aren't results of a campaign: `grip bench CAMPAIGN` writes them")
     return Results(path, rows[0], rows[1:])
