@@ -20,30 +20,22 @@ from .terminal import on_stop
 
 
 def add_bench(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.usage = (
         "grip bench CAMPAIGN [--workers N] [--resume] [-o FILE]\n       grip bench report RESULTS [--json | --csv]"
     )
     parser.add_argument("what", nargs="+", metavar="CAMPAIGN", help="the campaign's file; or `report` and its results")
-    parser.add_argument(
-        "--workers",
-        type=whole(1, what="a number of trials"),
-        default=1,
-        metavar="N",
-        help="trials at a time (default: 1)",
-    )
+    trials = whole(1, what="a number of trials")
+    parser.add_argument("--workers", type=trials, default=1, metavar="N", help="trials at a time (default: 1)")
     parser.add_argument("--resume", action="store_true", help="keep existing results and run only the missing trials")
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="results (default: .grip/campaigns/NAME.jsonl of the project)"
-    )
+    results = "results (default: .grip/campaigns/NAME.jsonl of the project)"
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help=results)
     add_no_code(parser)
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     form.add_argument("--csv", action="store_true", help="print one line per trial")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_bench(args: argparse.Namespace) -> int:
     """Run a campaign, or print a report; 0 when every trial was run, whatever came of it."""
     if args.what[0] == "report":
         if len(args.what) != 2:
@@ -63,28 +55,26 @@ def _run(path: Path, args: argparse.Namespace) -> int:
     file = args.output or _own_folder(find_project(campaign.task(first))) / "campaigns" / f"{campaign.name}.jsonl"
     results = begin(file, head_of(campaign), args.resume)
     left = [trial for trial in campaign.trials() if trial not in results.done]
-    quiet = args.json or args.csv
-    _say(quiet, _opening(campaign, results, len(left), args.workers))
+
+    def say(text: str) -> None:
+        if not (args.json or args.csv):
+            print(text, file=sys.stderr, flush=True)
+
+    say(_opening(campaign, results, len(left), args.workers))
     began, total = time.monotonic(), len(results.done) + len(left)
 
     def ended(row: TrialRow) -> None:
         results.add(row)
-        _say(quiet, _line(row, len(results.rows), total))
+        say(_line(row, len(results.rows), total))
 
     trials = Trials(campaign, file.with_suffix(".sqlite"), ended)
-    stopped: list[bool] = []
-
-    def stop() -> None:
-        stopped.append(True)
-        trials.stop()
-
-    on_stop(stop)
+    on_stop(trials.stop)
     trials.run(left, args.workers)
-    _say(quiet, f"\n{time.monotonic() - began:.0f} s; results in {file}\n")
+    say(f"\n{time.monotonic() - began:.0f} s; results in {file}\n")
     if results.rows:
         _print(results, args)
-    if stopped:
-        _say(quiet, f"\nstopped: {total - len(results.rows)} of {total} trials are left; --resume runs them")
+    if trials.stopped:
+        say(f"\nstopped: {total - len(results.rows)} of {total} trials are left; --resume runs them")
         return STOPPED
     return 0
 
@@ -119,8 +109,3 @@ def _print(results: Results, args: argparse.Namespace) -> None:
         print(as_csv(results), end="")
     else:
         print(as_text(results))
-
-
-def _say(quiet: bool, text: str) -> None:
-    if not quiet:
-        print(text, file=sys.stderr, flush=True)

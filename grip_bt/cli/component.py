@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
 import shlex
 import sys
@@ -12,40 +11,47 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-from grip_bt.app.project.components import components_folder, from_file, from_graph, from_type, label_of, make_component
+from grip_bt.app.project.components import Wish, components_folder, from_file, from_graph, label_of, make_component
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
-from grip_bt.cli.parser import add_no_code
 from grip_bt.codegen import outdated, render, write_package
 from grip_bt.codegen.scaffold import make_repository
-from grip_bt.ros.interfaces import build_interfaces
+from grip_bt.ros.interfaces import build_interfaces, read_interface
+from grip_bt.ros.interfaces.definition import fields_within, interface_file
 from grip_bt.task.catalog.component_file import FILE_NAME, load_component
+
+from .parser import add_actions, add_no_code
+from .terminal import tell
 
 _NODE_FOLDER = "node"
 _MOST = 6
 """How many files of a package are listed."""
+KINDS = ("srv", "action", "msg")
 
 
 def add_component(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
-    new = actions.add_parser("new", help="a working template repository of a component, to be adapted")
+    new, add, listed, test = add_actions(
+        parser,
+        {
+            "new": (_run_new, "a working template repository of a component, to be adapted"),
+            "add": (_run_add, "make a component, or generate the node of one into its folder node/"),
+            "list": (_run_list, "the components of a project"),
+            "test": (_run_test, "start a component, call it once, and check its answer"),
+        },
+    )
     new.add_argument("name", help="of the component: lower case, such as my_grasps")
     new.add_argument("--lang", choices=("python", "cpp"), default="python", help="of its server (default: python)")
     new.add_argument("--folder", type=Path, help="where (default: components/NAME of the project here)")
-    new.set_defaults(run=_run_new)
-    add = actions.add_parser("add", help="make a component, or generate the node of one into its folder node/")
     add.add_argument(
         "what",
         nargs="*",
-        help="a folder with component.yaml; or a .srv, .action or .msg file; or a type such as std_srvs/srv/Trigger",
+        help="a component's folder; or a .srv, .action or .msg file; or a type such as std_srvs/srv/Trigger",
     )
     add.add_argument("--from-graph", metavar="NAME", help="a running service, action or topic")
     add.add_argument(
-        "--outcomes", metavar="O", help="`one,none`: names of 0, 1 ...; `2`; or `found: count > 0; none: true`"
+        "--outcomes", metavar="O", help="`one,none`: names of 0, 1 ...; `2`; `found: count > 0; none: true`"
     )
     add.add_argument("--failure", metavar="LABELS", default="", help="outcomes that mean failure, such as none,timeout")
     add.add_argument("--name", default="", help="the component's name (default: from the server's)")
@@ -54,28 +60,21 @@ def add_component(parser: argparse.ArgumentParser) -> None:
     add.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
     add.add_argument("--wait", type=float, default=5.0, metavar="S", help="how long to look at the graph [s]")
     add.add_argument("--check", action="store_true", help="write nothing; exit with 1 if the node isn't up to date")
-    add.set_defaults(run=_run_add)
-    listing = actions.add_parser("list", help="the components of a project")
-    listing.add_argument("project", type=Path, nargs="?", default=Path(), help="project folder (default: here)")
-    listing.set_defaults(run=_run_list)
-    test = actions.add_parser("test", help="start a component, call it once, and check its answer")
+    listed.add_argument("project", type=Path, nargs="?", default=Path(), help="project folder (default: here)")
     test.add_argument("folder", type=Path, help="a component: a folder with component.yaml")
     add_no_code(test)
-    test.set_defaults(run=_run_test)
 
 
-def _run_new(args: argparse.Namespace) -> int:
+def _run_new(args: argparse.Namespace) -> None:
     folder = args.folder or components_folder(Path()) / args.name
     written = make_repository(folder, args.name, args.lang)
     print(f"{folder}: {', '.join(str(file) for file in written)}")
     generate([folder])
     algorithm = "algorithm.py" if args.lang == "python" else "src/algorithm.cpp"
     print(f"next: grip component test {shlex.quote(str(folder))}; then put your own into {folder / algorithm}")
-    return 0
 
 
 def _run_add(args: argparse.Namespace) -> int:
-    """Make components where there are none yet, then generate, or check that what was generated is up to date."""
     if not args.what and not args.from_graph:
         raise GripError("say what: a folder, an interface file, a type, or --from-graph NAME")
     folders = [folder for what in args.what if (folder := _folder(what, args)) is not None]
@@ -85,30 +84,26 @@ def _run_add(args: argparse.Namespace) -> int:
 
 
 def _folder(what: str, args: argparse.Namespace) -> Path:
-    """Return the folder of a component that is there, or make one from an interface."""
     path = Path(what)
     if path.is_dir():
         _check_component(path)
         return path
-    if path.suffix[1:] not in ("srv", "action", "msg") and (
-        path.exists()
-        or not (re.fullmatch(r"[a-z][a-z0-9_]*/(\w+/)?[A-Z]\w*", what) is not None or what.count("/") == 2)
-    ):
-        _check_folder(path, args.project)
-        return path
-
-    return _made(from_file(path) if path.suffix else from_type(what), args)
+    if path.suffix[1:] in KINDS:
+        return _made(from_file(path), args)
+    if re.fullmatch(r"[a-z][a-z0-9_]*/(\w+/)?[A-Z]\w*", what) or what.count("/") == 2:
+        return _made(Wish(read_interface(what)), args)
+    home = components_folder(args.project)
+    known = [file.parent.name for file in sorted(home.glob(f"*/{FILE_NAME}"))]
+    raise GripError(
+        f"{path}: there is no such folder{nearest(path.name, known)} (available in {home}: {listing(known)}); give a "
+        "component's folder, an interface file, or a type such as std_srvs/srv/Trigger"
+    )
 
 
 def _check_component(folder: Path) -> None:
-    """Check that a folder holds a component, under the name by which a run looks for it.
-
-    Raises:
-        GripError: it doesn't; it says what to give instead, or what to rename.
-    """
+    """Refuse a folder without a component, or with one under another name than that by which a run looks for it."""
     if not (folder / FILE_NAME).exists():
-        kinds = ("srv", "action", "msg")
-        files = sorted(f.relative_to(folder).as_posix() for kind in kinds for f in folder.glob(f"{kind}/*.{kind}"))
+        files = sorted(f.relative_to(folder).as_posix() for kind in KINDS for f in folder.glob(f"{kind}/*.{kind}"))
         shown = f"{', '.join(files[:_MOST])}{', ...' if len(files) > _MOST else ''}"
         package = f"it is an interface package: give one of its files ({shown})" if files else ""
         advice = package or "`grip component new NAME` makes a component"
@@ -121,24 +116,7 @@ def _check_component(folder: Path) -> None:
         )
 
 
-def _check_folder(path: Path, project: Path) -> None:
-    """Check that there is a component in a folder.
-
-    Raises:
-        GripError: there is none; it names the nearest one of the project.
-    """
-    if path.exists():
-        return
-    home = components_folder(project)
-    known = [file.parent.name for file in sorted(home.glob(f"*/{FILE_NAME}"))]
-    hint, there_are = nearest(path.name, known), listing(known)
-    raise GripError(
-        f"{path}: there is no such folder{hint} (available in {home}: {there_are}); give a component's folder, an "
-        "interface file, or a type such as std_srvs/srv/Trigger"
-    )
-
-
-def _made(wish: Any, args: argparse.Namespace) -> Path:
+def _made(wish: Wish, args: argparse.Namespace) -> Path:
     wish = replace(wish, name=args.name, server=args.server or wish.server)
     failures = [label for label in args.failure.split(",") if label]
     folder = make_component(wish, components_folder(args.project), args.outcomes, failures)
@@ -160,12 +138,10 @@ def generate(folders: Sequence[Path]) -> int:
 
 def check(folders: Sequence[Path]) -> int:
     """Tell which nodes aren't up to date; 1 when there are some."""
-    stale = False
-    for folder in folders:
-        for path in outdated(folder / _NODE_FOLDER, rendered(folder)):
-            print(f"{folder / _NODE_FOLDER / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
-            stale = True
-    return int(stale)
+    stale = [(folder, path) for folder in folders for path in outdated(folder / _NODE_FOLDER, rendered(folder))]
+    for folder, path in stale:
+        print(f"{folder / _NODE_FOLDER / path} isn't up to date; run: grip component add {folder}", file=sys.stderr)
+    return int(bool(stale))
 
 
 def _run_list(args: argparse.Namespace) -> int:
@@ -199,7 +175,8 @@ def _run_test(args: argparse.Namespace) -> int:
     stale = check([args.folder])
     project = find_project(folder).folder
     with start_components(project, [component.name], folder=folder.parent) as components:
-        print(f"interfaces: {_seconds(components.build_seconds)}")
+        built = components.build_seconds
+        print(f"interfaces: {f'built in {built:.1f} s' if built else 'in the cache'}")
         print(f"server: {component.server} after {components.ready_seconds:.2f} s")
         started = time.perf_counter()
         operation = components.client(component.name).call({})
@@ -211,40 +188,23 @@ def _run_test(args: argparse.Namespace) -> int:
 
 
 def rendered(folder: Path) -> dict[str, str]:
-    """Return the files of a component's node, from its component file and its interface.
-
-    Raises:
-        DocumentError, ContractError: see `grip_bt.codegen.render`.
-    """
-    from grip_bt.ros.interfaces import read_interface
-    from grip_bt.ros.interfaces.definition import fields_within, interface_file
-
+    """Return the files of a component's node, from its component file and its interface; see `codegen.render`."""
     component, packages = load_component(folder), folder / "interfaces"
     own = interface_file(packages, component.interface)
     return render(component, read_interface(own or component.interface), partial(fields_within, packages))
 
 
-def _seconds(seconds: float) -> str:
-    return f"built in {seconds:.1f} s" if seconds else "in the cache"
-
-
 def add_interfaces(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
-    build = actions.add_parser("build", help="build the .msg, .srv and .action packages in a folder, once per content")
+    what = {"build": (_run_interfaces, "build the .msg, .srv and .action packages in a folder, once per content")}
+    (build,) = add_actions(parser, what)
     build.add_argument("folder", type=Path, help="an interface package, or a folder with some")
     build.add_argument("--cache", type=Path, help="where built packages are kept (default: the user's cache)")
     build.add_argument("--overlay", type=Path, action="append", default=[], help="a prefix with packages they need")
     build.add_argument("--json", action="store_true", help="print one JSON list")
-    build.set_defaults(run=_run_interfaces)
 
 
-def _run_interfaces(args: argparse.Namespace) -> int:
+def _run_interfaces(args: argparse.Namespace) -> None:
     built = build_interfaces(args.folder, args.cache, args.overlay)
-    if args.json:
-        rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]
-        print(json.dumps(rows, indent=2))
-    else:
-        for b in built:
-            print(f"{b.package:<28} {'cached' if b.cached else f'{b.seconds:5.1f} s'}  {b.prefix}")
-    return 0
+    rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]
+    lines = (f"{b.package:<28} {'cached' if b.cached else f'{b.seconds:5.1f} s'}  {b.prefix}" for b in built)
+    tell(args.json, rows, lines)

@@ -20,13 +20,7 @@ _HELP = """\
 
 
 class Prompt:
-    """Turns words of a user into commands, and events into words.
-
-    Args:
-        send: passes a command on.
-        say: prints a line.
-        patient: whether lines wait for the run to hold, as a script wants; a user may pause what runs.
-    """
+    """Turns words of a user into commands, and events into words; if `patient`, lines wait for the run to hold."""
 
     def __init__(self, send: Callable[[Mapping[str, Any]], None], say: Callable[[str], object], patient: bool = False):
         self._send, self._say = send, say
@@ -59,8 +53,7 @@ class Prompt:
 
     def obey(self, text: str) -> None:
         """Obey one line."""
-        word, _, rest = text.partition(" ")
-        rest = rest.strip()
+        word, rest = text.partition(" ")[0], text.partition(" ")[2].strip()
         if text in _STEPS:
             self._go("step", how=_STEPS[text])
         elif text in ("c", "continue", "resume"):
@@ -68,7 +61,8 @@ class Prompt:
         elif text in _PLAIN:
             self._send({"command": _PLAIN[text]})
         elif word in ("b", "break") and rest:
-            self._set(rest)
+            point = breakpoint_of(rest)
+            self._send({"command": "break", "if": point.pop("condition"), **point})
         elif word in ("d", "clear", "delete") and (not rest or rest.isdigit()):
             self._send({"command": "clear", **({"id": int(rest)} if rest else {})})
         elif word in ("r", "to") and rest:
@@ -77,10 +71,6 @@ class Prompt:
             self._send({"command": "inspect", **({"variable": rest} if rest else {})})
         else:
             self._say(_HELP if text in ("h", "help", "?") else f"{text!r} isn't a command:\n{_HELP}")
-
-    def _set(self, text: str) -> None:
-        point = breakpoint_of(text)
-        self._send({"command": "break", "if": point.pop("condition"), **point})
 
     def told(self, event: Mapping[str, Any]) -> None:
         """Say what has happened."""
@@ -124,21 +114,15 @@ def _point(facts: Mapping[str, Any]) -> str:
     return f"{facts['id']}: {facts['when']} {facts['node']}{outcome}{condition}"
 
 
-_STEPS = {
-    **{word: "in" for word in ("s", "in", "step", "step in")},
-    **{word: "over" for word in ("n", "over", "step over")},
-    **{word: "out" for word in ("o", "out", "step out")},
-    **{word: "tick" for word in ("t", "tick", "step tick")},
+_STEPS = {"step": "in"} | {
+    word: how
+    for letter, how in (("s", "in"), ("n", "over"), ("o", "out"), ("t", "tick"))
+    for word in (letter, how, f"step {how}")
 }
 _PLAIN = {
-    "p": "pause",
-    "pause": "pause",
-    "l": "breakpoints",
-    "list": "breakpoints",
-    "b": "breakpoints",
-    "break": "breakpoints",
-    "q": "stop",
-    "stop": "stop",
+    **dict.fromkeys(("p", "pause"), "pause"),
+    **dict.fromkeys(("l", "list", "b", "break"), "breakpoints"),
+    **dict.fromkeys(("q", "stop"), "stop"),
 }
 
 

@@ -1,42 +1,58 @@
-"""`grip demo`: a packaged demonstration from end to end, with the referee's word at the end."""
+"""`grip demo`: a task of the example project from end to end, and its attempts as the referee sees them."""
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
+import os
+import shutil
 import signal
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from grip_bt.app.runs.demo import ATTEMPT, CHECK, DEMO, Attempt, AttemptRecorder, attempt_line, demo_task, object_table
-from grip_bt.app.runs.execute import Session, open_session
+import numpy as np
+
+import grip_bt
+from grip_bt.app.runs.execute import open_session
 from grip_bt.app.runs.verdict import Verdict
+from grip_bt.base.errors import MissingPartError, NotWritableError
+from grip_bt.base.values import Failure, Grasp
 from grip_bt.compilers.binding import parts_of
+from grip_bt.nodes.node import Observer
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd, result_facts
 from grip_bt.task import walk
+from grip_sim.referee import ObjectTruth
 
 from .run import add_run_options, exit_status, options_of, sentence
 from .terminal import on_hang_up, on_stop
 
+DEMO = "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by images, place."
+ATTEMPT = "next_object/attempt"
+"""Path of the node that is one attempt."""
+_UNWANTED = frozenset({".grip", "__pycache__"})
+CHECK = "next_object/attempt/check/held"
+"""Path of the leaf that checks whether something is held."""
+
 
 def add_demo(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    parser.add_argument(
-        "name", nargs="?", default="reactive", choices=("reactive",), help="which one (default: reactive)"
-    )
+    which = "which one (default: reactive)"
+    parser.add_argument("name", nargs="?", default="reactive", choices=("reactive",), help=which)
     add_run_options(parser)
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     parser.add_argument("--gui", action="store_true", help="show the run live in a browser")
     parser.add_argument("--port", type=int, default=0, help="of the page (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the page's address")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_demo(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
     task = demo_task()
     if args.gui:
@@ -49,12 +65,20 @@ def run(args: argparse.Namespace) -> int:
         nodes = sum(1 for _ in walk(session.document.task.root))
         say(f"  {'task':<11} {task.name}: {nodes} nodes, no problems\n")
         on_stop(session.runner.stop)
-        recorder = _recorder(session, say)
+        referee = session.resources.referee
+        recorder = AttemptRecorder(
+            ATTEMPT,
+            CHECK,
+            session.runner.context.clock.now,
+            referee.truth if referee is not None else None,
+            lambda attempt: say(attempt_line(attempt)),
+            parts_of(session.runner.compiled)[ATTEMPT].meaning,
+        )
         session.runner.observe(recorder)
         verdict = Verdict(session)
         result = session.runner.run()
         end: RunEnd = {**result_facts(result), **verdict.facts(result)}
-        truth = session.resources.referee.truth() if session.resources.referee is not None else {}
+        truth = referee.truth() if referee is not None else {}
         run_id, journal = session.runner.run_id, session.journal
     wall = time.monotonic() - began
     placed = sum(state.status == "placed" for state in truth.values())
@@ -65,19 +89,6 @@ def run(args: argparse.Namespace) -> int:
         print(f"{sentence(end)}. The referee: {placed} of {len(truth)} objects lie in the crate.")
         print(f"{result.duration:.1f} s on the run's clock, {wall:.1f} s in all; run {run_id} in {journal}")
     return exit_status(end)
-
-
-def _recorder(session: Session, say: Callable[[str], None]) -> AttemptRecorder:
-    referee = session.resources.referee
-    clock = session.runner.context.clock
-    return AttemptRecorder(
-        ATTEMPT,
-        CHECK,
-        clock.now,
-        referee.truth if referee is not None else None,
-        lambda attempt: say(attempt_line(attempt)),
-        parts_of(session.runner.compiled)[ATTEMPT].meaning,
-    )
 
 
 def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: int, wall: float) -> dict[str, Any]:
@@ -101,10 +112,155 @@ def _show(task: Path, args: argparse.Namespace) -> int:
 
     on_hang_up(lambda: signal.raise_signal(signal.SIGINT))  # the server obeys that
     options = RunOptions(target=args.target, robot=args.robot, seed=args.seed, pace=args.pace or 1.0)
-    return serve(
-        task.parent.parent,
-        task=task,
-        autostart=options,
-        port=args.port,
-        open_browser=not args.no_browser and sys.stdout.isatty(),
-    )
+    browser = not args.no_browser and sys.stdout.isatty()
+    return serve(task.parent.parent, task=task, autostart=options, port=args.port, open_browser=browser)
+
+
+def demo_task() -> Path:
+    """Return the demonstration's task file."""
+    return examples_folder() / "tasks" / "reactive_pick.yaml"
+
+
+def examples_folder() -> Path:
+    """Return the folder of the example project, writable: the clone's own, or a copy of what is installed."""
+    package = Path(grip_bt.__file__).resolve().parent
+    own = package.parent / "examples"
+    for folder in (own, package / "_examples"):
+        if (folder / "grip.yaml").is_file():
+            return own if folder == own and os.access(own, os.W_OK) else _copied(folder)
+    raise MissingPartError("the example project", "clone the repository, or reinstall the wheel")
+
+
+def _copied(folder: Path) -> Path:
+    """Return a copy in the user's data directory, made once for what is there now: what was changed in it stays."""
+    files = [file for file in sorted(folder.rglob("*")) if file.is_file() and _UNWANTED.isdisjoint(file.parts)]
+    digest = hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:8]
+    base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "grip"
+    copy = base / f"examples-{grip_bt.__version__}-{digest}"
+    if copy.is_dir():
+        return copy
+    try:
+        base.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=base) as half:
+            shutil.copytree(folder, Path(half) / "examples", ignore=shutil.ignore_patterns(*_UNWANTED))
+            (Path(half) / "examples").rename(copy)
+    except OSError as error:
+        if copy.is_dir():  # another process was quicker
+            return copy
+        advice = "the example project is copied there; set XDG_DATA_HOME to a folder of yours"
+        raise NotWritableError(copy, error, advice) from error
+    return copy
+
+
+_Truth = Callable[[], Mapping[str, ObjectTruth]]
+"""Asks the referee."""
+
+
+@dataclass
+class Attempt:
+    """One turn of the task's attempt node.
+
+    Attributes:
+        target: the object nearest to the chosen grasp, None while none was chosen.
+        steps: leaf -> outcome (and failure code), in order of their ends.
+        outcome: how the attempt node ended; None when it was interrupted.
+        where: path of the leaf that failed first.
+        held: objects that the referee saw in the hand when the task checked.
+    """
+
+    number: int
+    target: str | None = None
+    steps: list[tuple[str, str]] = field(default_factory=list)
+    outcome: str | None = None
+    failure: Failure | None = None
+    where: str = ""
+    held: tuple[str, ...] = ()
+    duration: float = 0.0
+
+
+class AttemptRecorder(Observer):
+    """An observer that gathers attempts; before the leaf `check`, the referee is asked what is held."""
+
+    def __init__(
+        self,
+        attempt: str,
+        check: str,
+        clock: Callable[[], float],
+        truth: _Truth | None = None,
+        on_end: Callable[[Attempt], None] = lambda attempt: None,
+        meaning: Mapping[str, str] = MappingProxyType({"failure": "failure"}),
+    ):
+        self._path, self._check, self._clock, self._truth, self._on_end = attempt, check, clock, truth, on_end
+        self.attempts: list[Attempt] = []
+        self._meaning = meaning
+        self._began = 0.0
+        self._first: Failure | None = None
+
+    def entered(self, path: str) -> None:
+        """Begin an attempt, or ask what is held before the task checks it."""
+        if path == self._path:
+            self._began, self._first = self._clock(), None
+            self.attempts.append(Attempt(len(self.attempts) + 1))
+        elif path == self._check and self.attempts:
+            truth = {} if self._truth is None else self._truth()
+            self.attempts[-1].held = tuple(sorted(name for name, seen in truth.items() if seen.status == "held"))
+
+    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
+        """Take note of which object a chosen grasp is for."""
+        if isinstance(value, Grasp) and self._truth is not None and self.attempts:
+            truth = self._truth()
+            point = value.pose.position + value.pose.rotation()[:, 2] * 0.04
+            flat = {n: float(np.linalg.norm(t.pose.position[:2] - point[:2])) for n, t in truth.items()}
+            self.attempts[-1].target = min(flat, key=flat.__getitem__, default=None)
+
+    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
+        """Record a step, or end the attempt."""
+        if path == self._path:
+            self._end(outcome, failure)
+        elif path.startswith(self._path + "/") and self.attempts:
+            attempt, step = self.attempts[-1], path.removeprefix(self._path + "/")
+            attempt.steps.append((step, outcome if failure is None else f"{outcome}.{failure.code}"))
+            if outcome == "success" and attempt.where.startswith(step + "/"):
+                attempt.where, self._first = "", None  # it has been dealt with, as by an `invert`
+            if failure is not None and not attempt.where:
+                attempt.where, self._first = step, failure
+
+    def interrupted(self, path: str) -> None:
+        """End the attempt without an outcome."""
+        if path == self._path:
+            self._end(None, None)
+
+    def _end(self, outcome: str | None, failure: Failure | None) -> None:
+        attempt = self.attempts[-1]
+        attempt.outcome = outcome
+        # A recovery that succeeded leaves a failed attempt without a reason of its own: what it recovered from is it.
+        attempt.failure = failure or (self._first if self._meaning.get(outcome or "") == "failure" else None)
+        attempt.duration = self._clock() - self._began
+        self._on_end(attempt)
+
+
+def attempt_line(attempt: Attempt) -> str:
+    """Return one attempt in a line."""
+    what = attempt.target or ("nothing left" if attempt.outcome == "nothing_left" else "no object")
+    if attempt.outcome is None:
+        how = "stopped"
+    elif attempt.failure is not None:
+        how = f"failed at {attempt.where or 'the task'}: {attempt.failure}"
+    elif attempt.outcome == "success":
+        how = "held, and put into the crate" if attempt.held else "put into the crate, it says; the hand was empty"
+    else:
+        how = attempt.outcome.replace("_", " ")
+    return f"attempt {attempt.number:<2} {attempt.duration:6.1f} s  {what:<12} {how}"
+
+
+def object_table(truth: Mapping[str, ObjectTruth], attempts: Sequence[Attempt]) -> list[str]:
+    """Return a line per object: attempts, why they failed, and what the referee says."""
+    rows = [("object", "attempts", "held", "placed", "time [s]", "why attempts failed")]
+    for name, state in truth.items():
+        mine = [a for a in attempts if a.target == name]
+        why = "; ".join(f"{a.where}: {a.failure.code}" for a in mine if a.failure is not None) or "-"
+        held = "yes" if any(name in a.held for a in mine) else "no"
+        placed = "yes" if state.status == "placed" else f"no ({state.status})"
+        rows.append((name, str(len(mine)), held, placed, f"{sum(a.duration for a in mine):.1f}", why))
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
+    return ["  ".join([*(c.ljust(w) for c, w in zip(row[:-1], widths, strict=True)), row[-1]]) for row in rows]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import platform
 import shutil
 import subprocess
@@ -17,29 +16,22 @@ from typing import Literal
 
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.environment import environment
+from grip_sim import render_support
+
+from .terminal import tell
 
 _INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One part of the set-up.
-
-    Attributes:
-        remedy: the command that mends it.
-        needed: whether the demo needs it.
-    """
+    """One part of the set-up, the command that mends it, and whether the demo needs it."""
 
     part: str
     state: Literal["ok", "missing", "broken"]
     detail: str
     remedy: str = ""
     needed: bool = True
-
-
-def examine() -> list[Finding]:
-    """Examine everything that GRIP uses; each part in its own way, none stops the others."""
-    return [check() for check in _CHECKS]
 
 
 def _python() -> Finding:
@@ -69,8 +61,6 @@ def _version(distribution: str) -> str:
 def _rendering() -> Finding:
     if find_spec("sapien") is None:
         return Finding("camera", "missing", "no module 'sapien'", _INSTALL.format(extra="sim"), needed=False)
-    from grip_sim import render_support
-
     return Finding("camera", "ok", render_support(), needed=False)
 
 
@@ -103,19 +93,15 @@ _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 
 
 def add_doctor(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("--json", action="store_true", help="print one JSON list")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_doctor(args: argparse.Namespace) -> int:
     """Print the findings; 1 when something that the demo needs is missing."""
-    findings = examine()
-    if args.json:
-        print(json.dumps([asdict(f) for f in findings], indent=2))
-    else:
-        for finding in findings:
-            print(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
-            if finding.state != "ok" and finding.remedy:
-                print(f"      {'':<12} fix: {finding.remedy}")
+    findings, lines = [check() for check in _CHECKS], []
+    for finding in findings:
+        lines.append(f"{_MARK[finding.state]}  {finding.part:<12} {finding.detail}")
+        if finding.state != "ok" and finding.remedy:
+            lines.append(f"      {'':<12} fix: {finding.remedy}")
+    tell(args.json, [asdict(f) for f in findings], lines)
     return int(any(f.state != "ok" and f.needed for f in findings))

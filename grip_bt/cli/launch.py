@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import shlex
 import signal
 import sys
@@ -17,50 +16,49 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.app.project.launching import launch_file_of, project_members
 from grip_bt.app.wiring.parts import load_part
 from grip_bt.base.errors import GripError
-from grip_bt.cli import NODE_ERROR, STOPPED
-from grip_bt.cli.parser import add_no_code, number
-from grip_bt.cli.terminal import complain, on_stop, progress
 from grip_bt.ros.launch import read_arguments
 from grip_bt.ros.launch.group import Member, ProcessGroup
 from grip_bt.ros.launch.interpreter import is_launch_file, members_of_file
+
+from . import NODE_ERROR, STOPPED
+from .parser import add_no_code, number
+from .terminal import complain, on_stop, progress, tell
 
 if TYPE_CHECKING:
     from grip_bt.app.wiring.ros_simulation import Served
 
 
 def add_launch(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    parser.add_argument(
-        "what",
-        nargs="*",
-        metavar="FILE|NAME",
-        help="a launch file with NAME:=VALUE ..., or processes of the project (default: all of them)",
-    )
+    what = "a launch file with NAME:=VALUE ..., or processes of the project (default: all of them)"
+    parser.add_argument("what", nargs="*", metavar="FILE|NAME", help=what)
     parser.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
     parser.add_argument("--follow", action="store_true", help="print what the processes print")
     parser.add_argument("--check", action="store_true", help="start nothing; print what would be run")
     parser.add_argument("--show-args", action="store_true", help="start nothing; print the arguments of a launch file")
-    parser.add_argument(
-        "--own", action="store_true", help="use GRIP's own launch reader even where `ros2 launch` is installed"
-    )
+    parser.add_argument("--own", action="store_true", help="use GRIP's launch reader even where `ros2 launch` is")
     parser.add_argument("--write", type=Path, metavar="FILE", help="write the project as a ROS 2 launch file (.xml)")
     parser.add_argument("--json", action="store_true", help="with --check: one JSON list")
     add_no_code(parser)
-    parser.set_defaults(run=_run_launch)
 
 
-def _run_launch(args: argparse.Namespace) -> int:
+def run_launch(args: argparse.Namespace) -> int:
     """Run until all have ended, a required one has failed, or we are told to stop."""
     if args.write is not None:
-        return _write(args)
+        args.write.write_text(launch_file_of(find_project(args.project)), encoding="utf-8")
+        print(f"{args.write}: run it by `ros2 launch {args.write}` or `grip launch {args.write}`")
+        return 0
     if args.show_args:
         return _show_arguments(args.what)
     project, members = _members(args)
     if args.check:
-        _print_members(members, args.json)
+        after = (f" (after {member.after:g} s)" if member.after else "" for member in members)
+        lines = [f"{m.name}{said}: {shlex.join(m.command)}" for m, said in zip(members, after, strict=True)]
+        tell(args.json, [{"name": m.name, "command": list(m.command), "after": m.after} for m in members], lines)
         return 0
     if not members:
-        raise GripError(_nothing_to_launch(args.project))
+        file = project.folder / FILE_NAME
+        said = "declares no processes; " if file.is_file() else "doesn't exist; pass --project, "
+        raise GripError(f"{file} {said}name a launch file, or add `processes:`")
     refuse(f"{member.name}: starts {shlex.join(member.command)}" for member in members)
     return _supervise(members, project.state_folder / "logs" / "launch", args.follow)
 
@@ -78,12 +76,6 @@ def _show_arguments(what: Sequence[str]) -> int:
     return 0
 
 
-def _nothing_to_launch(place: Path) -> str:
-    file = find_project(place).folder / FILE_NAME
-    said = "declares no processes; " if file.is_file() else "doesn't exist; pass --project, "
-    return f"{file} {said}name a launch file, or add `processes:`"
-
-
 def _members(args: argparse.Namespace) -> tuple[Project, list[Member]]:
     project = find_project(args.project)
     if args.what and is_launch_file(args.what[0]):
@@ -97,26 +89,14 @@ def _members(args: argparse.Namespace) -> tuple[Project, list[Member]]:
     return project, project_members(project, args.what)
 
 
-def _print_members(members: Sequence[Member], as_json: bool) -> None:
-    if as_json:
-        made = [{"name": m.name, "command": list(m.command), "after": m.after} for m in members]
-        print(json.dumps(made, indent=2))
-        return
-    for member in members:
-        after = f" (after {member.after:g} s)" if member.after else ""
-        print(f"{member.name}{after}: {shlex.join(member.command)}")
-
-
-def _write(args: argparse.Namespace) -> int:
-    project = find_project(args.project)
-    args.write.write_text(launch_file_of(project), encoding="utf-8")
-    print(f"{args.write}: run it by `ros2 launch {args.write}` or `grip launch {args.write}`")
-    return 0
-
-
 def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
     stopped: list[int] = []
-    group = ProcessGroup(members, logs, on_change=_tell, output=sys.stdout if follow else None)
+
+    def tell_state(name: str, state: str, detail: str) -> None:
+        first = f": {detail.splitlines()[0]}" if detail else ""
+        print(f"  {name:<20} {state}{first}", file=sys.stderr, flush=True)
+
+    group = ProcessGroup(members, logs, on_change=tell_state, output=sys.stdout if follow else None)
 
     def stop(number: int, frame: object) -> None:
         stopped.append(number)
@@ -131,42 +111,19 @@ def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
     return complain(why, NODE_ERROR) if why else 0
 
 
-def _tell(name: str, state: str, detail: str) -> None:
-    first = detail.splitlines()[0] if detail else ""
-    print(f"  {name:<20} {state}{': ' + first if first else ''}", file=sys.stderr, flush=True)
-
-
 def add_sim(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    parser.add_argument("world", nargs="?", default="table", help="which world (default: table)")
-    parser.add_argument("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
-    parser.add_argument("--seed", type=int, default=0, help="of the world (default: 0)")
-    parser.add_argument(
-        "--pace", type=number(above=0), default=1.0, metavar="X", help="playback speed: simulated seconds a second"
-    )
-    parser.add_argument(
-        "--camera-rate",
-        type=number(above=0),
-        default=2.0,
-        metavar="HZ",
-        help="frames per second while there is a subscriber",
-    )
-    parser.add_argument(
-        "--room", type=Path, metavar="FILE", help="write the world's fixed objects to a .scene file, for planners"
-    )
-    parser.add_argument(
-        "--simulated-time", action="store_true", help="publish /clock, and stamp everything with simulated time"
-    )
-    parser.add_argument(
-        "--setup",
-        type=Path,
-        metavar="FILE",
-        help="write a setup.bash, by which clients in other shells find the interfaces",
-    )
-    parser.set_defaults(run=_run_sim)
+    add, positive = parser.add_argument, number(above=0)
+    add("world", nargs="?", default="table", help="which world (default: table)")
+    add("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
+    add("--seed", type=int, default=0, help="of the world (default: 0)")
+    add("--pace", type=positive, default=1.0, metavar="X", help="playback speed: simulated seconds a second")
+    add("--camera-rate", type=positive, default=2.0, metavar="HZ", help="frames a second while somebody subscribes")
+    add("--room", type=Path, metavar="FILE", help="write the world's fixed objects to a .scene file, for planners")
+    add("--simulated-time", action="store_true", help="publish /clock, and stamp everything with simulated time")
+    add("--setup", type=Path, metavar="FILE", help="write a setup.bash, by which other shells find the interfaces")
 
 
-def _run_sim(args: argparse.Namespace) -> int:
+def run_sim(args: argparse.Namespace) -> int:
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)
@@ -191,12 +148,10 @@ def _run_sim(args: argparse.Namespace) -> int:
 def _settings(served: Served, room: Path | None) -> str:
     """Return what `grip.yaml` says to reach it."""
     lines = ["", "serving; press Ctrl-C to stop. For `grip run TASK --robot ros`, put this into grip.yaml:", ""]
-    if room is not None:
-        lines.append(f"scene: {room}")
+    lines += [f"scene: {room}"] if room is not None else []
     lines += ["ros:", f"  joint_states: {served.joints}", "  controllers:"]
     lines += [f"    {name}: {{trajectory: {action}}}" for name, action in served.controllers.items()]
-    if served.cameras:
-        lines.append("  cameras:")
+    lines += ["  cameras:"] if served.cameras else []
     for name, topics in served.cameras.items():
         lines += [f"    {name}:", *(f"      {part}: {topics[part]}" for part in ("image", "depth", "info"))]
         mount = ", ".join(f"{key}: {value}" for key, value in served.mounts[name].items())

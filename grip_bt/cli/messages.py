@@ -34,79 +34,55 @@ from grip_bt.ros.messages.wire import (
     value_from_text,
 )
 
-from .terminal import on_stop
+from .parser import add_actions
+from .terminal import on_stop, tell
 
 T = TypeVar("T")
 ARCHIVE = "messages.sqlite"
-_VALUE = "YAML, as in a project's files or field by field; - for the standard input"
 
 
 def add_messages(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
-    serve = actions.add_parser("serve", help="serve a project's messages until stopped")
+    serve, listing, show, take, watch, add, push, delete, reset, _ = add_actions(
+        parser,
+        {
+            "serve": (_run_serve, "serve a project's messages until stopped"),
+            "list": (_run_list, "list what a running server holds"),
+            "show": (_run_show, "print one message as YAML"),
+            "take": (_run_show, "print the oldest message of a queue and remove it"),
+            "watch": (_run_watch, "print each change as it comes, until stopped"),
+            "add": (_run_put, "add or replace a message"),
+            "push": (_run_put, "add a message to the end of a queue"),
+            "delete": (_run_removal, "remove one message"),
+            "reset": (_run_removal, "empty a store, or all, and read the project's files again"),
+            "save": (_run_save, "save everything so that it survives a restart of the server"),
+        },
+    )
     serve.add_argument("--project", type=Path, default=Path(), help="project folder (default: here)")
-    serve.set_defaults(run=_run_serve)
-    _add_readers(actions)
-    _add_writers(actions)
-
-
-def _add_readers(actions: Any) -> None:
-    listing = actions.add_parser("list", help="list what a running server holds")
-    listing.add_argument("store", nargs="?", default="", help="only of this store")
+    for each in (show, add, delete):
+        each.add_argument("store", help="such as poses, joint_states")
+        each.add_argument("name", help="of the message")
+    for each in (take, push):
+        each.add_argument("store", help="such as grasps")
+        each.set_defaults(name="")
+    for each in (listing, watch, reset):
+        each.add_argument("store", nargs="?", default="", help="only this one (default: all)")
+    for each in (show, take):
+        form = each.add_mutually_exclusive_group()
+        form.add_argument("--message", action="store_true", help="print the ROS message field by field")
+        form.add_argument("--json", action="store_true", help="print one JSON object: the message, when and by whom")
+    for each in (add, push):
+        each.add_argument("value", nargs="?", help="YAML, as in a project's files or field by field; - for stdin")
+        each.add_argument("--file", type=Path, help="take the value from a file")
+        each.add_argument("--topic", help="take the next message of a topic")
+        each.add_argument("--within", type=float, default=10.0, help="how long to wait for it [s] (default: 10)")
+        each.add_argument("--type", default="", help="ROS type of the messages of a new store")
+        each.add_argument("--by", default="", help="who or what it comes from, for people")
     listing.add_argument("--json", action="store_true", help="print one JSON list")
-    listing.set_defaults(run=_run_list)
-    show = actions.add_parser("show", help="print one message as YAML")
-    _add_entry(show)
-    _add_form(show)
-    show.set_defaults(run=_run_show)
-    take = actions.add_parser("take", help="print the oldest message of a queue and remove it")
-    take.add_argument("store", help="such as grasps")
-    _add_form(take)
-    take.set_defaults(run=_run_show, name="")
-    watch = actions.add_parser("watch", help="print each change as it comes, until stopped")
-    watch.add_argument("store", nargs="?", default="", help="only of this store")
     watch.add_argument("--count", type=int, default=0, metavar="N", help="end after N changes")
     watch.add_argument("--json", action="store_true", help="print one JSON object a line, with the value")
-    watch.set_defaults(run=_run_watch)
 
 
-def _add_writers(actions: Any) -> None:
-    add = actions.add_parser("add", help="add or replace a message")
-    _add_entry(add)
-    push = actions.add_parser("push", help="add a message to the end of a queue")
-    push.add_argument("store", help="such as grasps")
-    push.set_defaults(name="")
-    for parser in (add, push):
-        parser.add_argument("value", nargs="?", help=_VALUE)
-        parser.add_argument("--file", type=Path, help="take the value from a file")
-        parser.add_argument("--topic", help="take the next message of a topic")
-        parser.add_argument("--within", type=float, default=10.0, help="how long to wait for it [s] (default: 10)")
-        parser.add_argument("--type", default="", help="ROS type of the messages of a new store")
-        parser.add_argument("--by", default="", help="who or what it comes from, for people")
-        parser.set_defaults(run=_run_request, request=_put)
-    delete = actions.add_parser("delete", help="remove one message")
-    _add_entry(delete)
-    delete.set_defaults(run=_run_request, request=lambda server, given: server.delete(given.store, given.name))
-    reset = actions.add_parser("reset", help="empty a store, or all, and read the project's files again")
-    reset.add_argument("store", nargs="?", default="", help="only this one (default: all)")
-    reset.set_defaults(run=_run_request, request=lambda server, given: server.reset(given.store))
-    save = actions.add_parser("save", help="save everything so that it survives a restart of the server")
-    save.set_defaults(run=_run_save)
-
-
-def _add_entry(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("store", help="such as poses, joint_states")
-    parser.add_argument("name", help="of the message")
-
-
-def _add_form(parser: argparse.ArgumentParser) -> None:
-    form = parser.add_mutually_exclusive_group()
-    form.add_argument("--message", action="store_true", help="print the ROS message field by field, with its header")
-    form.add_argument("--json", action="store_true", help="print one JSON object: the message, when and by whom")
-
-
-def _run_serve(args: argparse.Namespace) -> int:
+def _run_serve(args: argparse.Namespace) -> None:
     over = threading.Event()
     on_stop(over.set)
     project = find_project(args.project)
@@ -116,7 +92,6 @@ def _run_serve(args: argparse.Namespace) -> int:
         print(f"serving the messages of {project.folder} under /grip/messages", flush=True)
         while not over.wait(1.0):
             pass
-    return 0
 
 
 WAIT = 15.0
@@ -125,27 +100,23 @@ SILENT = 2.0
 """After how long somebody who waits is told what for [s]."""
 
 
-def _run_list(args: argparse.Namespace) -> int:
+def _run_list(args: argparse.Namespace) -> None:
     with _server() as server:
         if args.store:
             _done(server.names(args.store))  # tells which stores there are
         answer = _done(server.listing())
-    rows = [row for row in entry_rows(answer) if args.store in ("", row["store"])]
-    if args.json:
-        print(json.dumps(rows, indent=2))
-        return 0
+    rows, lines = [row for row in entry_rows(answer) if args.store in ("", row["store"])], []
     for row in rows:
         when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(row["time"]))
-        print(f"{row['store']:<14} {row['name']:<24} {row['type']:<36} {when}  {row['provenance']}")
-    waiting = {s: n for s, n in zip(answer.stores, answer.queued, strict=True) if n and args.store in ("", s)}
-    for store, count in waiting.items():
-        print(f"{store:<14} {count} in the queue")
-    if not rows and not waiting:
+        lines.append(f"{row['store']:<14} {row['name']:<24} {row['type']:<36} {when}  {row['provenance']}")
+    queued = zip(answer.stores, answer.queued, strict=True)
+    lines += [f"{store:<14} {count} in the queue" for store, count in queued if count and args.store in ("", store)]
+    tell(args.json, rows, lines)
+    if not lines and not args.json:
         print("no messages; `grip messages add STORE NAME VALUE` adds one", file=sys.stderr)
-    return 0
 
 
-def _run_show(args: argparse.Namespace) -> int:
+def _run_show(args: argparse.Namespace) -> None:
     with _server() as server:
         entry = _done(server.message(args.store, args.name))
     if args.json:
@@ -155,24 +126,25 @@ def _run_show(args: argparse.Namespace) -> int:
         value = entry.value if args.message else unpack(args.store, pack(args.store, entry.value))
         said = text_of(value) if args.message else text_of_entry(args.store, value)
         print(said.rstrip() or f"# a {type_name(type(entry.value))}, too large to print")
-    return 0
 
 
-def _run_request(args: argparse.Namespace) -> int:
-    """Have the server do what the action asks for."""
+def _run_put(args: argparse.Namespace) -> None:
     with _server() as server:
-        _done(args.request(server, args))
-    return 0
+        _done(server.put(args.store, args.name, _value(server, args), args.by or "grip messages"))
 
 
-def _run_save(args: argparse.Namespace) -> int:
+def _run_removal(args: argparse.Namespace) -> None:
+    with _server() as server:
+        _done(server.delete(args.store, args.name) if "name" in args else server.reset(args.store))
+
+
+def _run_save(args: argparse.Namespace) -> None:
     with _server() as server:
         count = _done(server.save())
     print(f"{count} messages saved; they survive a restart of the server")
-    return 0
 
 
-def _run_watch(args: argparse.Namespace) -> int:
+def _run_watch(args: argparse.Namespace) -> None:
     changes: queue.SimpleQueue[tuple[str, str, str, Any]] = queue.SimpleQueue()
     printed = 0
     with _server() as server, suppress(KeyboardInterrupt):
@@ -185,7 +157,6 @@ def _run_watch(args: argparse.Namespace) -> int:
                 print(_change(store, kind, name, value, args.json), flush=True)
                 printed += 1
         stop()
-    return 0
 
 
 def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> str:
@@ -196,37 +167,21 @@ def _change(store: str, kind: str, name: str, value: object, as_json: bool) -> s
     return f"{store:<14} {kind:<8} {name:<24} {words[:100]}{'...' if len(words) > 100 else ''}".rstrip()
 
 
-def _put(server: RosMessages, args: argparse.Namespace) -> Operation[None]:
-    return server.put(args.store, args.name, _value(server, args), args.by or "grip messages")
-
-
 def _value(server: RosMessages, args: argparse.Namespace) -> Any:
-    """Return the one value that the command line says.
-
-    Raises:
-        GripError: it says none, or more than one.
-    """
     given = [way for way in (args.value, args.file, args.topic) if way is not None]
     if len(given) != 1:
         several = "give the value in one way only" if given else "the value is missing"
         raise GripError(f"{several}: say YAML, `-` (the standard input), `--file FILE` or `--topic TOPIC`")
     if args.topic is not None:
         return server.next_of(args.topic, args.type, args.within)
-    if args.file is not None:
-        text, source = read_file(args.file), str(args.file)
-    else:
-        text, source = (sys.stdin.read() if args.value == "-" else args.value), "value"
+    source = "value" if args.file is None else str(args.file)
+    text = read_file(source) if args.file else sys.stdin.read() if args.value == "-" else args.value
     type_ = args.type or next((e.type for e in _done(server.listing()).entries if e.store == args.store), "")
     return value_from_text(args.store, source, text, type_, partial(joint_states_of, server, _done))
 
 
 @contextmanager
 def _server() -> Iterator[RosMessages]:
-    """Give a client of the server.
-
-    Raises:
-        ServerLostError: there is none; it says how to start one.
-    """
     with Bus("grip_messages_client") as bus:
         with _told_of_building():
             messages = RosMessages(bus)

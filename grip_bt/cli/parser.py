@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NoReturn, TypeVar
 
 from grip_bt.base.errors import nearest
@@ -22,6 +22,17 @@ def add_no_code(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="fail, listing it, where third-party code would be imported or started",
     )
+
+
+def add_actions(
+    parser: argparse.ArgumentParser, actions: Mapping[str, tuple[Callable[[argparse.Namespace], int | None], str]]
+) -> list[argparse.ArgumentParser]:
+    """Add what may follow a verb, name -> what runs it and its help; return the parser of each."""
+    choices, made = parser.add_subparsers(title="actions", metavar="ACTION", required=True), []
+    for name, (run, doc) in actions.items():
+        made.append(choices.add_parser(name, help=doc))
+        made[-1].set_defaults(run=run, usage_error=made[-1].error)
+    return made
 
 
 def number(above: float | None = None, least: float = 0, what: str = "a number", advice: str = "") -> Reader[float]:

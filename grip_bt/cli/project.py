@@ -1,4 +1,4 @@
-"""`grip new` makes a project, `grip fmt` brings its tasks into canonical form, `grip edit` shows them in a browser."""
+"""`grip new` makes a project, `grip edit` shows its tasks in a browser."""
 
 from __future__ import annotations
 
@@ -14,37 +14,29 @@ from grip_bt.app.project.folder import FILE_NAME, find_project, make_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
-from grip_bt.base.yaml.tree import read_file
-from grip_bt.cli.parser import add_no_code
-from grip_bt.cli.terminal import on_hang_up, put
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.nodes.tree_code import is_tree_code, place_of
 from grip_bt.task import dumps, fmt
 from grip_bt.task.validation.parts import DRAWN
 
+from .parser import add_no_code
+from .terminal import on_hang_up
+
 
 def add_new(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("folder", metavar="DIR", help="a new or empty folder")
-    parser.add_argument(
-        "--robot",
-        metavar="PATH|NAME",
-        help="whose project it is: a ready-made robot, a robot's file, a MoveIt configuration package (its folder or "
-        "name), or a workspace that holds some (default: panda_allegro, at a table)",
-    )
-    parser.add_argument(
-        "--configuration", metavar="NAME", action="append", default=[], help="which one, where the robot has several"
-    )
-    parser.set_defaults(run=_run_new)
+    robot = "a ready-made robot, a robot's file, a MoveIt package or its name, a workspace (default: panda_allegro)"
+    parser.add_argument("--robot", metavar="PATH|NAME", help=robot)
+    which = "which one, where the robot has several"
+    parser.add_argument("--configuration", metavar="NAME", action="append", default=[], help=which)
 
 
-def _run_new(args: argparse.Namespace) -> int:
+def run_new(args: argparse.Namespace) -> None:
     files = _files_of_robot(args) if args.robot is not None else None
     written = make_project(args.folder, files)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
     folder = shlex.quote(args.folder)
     print(f"next: grip run {folder}/tasks/first.yaml --robot fake, or `grip edit {folder}`")
-    return 0
 
 
 def _files_of_robot(args: argparse.Namespace) -> dict[str, str]:
@@ -78,54 +70,16 @@ def _chosen(given: list[str], question: str, names: Sequence[str]) -> str:
     return names[0]
 
 
-def add_fmt(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    parser.add_argument("tasks", nargs="+", metavar="TASK", help="a task file; - reads stdin and writes stdout")
-    parser.add_argument("--check", action="store_true", help="change nothing; 1 when a file isn't canonical")
-    parser.set_defaults(run=_run_fmt)
-
-
-def _run_fmt(args: argparse.Namespace) -> int:
-    formatted = {path: _both(path) for path in args.tasks}  # a file that can't be read stops all before any is written
-    changed = [path for path, (before, after) in formatted.items() if before != after]
-    if args.check:
-        for path in changed:
-            print(f"{path}: not formatted; run `grip fmt {path}`")
-        return int(bool(changed))
-    for path in formatted:
-        if path == "-":
-            put(formatted[path][1])
-        elif path in changed:
-            replace_text(Path(path), formatted[path][1])
-            print(f"{path}: formatted")
-    return 0
-
-
-def _both(path: str) -> tuple[str, str]:
-    before = sys.stdin.read() if path == "-" else read_file(path)
-    return before, fmt(before, "<stdin>" if path == "-" else path)
-
-
 def add_edit(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    parser.add_argument(
-        "path",
-        nargs="?",
-        default=".",
-        type=Path,
-        help="a project folder or a task file (default: here); with --execute, code that makes a tree of py_trees,"
-        " as `grip run` takes it",
-    )
-    parser.add_argument(
-        "--execute", action="store_true", help="run that code to draw its tree: only for code that you trust"
-    )
+    path = "a project folder or a task file (default: here); with --execute, code that makes a tree of py_trees"
+    parser.add_argument("path", nargs="?", default=".", type=Path, help=path)
+    parser.add_argument("--execute", action="store_true", help="run that code to draw its tree, if you trust it")
     parser.add_argument("--port", type=int, default=0, help="port on this machine (default: a free one)")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     add_no_code(parser)
-    parser.set_defaults(run=_run_edit)
 
 
-def _run_edit(args: argparse.Namespace) -> int:
+def run_edit(args: argparse.Namespace) -> int:
     from grip_gui.server import serve  # here, since `grip edit --help` needs no extra
 
     if args.execute:

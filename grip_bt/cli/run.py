@@ -1,4 +1,4 @@
-"""`grip run`: run a task of a project, in a process of its own that is watched over."""
+"""`grip run`: run a task of a project, in a process of its own that is watched over; or go on with a run."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt.app.runs.execute import MOST_SEED, RunOptions, open_session
-from grip_bt.app.runs.injection import read_faults
-from grip_bt.app.runs.mocks import read_mocks
+from grip_bt.app.runs.mocks import read_faults, read_mocks
+from grip_bt.app.runs.replay import failures, journal_of
+from grip_bt.app.runs.resume_plan import ResumePlan, agree, plan_resume
 from grip_bt.app.runs.supervisor import Supervisor
-from grip_bt.app.runs.tables import failures
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
 from grip_bt.runtime import JournalReader, RunResult, serve_control
@@ -25,15 +25,21 @@ from grip_bt.runtime.control import RunEnd, result_facts
 from . import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
 from .debug_prompt import Prompt, breakpoint_of
 from .parser import add_no_code, number, whole
-from .resume import Given, add_resume_options, check_usage, fork_often, prepare
-from .terminal import on_stop, progress
+from .terminal import on_stop, progress, tell
 
 _EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
 _WATCHDOG = 10.0
 
 
+class _Given(argparse.Action):
+    """Keeps a value, and that the command line gave it: what it doesn't give is as it was in the run that goes on."""
+
+    def __call__(self, parser: object, namespace: argparse.Namespace, values: object, name: str | None = None) -> None:
+        setattr(namespace, self.dest, values)
+        namespace.given = getattr(namespace, "given", frozenset()) | {self.dest}
+
+
 def add_run(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument(
         "task",
         type=Path,
@@ -42,103 +48,98 @@ def add_run(parser: argparse.ArgumentParser) -> None:
         " file.py:function(argument=3), or file.py, a program; with --resume or --fork, the task's current location",
     )
     add_run_options(parser)
-    parser.add_argument("--set", dest="data", action="append", default=[], metavar="VAR=VALUE", type=_assignment)
-    parser.add_argument("--journal", type=Path, metavar="FILE", help="where to write (default: the project's own)")
-    parser.add_argument("--json", action="store_true", help="print the result as one JSON object")
-    parser.add_argument(
-        "--rate", type=number(above=0), action=Given, metavar="HZ", help="tick rate [Hz] (default: tick on events)"
+    add = parser.add_argument
+    add("--set", dest="data", action="append", default=[], metavar="VAR=VALUE", type=_assignment)
+    add("--journal", type=Path, metavar="FILE", help="where to write (default: the project's own)")
+    add("--json", action="store_true", help="print the result as one JSON object")
+    add("--rate", type=number(above=0), action=_Given, metavar="HZ", help="tick rate (default: tick on events)")
+    add("--ticks", type=whole(1, 10**9), metavar="N", help="tick a py_trees tree N times (default: until it ends)")
+    seconds, doc = (
+        number(what="a number of seconds"),
+        f"end a run whose node hangs for S seconds (default: {_WATCHDOG:g}",
     )
-    parser.add_argument(
-        "--ticks",
-        type=whole(1, 10**9),
-        metavar="N",
-        help="tick a tree of py_trees N times, whether its root ends or not (default: until it ends)",
-    )
-    parser.add_argument(
-        "--watchdog",
-        type=number(what="a number of seconds"),
-        action=Given,
-        default=_WATCHDOG,
-        metavar="S",
-        help=f"end a run whose node doesn't return for S seconds (default: {_WATCHDOG:g}; 0: never)",
-    )
-    parser.add_argument(
-        "--stand-ins",
-        action="store_true",
-        help="dry run of an imported SMACH task: missing packages, services, actions, topics and parameters are stood"
-        " in for, and named; waiting takes no time",
-    )
-    mocked = parser.add_argument_group("mocks")
-    mocked.add_argument(
-        "--mock", action="append", default=[], metavar="NODE=SCRIPT", help="script such as failure.no_ik,success"
-    )
-    mocked.add_argument("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
-    parser.add_argument(
-        "--fault",
-        dest="faults",
-        action="append",
-        default=[],
-        metavar="NAME: {fault: KIND, ...}",
-        help="what goes wrong in the simulated world, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'",
-    )
-    way = parser.add_argument_group("control").add_mutually_exclusive_group()
-    way.add_argument("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
-    way.add_argument(
-        "--debug", action="store_true", help="interactive debugger: start paused, step, set breakpoints, inspect data"
-    )
-    parser.add_argument(
-        "--break",
-        dest="breaks",
-        action="append",
-        default=[],
-        type=breakpoint_of,
-        metavar="PLACE",
-        help="pause there: 'NODE', 'NODE:OUTCOME', 'NODE if EXPRESSION' (implies --debug, unless --control)",
-    )
-    parser.add_argument(
-        "--in-process", action="store_true", help="run in this process, for debuggers and profilers of Python"
-    )
+    add("--watchdog", type=seconds, action=_Given, default=_WATCHDOG, metavar="S", help=f"{doc}; 0: never)")
+    add("--stand-ins", action="store_true", help="dry run of an imported SMACH task: what is missing is stood in for")
+    group = parser.add_argument_group("what goes wrong, or plays a script")
+    add = group.add_argument
+    script = "what a node does in place of its work, such as failure.no_ik,success"
+    add("--mock", action="append", default=[], metavar="NODE=SCRIPT", help=script)
+    add("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
+    fault = "in the simulated world, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'"
+    add("--fault", dest="faults", action="append", default=[], metavar="NAME: {fault: KIND, ...}", help=fault)
+    group = parser.add_argument_group("control")
+    add = group.add_mutually_exclusive_group().add_argument
+    add("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
+    add("--debug", action="store_true", help="start paused; step, set breakpoints, inspect data")
+    place = "pause there: 'NODE', 'NODE:OUTCOME', 'NODE if EXPRESSION' (implies --debug, unless --control)"
+    add = group.add_argument
+    add("--break", dest="breaks", action="append", default=[], type=breakpoint_of, metavar="PLACE", help=place)
+    add("--in-process", action="store_true", help="run in this process, for debuggers and profilers of Python")
     add_no_code(parser)
-    add_resume_options(parser)
-    parser.set_defaults(run=run)
+    group = parser.add_argument_group("resuming a run")
+    add = group.add_mutually_exclusive_group().add_argument
+    add("--resume", metavar="RUN", help="resume a run whose process died; `last` for the last one")
+    add("--fork", metavar="RUN", help="a new run that continues from event --at of another one")
+    add = group.add_argument
+    add("--at", metavar="PLACE", help="with --fork: an event's number, NODE, or NODE:OUTCOME")
+    outcome = "force the next outcome of a leaf, such as attempt/grasp=failure.no_ik"
+    add("--set-outcome", action="append", default=[], metavar="NODE=OUTCOME", help=outcome)
+    add("--yes", action="store_true", help="confirm everything that would be asked")
+    add("--durable", action="store_true", help="write the journal to disk before each motion starts and after it ends")
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
     """Add what `run` and `demo` have in common."""
-    parser.add_argument("--as", dest="target", choices=("bt", "sm"), default="bt", help="behaviour tree, state machine")
-    parser.add_argument(
-        "--robot",
-        choices=("sim", "fake", "ros"),
-        default="sim",
-        action=Given,
-        help="simulated, fakes that succeed at once, or the controllers of a real robot",
+    add = parser.add_argument
+    add("--as", dest="target", choices=("bt", "sm"), default="bt", help="behaviour tree, state machine")
+    robots = "simulated, fakes that succeed at once, or the controllers of a real robot"
+    add("--robot", choices=("sim", "fake", "ros"), default="sim", action=_Given, help=robots)
+    seed = "of the simulated world (default: 0)"
+    add("--seed", type=whole(0, MOST_SEED), default=0, action=_Given, metavar="N", help=seed)
+    pace = number(above=0, advice="; leave it out for as fast as the simulation goes")
+    fast = "simulated seconds a second (default: as fast as it goes)"
+    add("--pace", type=pace, action=_Given, metavar="X", help=fast)
+    add = parser.add_argument_group("what the simulated world looks like").add_argument
+    add("--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run")
+    add("--picture", type=Path, metavar="FILE.png", help="take a picture in the end")
+    view = "by this camera of the world (default: its first), or X,Y,Z,X,Y,Z: from where to where [m]"
+    add("--view", default="", metavar="CAMERA", help=view)
+
+
+def _check_usage(args: argparse.Namespace) -> None:
+    again = args.resume or args.fork
+    if args.task is None and not again:
+        args.usage_error("a task file is needed, or --resume RUN, or --fork RUN")
+    if bool(args.fork) != bool(args.at):
+        args.usage_error("--fork RUN and --at PLACE go together")
+    if args.set_outcome and not again:
+        args.usage_error("--set-outcome goes with --resume or --fork; in a new run, --mock NODE=SCRIPT does that")
+
+
+def _prepared(args: argparse.Namespace, options: RunOptions) -> ResumePlan:
+    """Look at a run that is to go on, and ask what has to be asked."""
+    plan = plan_resume(
+        journal_of(args.task, args.journal),
+        args.resume or args.fork,
+        options,
+        getattr(args, "given", frozenset()) | ({"mocks"} if options.mocks else frozenset()),
+        at=args.at,
+        task=args.task,
+        outcomes=args.set_outcome,
+        agreed=args.yes,
     )
-    parser.add_argument(
-        "--seed",
-        type=whole(0, MOST_SEED),
-        default=0,
-        action=Given,
-        metavar="N",
-        help="of the simulated world (default: 0)",
-    )
-    parser.add_argument(
-        "--pace",
-        type=number(above=0, advice="; leave it out for as fast as the simulation goes"),
-        action=Given,
-        metavar="X",
-        help="playback speed: simulated seconds a second (default: as fast as it goes)",
-    )
-    shown = parser.add_argument_group("what the simulated world looks like")
-    shown.add_argument(
-        "--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run"
-    )
-    shown.add_argument("--picture", type=Path, metavar="FILE.png", help="take a picture in the end")
-    shown.add_argument(
-        "--view",
-        default="",
-        metavar="CAMERA",
-        help="by this camera of the world (default: its first), or X,Y,Z,X,Y,Z: from where to where [m]",
-    )
+    asked = args.yes or args.fork  # a fork moves nothing that another run has left behind
+    for said in (*plan.notes, *(plan.questions if asked else ())):
+        print(f"  {said}", file=sys.stderr, flush=True)
+    if not asked:
+        agree(plan.questions, _ask if sys.stdin.isatty() else None)
+    return plan
+
+
+def _ask(question: str) -> bool:
+    sys.stderr.write(f"{question}. Continue? [y/N] ")
+    sys.stderr.flush()
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
 def options_of(args: argparse.Namespace) -> RunOptions:
@@ -154,9 +155,9 @@ def options_of(args: argparse.Namespace) -> RunOptions:
     )
 
 
-def run(args: argparse.Namespace) -> int:
+def run_run(args: argparse.Namespace) -> int:
     """Run the task; the exit status tells how it ended."""
-    check_usage(args, args.usage_error)
+    _check_usage(args)
     debug = args.debug or (bool(args.breaks) and not args.control)
     options = replace(
         options_of(args),
@@ -173,14 +174,9 @@ def run(args: argparse.Namespace) -> int:
         stand_ins=args.stand_ins,
     )
     if args.resume or args.fork:
-        given = getattr(args, "given", frozenset()) | ({"mocks"} if options.mocks else frozenset())
-        ready = prepare(args, options, given)
-        args.task, options = ready.task, ready.options
-        if args.times > 1:
-            return fork_often(ready, args.times, args.json, lambda each: _supervise(args, each, debug))
-    if args.in_process:
-        return _run_here(args, options)
-    return _supervise(args, options, debug)[0]
+        plan = _prepared(args, options)
+        args.task, options = plan.task, plan.options
+    return _run_here(args, options) if args.in_process else _supervise(args, options, debug)
 
 
 def _run_here(args: argparse.Namespace, options: RunOptions) -> int:
@@ -206,14 +202,11 @@ def exit_status(end: RunEnd) -> int:
     return _EXIT_STATUS["failure" if end.get("contradiction") else end["status"]]
 
 
-def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tuple[int, RunEnd]:
-    """Run in a child process; pass on what goes either way. Return the exit status, and the event `ended`."""
-    started: list[Mapping[str, Any]] = []
+def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> int:
+    """Run in a child process, pass on what goes either way, and return the exit status."""
     prompt: Prompt | None = None
 
     def told(event: Mapping[str, Any]) -> None:
-        if event["event"] == "started":
-            started.append(event)
         if event["event"] == "progress":
             if args.control or not args.json:
                 progress(event["part"], event["detail"])
@@ -230,19 +223,21 @@ def _supervise(args: argparse.Namespace, options: RunOptions, debug: bool) -> tu
         prompt = Prompt(supervisor.send, lambda text: print(text, flush=True), patient=not sys.stdin.isatty())
     supervisor.start()
     on_stop(supervisor.stop)
-    if args.control:
-        _in_background(lambda: _pass_on(supervisor))
-    elif prompt is not None:
-        _in_background(partial(prompt.listen, sys.stdin))
+    if args.control or prompt is not None:
+        listen: Callable[[], None] = partial(_pass_on, supervisor)
+        if prompt is not None:
+            listen = partial(prompt.listen, sys.stdin)
+        threading.Thread(target=listen, name="grip_input", daemon=True).start()
     end = supervisor.wait()
     if end["event"] == "failed":
         print(end["message"], file=sys.stderr)
-        return INVALID, end
+        return INVALID
     if not args.control:
-        _tell({**end, "run": started[0]["run"] if started else None}, args.json)
+        started = supervisor.started
+        _tell({**end, "run": started["run"] if started else None}, args.json)
         if started and not args.json:
-            _tell_failures(started[0], end["message"])
-    return exit_status(end), end
+            _tell_failures(started, end["message"])
+    return exit_status(end)
 
 
 def _tell_failures(started: Mapping[str, Any], said: str) -> None:
@@ -268,34 +263,26 @@ def _pass_on(supervisor: Supervisor) -> None:
     supervisor.stop(lost=True)
 
 
-def _in_background(action: Callable[[], None]) -> None:
-    threading.Thread(target=action, name="grip_input", daemon=True).start()
-
-
 def sentence(end: RunEnd) -> str:
     """Return how a run ended, in a line, from the facts of the event `ended`."""
     left = f"; left behind: {', '.join(end['zombies'])}" if end.get("zombies") else ""
-    if end["outcome"] is None:
-        rest = f"; {end['rest']}" if end.get("rest") else ""
-        return f"{end['status']}" + (f": {end['message']}" if end["message"] else "") + rest + left
-    reason = f" ({end['message']})" if end["message"] else ""
-    return f"{end['status']}: {end['outcome']}{reason}{left}"
+    if end["outcome"] is not None:
+        return f"{end['status']}: {end['outcome']}" + (f" ({end['message']})" if end["message"] else "") + left
+    rest = f"; {end['rest']}" if end.get("rest") else ""
+    return f"{end['status']}" + (f": {end['message']}" if end["message"] else "") + rest + left
 
 
 def _tell(end: RunEnd, as_json: bool) -> None:
-    if as_json:
-        keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
-        said = {key: end[key] for key in ("truth", "judged", "contradiction") if key in end}
-        print(json.dumps({**{key: end.get(key) for key in keys}, **said}))
-    else:
-        took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
-        ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
-        named = f"run {end['run']}" if end.get("run") else "no run was started"
-        print(f"{sentence(end)}; {took}{ticks}{named}")
-        if "truth" in end:
-            print(f"the referee: {words(end['truth'])}")
-        for name, true in end.get("judged", {}).items():
-            print(f"{name}: {'yes' if true else 'no'}")
+    keys = ("run", "status", "outcome", "code", "message", "duration", "ticks", "zombies", "rest", "unconfirmed")
+    said = {key: end[key] for key in ("truth", "judged", "contradiction") if key in end}
+    took = f"{end['duration']:.1f} s, " if end.get("duration") is not None else ""
+    ticks = f"{end['ticks']} ticks, " if end.get("ticks") is not None else ""
+    named = f"run {end['run']}" if end.get("run") else "no run was started"
+    lines = [f"{sentence(end)}; {took}{ticks}{named}"]
+    lines += [f"the referee: {words(end['truth'])}"] if "truth" in end else []
+    lines += [f"{name}: {'yes' if true else 'no'}" for name, true in end.get("judged", {}).items()]
+    facts: dict[str, object] = {key: end.get(key) for key in keys}
+    tell(as_json, facts | said, lines)
 
 
 def _assignment(text: str) -> tuple[str, Any]:

@@ -9,7 +9,6 @@ import time
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
-from typing import NoReturn
 
 from pydantic import ByteSize, TypeAdapter, ValidationError
 
@@ -17,39 +16,41 @@ from grip_bt.app.project.folder import find_project
 from grip_bt.app.runs.capsule import write_capsule
 from grip_bt.app.runs.execute import make_room
 from grip_bt.app.runs.export import export_run
-from grip_bt.app.runs.replay import Until, events_of, find_run, journal_of, line_of, moment_lines, replay
-from grip_bt.app.runs.tables import coverage, timings
+from grip_bt.app.runs.replay import (
+    Until,
+    coverage,
+    events_of,
+    find_run,
+    journal_of,
+    line_of,
+    moment_lines,
+    replay,
+    timings,
+)
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.cli.parser import number
 from grip_bt.runtime import Event, JournalReader, RunSnapshot
 from grip_bt.runtime.journal_rows import JournalError
 
+from .parser import number
+from .terminal import tell
+
 
 def add_runs(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    parser.add_argument("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
-    parser.add_argument("--journal", type=Path, metavar="FILE", help="another journal")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--to", choices=("jsonl", "csv", "mcap"), help="export the run; mcap opens in Foxglove")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
+    add = parser.add_argument
+    add("what", nargs="?", default=".", help="the project or a file in it; or a run's id, or `last`")
+    add("--journal", type=Path, metavar="FILE", help="another journal")
+    add("--json", action="store_true", help="print JSON")
+    add("--to", choices=("jsonl", "csv", "mcap"), help="export the run; mcap opens in Foxglove")
+    add("-o", "--output", type=Path, metavar="FILE", help="where to, with --to")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--data", action="store_true", help="show the last value of each variable that the run wrote")
     what.add_argument("--timing", action="store_true", help="show how long the nodes of the run took")
-    parser.add_argument(
-        "--coverage", type=Path, metavar="TASK", help="show which outcomes of a task its runs have reached"
-    )
-    parser.add_argument(
-        "--prune",
-        nargs="?",
-        const="",
-        metavar="SIZE",
-        help="remove the oldest runs that have ended until the journal holds no more than SIZE, such as 500MB; by"
-        " default the project's journal_limit",
-    )
-    parser.set_defaults(run=_run_runs)
+    add("--coverage", type=Path, metavar="TASK", help="show which outcomes of a task its runs have reached")
+    doc = "remove the oldest runs that have ended until the journal holds no more, such as 500MB (default: its limit)"
+    add("--prune", nargs="?", const="", metavar="SIZE", help=doc)
 
 
-def _run_runs(args: argparse.Namespace) -> int:
+def run_runs(args: argparse.Namespace) -> int:
     if args.prune is not None:
         return _prune(args)
     if (args.to is None) != (args.output is None):
@@ -58,41 +59,34 @@ def _run_runs(args: argparse.Namespace) -> int:
     one = args.to is not None or args.data or args.timing or not place.exists()
     if args.coverage is not None and args.what == ".":
         place = args.coverage
-    journal = (
-        args.journal or find_project(Path() if one and not place.exists() else place).folder / ".grip" / "runs.sqlite"
-    )
+    home = find_project(Path() if one and not place.exists() else place).folder
+    journal = args.journal or home / ".grip" / "runs.sqlite"
     if not journal.is_file():
-        if args.journal is not None:
-            _no_journal(journal)
-        if one:
+        if one and args.journal is None:
             raise UnknownNameError("run", args.what, [], f"{journal}: there are no runs yet")
-        print("[]" if args.json else f"no runs yet in {journal}")
-        return 0
+        return _no_runs(args, journal)
     with JournalReader(journal) as reader:
         if args.coverage is not None:
             _coverage(reader, args.coverage, args.json)
-        elif not one:
-            _list(reader, args.json)
         else:
-            _one(reader, args, find_run(reader, "last" if place.exists() else args.what))
+            run = find_run(reader, "last" if place.exists() else args.what) if one else None
+            if run is not None and args.to is not None:
+                print(f"{args.output}: {export_run(reader, run, args.output, args.to)} events of run {run}")
+            elif run is not None and args.timing:
+                _timing(reader, run, args.json)
+            elif run is not None and args.data:
+                _data(reader, run, args.json)
+            else:
+                _list(reader, args.json, run)
         reader.raise_if_damaged()
     return 0
 
 
-def _one(reader: JournalReader, args: argparse.Namespace, run: str) -> None:
-    if args.to is not None:
-        count = export_run(reader, run, args.output, args.to)
-        print(f"{args.output}: {count} events of run {run}")
-    elif args.timing:
-        _timing(reader, run, args.json)
-    elif args.data:
-        _data(reader, run, args.json)
-    else:
-        _list(reader, args.json, run)
-
-
-def _no_journal(file: Path) -> NoReturn:
-    raise JournalError(f"{file}: there is no such journal; name a file that runs were written to")
+def _no_runs(args: argparse.Namespace, file: Path) -> int:
+    if args.journal is not None:
+        raise JournalError(f"{file}: there is no such journal; name a file that runs were written to")
+    tell(args.json, [], [f"no runs yet in {file}"])
+    return 0
 
 
 def _prune(args: argparse.Namespace) -> int:
@@ -103,87 +97,67 @@ def _prune(args: argparse.Namespace) -> int:
         args.usage_error(f"--prune {args.prune!r} isn't a size; such as 500MB or 2GiB")
     file = args.journal or project.folder / ".grip" / "runs.sqlite"
     if not file.is_file():
-        if args.journal is not None:
-            _no_journal(file)
-        print(f"no runs yet in {file}")
-        return 0
+        return _no_runs(args, file)
     pruned = make_room(file, limit, give_back=True)
-    if args.json:
-        print(json.dumps({"removed": pruned.runs, "before": pruned.before, "after": pruned.after}))
-    else:
-        held, allowed = (ByteSize(size).human_readable(decimal=True) for size in (pruned.after, limit))
-        count = len(pruned.runs)
-        print(f"{count} run{'s' if count != 1 else ''} removed; {file} holds {held} of {allowed}")
+    held, allowed = (ByteSize(size).human_readable(decimal=True) for size in (pruned.after, limit))
+    count = len(pruned.runs)
+    data = {"removed": pruned.runs, "before": pruned.before, "after": pruned.after}
+    tell(args.json, data, [f"{count} run{'s' if count != 1 else ''} removed; {file} holds {held} of {allowed}"])
     return 0
 
 
 def _data(reader: JournalReader, run: str, as_json: bool) -> None:
-    written = reader.variables(run)
-    if as_json:
-        print(json.dumps({name: asdict(event) for name, event in written.items()}))
-        return
-    for name, event in written.items():
+    lines = []
+    for name, event in (written := reader.variables(run)).items():
         what = f"{event.data.get('type', ''):<16} {event.data.get('preview', '')}"
-        print(f"{name:<20} {what}  (by {event.path}, {event.t:.3f} s)")
+        lines.append(f"{name:<20} {what}  (by {event.path}, {event.t:.3f} s)")
+    tell(as_json, {name: asdict(event) for name, event in written.items()}, lines)
 
 
 def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
     rows = timings(reader.events(run))
-    if as_json:
-        print(json.dumps([asdict(row) for row in rows]))
-        return
     width = max([len(row.path) for row in rows] + [4])
-    print(f"{'node':<{width}}  {'count':>6} {'halted':>6} {'total [s]':>11} {'median [s]':>11} {'max [s]':>11}")
+    lines = [f"{'node':<{width}}  {'count':>6} {'halted':>6} {'total [s]':>11} {'median [s]':>11} {'max [s]':>11}"]
     for row in rows:
         times = f"{row.total:>11.4f} {row.median:>11.4f} {row.max:>11.4f}"
-        print(f"{row.path:<{width}}  {row.count:>6} {row.interrupted:>6} {times}")
+        lines.append(f"{row.path:<{width}}  {row.count:>6} {row.interrupted:>6} {times}")
+    tell(as_json, [asdict(row) for row in rows], lines)
 
 
 def _coverage(reader: JournalReader, task: Path, as_json: bool) -> None:
     found = coverage(reader, str(task))
     seen, there = found.counts
-    if as_json:
-        codes = [{"node": n, "outcome": o, "codes": c} for (n, o), c in found.codes.items()]
-        facts = {"runs": found.runs, "seen": found.seen, "missing": found.missing, "codes": codes}
-        print(json.dumps({"outcomes_seen": seen, "outcomes": there, **facts}))
-        return
-    print(f"{seen} of {there} outcomes seen in {found.runs} run{'s' if found.runs != 1 else ''} of {task}")
-    for path, outcomes in found.missing.items():
-        print(f"  never seen: {path}: {', '.join(outcomes)}")
+    codes = [{"node": n, "outcome": o, "codes": c} for (n, o), c in found.codes.items()]
+    facts = {"runs": found.runs, "seen": found.seen, "missing": found.missing, "codes": codes}
+    lines = [f"{seen} of {there} outcomes seen in {found.runs} run{'s' if found.runs != 1 else ''} of {task}"]
+    lines += [f"  never seen: {path}: {', '.join(outcomes)}" for path, outcomes in found.missing.items()]
+    tell(as_json, {"outcomes_seen": seen, "outcomes": there, **facts}, lines)
 
 
 def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> None:
     runs = sorted(reader.runs(), key=lambda record: record.started)
-    runs = [record for record in runs if only in (None, record.id)]
-    if as_json:
-        print(json.dumps([asdict(record) for record in runs]))
-        return
+    runs, lines = [record for record in runs if only in (None, record.id)], []
     for record in runs:
         began = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(record.started))
         took = f"{record.ended - record.started:7.1f} s" if record.ended else "        -"
         ended = f"{record.status:<8} {record.outcome or '-':<12}"
-        print(f"{record.id}  {began}  {took}  {record.target}  {ended} {record.task_name}")
+        lines.append(f"{record.id}  {began}  {took}  {record.target}  {ended} {record.task_name}")
+    tell(as_json, [asdict(record) for record in runs], lines)
 
 
 def add_replay(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")
-    parser.add_argument(
-        "--speed",
-        type=number(),
-        metavar="X",
-        help="playback speed (default: 1 on a terminal, otherwise 0: as fast as possible)",
-    )
+    doc = "playback speed (default: 1 on a terminal, otherwise 0: as fast as possible)"
+    parser.add_argument("--speed", type=number(), metavar="X", help=doc)
     parser.add_argument("--until", default="", metavar="PLACE", help="end after SEQ, NODE or NODE:OUTCOME")
     parser.add_argument("--step", action="store_true", help="wait for Enter after each event; q ends")
     parser.add_argument("--json", action="store_true", help="print one JSON event per line")
     parser.add_argument("--gui", action="store_true", help="open the page on this run")
     parser.add_argument("--no-browser", action="store_true", help="with --gui: only print its address")
-    parser.set_defaults(run=_run_replay)
 
 
-def _run_replay(args: argparse.Namespace) -> int:
+def run_replay(args: argparse.Namespace) -> int:
     file = journal_of(None, args.journal)
     with JournalReader(file) as reader:
         found = find_run(reader, args.run_name)
@@ -217,17 +191,10 @@ def _run_replay(args: argparse.Namespace) -> int:
 
 def _check_place(reader: JournalReader, run: str, until: Until) -> None:
     """Refuse a place that a run which is over never came to, before its events are shown."""
-    paths: set[str] = set()
-    ends: set[str] = set()  # of the node, where its name is right
-    node, last = until.text.partition(":")[0], 0
-    for event in reader.iterate(run):
-        if until.reached(event):
-            return
-        paths.add(event.path)
-        if event.path == node and event.outcome is not None:
-            ends.add(f"{node}:{event.outcome}")
-        last = event.seq
-    raise _unknown_place(until.text, run, ends or paths, last)
+    node, events = until.text.partition(":")[0], list(reader.iterate(run))
+    if not any(map(until.reached, events)):
+        ends = {f"{node}:{event.outcome}" for event in events if event.path == node and event.outcome is not None}
+        raise _unknown_place(until.text, run, ends or {event.path for event in events}, events[-1].seq if events else 0)
 
 
 def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> UnknownNameError:
@@ -236,14 +203,12 @@ def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> Unk
 
 
 def add_capsule(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("run_name", metavar="RUN", help="a run's id, its beginning, or `last`")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to (default: RUN.html)")
     parser.add_argument("--journal", type=Path, metavar="FILE", help="use this journal instead of the project's")
-    parser.set_defaults(run=_run_capsule)
 
 
-def _run_capsule(args: argparse.Namespace) -> int:
+def run_capsule(args: argparse.Namespace) -> None:
     with JournalReader(journal_of(None, args.journal)) as reader:
         found = find_run(reader, args.run_name)
         file = args.output or Path(f"{found}.html")
@@ -252,4 +217,3 @@ def _run_capsule(args: argparse.Namespace) -> int:
         if made.left_out:
             print(f"  left out: {made.left_out}")
         reader.raise_if_damaged()
-    return 0

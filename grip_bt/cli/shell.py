@@ -1,4 +1,4 @@
-"""What `grip` does with a command line: finds the verb, runs it, and turns errors into words and an exit status."""
+"""What `grip` does with a command line: finds the verb, runs it, says what went wrong; how shells complete it."""
 
 from __future__ import annotations
 
@@ -48,44 +48,39 @@ FIRST = ("demo", "new", "edit", "run", "check", "import", "bench", "doctor")
 """What a newcomer is shown."""
 _MODULES = {
     "import": "import_",
-    **dict.fromkeys(("new", "edit", "fmt"), "project"),
+    **dict.fromkeys(("new", "edit"), "project"),
+    **dict.fromkeys(("check", "fmt", "apply"), "task"),
     **dict.fromkeys(("replay", "capsule"), "runs"),
     "interfaces": "component",
     "sim": "launch",
-    "help": "shell",
+    **dict.fromkeys(("help", "completion"), "shell"),
+    "object": "world",
 }
 """Where it isn't the module of the verb's own name."""
 
 
 def make_parser(words: Sequence[str] = (), shown: Collection[str] = FIRST) -> argparse.ArgumentParser:
-    """Return the command's parser with all verbs, and the options of the one that a command line names.
-
-    Args:
-        shown: the verbs that its help lists.
-    """
-    parser = Parser(
-        prog="grip",
-        description="Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine.",
-        epilog="`grip help all` lists all verbs, `grip help VERB` and `grip VERB --help` say how one is used.",
-    )
+    """Return the command's parser with all verbs, of which some are shown, and the options of the one that is named."""
+    about = "Draw, run and measure robot grasping tasks: one graph, behaviour tree or state machine."
+    more = "`grip help all` lists all verbs, `grip help VERB` and `grip VERB --help` say how one is used."
+    parser = Parser(prog="grip", description=about, epilog=more)
     parser.add_argument("--version", action="version", version=f"grip {__version__}")
     subparsers = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
     named = next((word for word in words if not word.startswith("-")), None)
     for verb, doc in VERBS.items():
         options = subparsers.add_parser(verb, help=doc) if verb in shown else subparsers.add_parser(verb)
         if verb == named:
-            options.set_defaults(usage_error=options.error)
-            getattr(import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}"), f"add_{verb}")(options)
+            module = import_module(f"grip_bt.cli.{_MODULES.get(verb, verb)}")
+            options.set_defaults(usage_error=options.error, run=getattr(module, f"run_{verb}", None))
+            getattr(module, f"add_{verb}")(options)
     return parser
 
 
 def add_help(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("verb", nargs="?", choices=(*VERBS, "all"), metavar="VERB", help="a verb, or all")
-    parser.set_defaults(run=_run_help)
 
 
-def _run_help(args: argparse.Namespace) -> int:
+def run_help(args: argparse.Namespace) -> int:
     if args.verb in (None, "all"):
         make_parser(shown=VERBS if args.verb else FIRST).print_help()
         return 0
@@ -93,12 +88,7 @@ def _run_help(args: argparse.Namespace) -> int:
 
 
 def run_verb(arguments: Sequence[str] | None) -> int:
-    """Run the verb of a command line and return the exit status; what goes wrong is said on stderr.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C.
-        SystemExit: 2, the command line is wrong; 0, help was asked for.
-    """
+    """Run the verb of a command line and return the exit status; what goes wrong is said on stderr."""
     ready()
     try:
         status = _done(arguments)
@@ -113,11 +103,9 @@ def run_verb(arguments: Sequence[str] | None) -> int:
         return complain(str(error))
     except ModuleNotFoundError as error:
         package = (error.name or "").partition(".")[0]
-        extra = _EXTRAS.get(package)
-        missing = None if extra is None else MissingPartError(f"{package!r}", f"pip install 'grip-bt[{extra}]'")
-        if missing is None:
+        if package not in _EXTRAS:
             raise
-        return complain(str(missing))
+        return complain(str(MissingPartError(f"{package!r}", f"pip install 'grip-bt[{_EXTRAS[package]}]'")))
     except BrokenPipeError:
         # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.
         give_up()
@@ -137,7 +125,7 @@ def _done(arguments: Sequence[str] | None) -> int:
         from grip_bt.app.project.foreign_code import forbid
 
         forbid()
-    return int(args.run(args))
+    return int(args.run(args) or 0)
 
 
 def _refused_by_the_system(error: OSError) -> int:
@@ -146,9 +134,8 @@ def _refused_by_the_system(error: OSError) -> int:
         if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
             raise error
         give_up()
-        return complain(
-            f"stdout: {error.strerror}; the output is incomplete: redirect it elsewhere, or free some space"
-        )
+        advice = "the output is incomplete: redirect it elsewhere, or free some space"
+        return complain(f"stdout: {error.strerror}; {advice}")
     name = str(error.filename) if isinstance(error.filename, int) else os.fsdecode(error.filename)
     if error.errno == errno.ENOENT:
         return complain(f"{name}: {error.strerror}; make its folder first, or name another place")
@@ -164,3 +151,53 @@ _PACKAGES = {
     "analytic": ("eaik",),
 }
 _EXTRAS = {package: extra for extra, packages in _PACKAGES.items() for package in packages}
+
+
+_BASH = """_grip() {{
+    local word=${{COMP_WORDS[COMP_CWORD]}} verb=
+    [ "$COMP_CWORD" -gt 1 ] && verb=${{COMP_WORDS[1]}}
+    case $verb in
+        "") COMPREPLY=($(compgen -W "{verbs}" -- "$word")) ;;
+{cases}
+    esac
+}}
+complete -o default -F _grip grip
+"""
+_ZSH = "autoload -U +X bashcompinit && bashcompinit\n" + _BASH
+
+
+def add_completion(parser: argparse.ArgumentParser) -> None:
+    source = "source what it prints: source <(grip completion bash)"
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help=source)
+
+
+def run_completion(args: argparse.Namespace) -> None:
+    words = {verb: _words(verb) for verb in VERBS}
+    if args.shell == "fish":
+        print("\n".join(_fish(words)))
+        return
+    said = {verb: " ".join(options) for verb, options in words.items() if options}
+    cases = "\n".join(f'        {v}) COMPREPLY=($(compgen -W "{w}" -- "$word")) ;;' for v, w in said.items())
+    print((_ZSH if args.shell == "zsh" else _BASH).format(verbs=" ".join(VERBS), cases=cases), end="")
+
+
+def _words(verb: str) -> list[str]:
+    """Return a verb's options, and the verbs below it."""
+    (subparsers,) = (a for a in make_parser([verb])._actions if isinstance(a, argparse._SubParsersAction))
+    found: list[str] = []
+    for action in subparsers.choices[verb]._actions:
+        found += [option for option in action.option_strings if option.startswith("--")]
+        found += list(action.choices) if isinstance(action, argparse._SubParsersAction) else []
+    return sorted(found)
+
+
+def _fish(words: dict[str, list[str]]) -> list[str]:
+    lines = [
+        f"complete -c grip -n __fish_use_subcommand -a {verb} -d '{doc.replace(chr(39), chr(92) + chr(39))}'"
+        for verb, doc in VERBS.items()
+    ]
+    for verb, options in words.items():
+        for option in options:
+            given = f"-l {option[2:]}" if option.startswith("--") else f"-a {option}"
+            lines.append(f"complete -c grip -n '__fish_seen_subcommand_from {verb}' {given}")
+    return lines

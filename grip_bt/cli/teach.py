@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,11 +16,12 @@ from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Pose
 from grip_bt.commanders.taught import TaughtStates
 
+from .terminal import tell
+
 T = TypeVar("T")
 
 
 def add_teach(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
     parser.add_argument("name", nargs="?", help="the name; without it, what was taught is listed")
     parser.add_argument("--project", default=".", help="a project folder, or a file in it (default: this folder)")
     part = parser.add_mutually_exclusive_group()
@@ -30,10 +30,9 @@ def add_teach(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pose", action="store_true", help="the pose of the arm's hand instead of its joints")
     parser.add_argument("--robot", choices=("ros", "sim"), default="ros", help="which robot to read (default: ros)")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.set_defaults(run=run)
 
 
-def run(args: argparse.Namespace) -> int:
+def run_teach(args: argparse.Namespace) -> None:
     """Teach, or list."""
     project = find_project(args.project)
     if args.name is None:
@@ -47,10 +46,7 @@ def run(args: argparse.Namespace) -> int:
             raise GripError(f"{error.code}: {error.message}") from error
         except ValueError as error:
             raise GripError(str(error)) from error
-    print(
-        json.dumps({"part": part, "name": args.name, **_plain(value)}) if args.json else _line(part, args.name, value)
-    )
-    return 0
+    tell(args.json, {"part": part, "name": args.name, **_plain(value)}, [_line(part, args.name, value)])
 
 
 def _teach(resources: Resources, args: argparse.Namespace) -> tuple[str, JointState | Pose]:
@@ -62,31 +58,23 @@ def _teach(resources: Resources, args: argparse.Namespace) -> tuple[str, JointSt
 
 
 def _one(kind: str, parts: Mapping[str, T], name: str) -> T:
-    if not name and len(parts) == 1:
-        return next(iter(parts.values()))
-    if name not in parts:
+    if name not in parts and (name or len(parts) != 1):
         raise UnknownNameError(kind, name, parts, "grip.yaml")
-    return parts[name]
+    return parts[name or next(iter(parts))]
 
 
-def _list(file: Path, as_json: bool) -> int:
+def _list(file: Path, as_json: bool) -> None:
     taught = TaughtStates(file)
     entries = [(part, name, value) for part in taught.parts() for name, value in taught.of(part).items()]
-    if as_json:
-        print(json.dumps([{"part": part, "name": name, **_plain(value)} for part, name, value in entries], indent=2))
-    elif not entries:
-        print(f"nothing was taught yet; `grip teach NAME` writes {file}")
-    for part, name, value in [] if as_json else entries:
-        print(_line(part, name, value))
-    return 0
+    lines = [_line(*entry) for entry in entries] or [f"nothing was taught yet; `grip teach NAME` writes {file}"]
+    tell(as_json, [{"part": part, "name": name, **_plain(value)} for part, name, value in entries], lines)
 
 
 def _plain(value: JointState | Pose) -> dict[str, Any]:
     if isinstance(value, JointState):
         return {"state": value.as_mapping()}
-    return {
-        "pose": {"position": value.position.tolist(), "quaternion": value.quaternion.tolist(), "frame": value.frame}
-    }
+    place = {"position": value.position.tolist(), "quaternion": value.quaternion.tolist()}
+    return {"pose": {**place, "frame": value.frame}}
 
 
 def _line(part: str, name: str, value: JointState | Pose) -> str:

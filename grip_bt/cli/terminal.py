@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import TextIO
 
@@ -35,16 +36,25 @@ def put(document: str) -> None:
     sys.stdout.buffer.write(document.encode())
 
 
+def tell(as_json: bool, data: object, lines: Iterable[str]) -> None:
+    """Print data as JSON, or else what people are told of them, line by line."""
+    for line in [json.dumps(data)] if as_json else lines:
+        print(line)
+
+
 def give_up() -> None:
     """Let nothing be written to stdout any more, also not what is still to be, which can't be."""
     with suppress(OSError, ValueError):  # a stand-in of a test has no number
-        null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, sys.stdout.fileno())
-        os.close(null)
+        _to_nowhere(sys.stdout)
+
+
+def _to_nowhere(stream: TextIO) -> None:
+    null = os.open(os.devnull, os.O_RDWR)
+    os.dup2(null, stream.fileno())
+    os.close(null)
 
 
 def _has_all(stream: TextIO) -> bool:
-    """Return whether a stream's character set has every character."""
     return (stream.encoding or "").lower().replace("-", "").replace("_", "").startswith("utf")
 
 
@@ -81,11 +91,8 @@ def on_hang_up(stop: Callable[[], object]) -> None:
     def hung_up(*_: object) -> None:
         for stream in (sys.stdin, sys.stdout, sys.stderr):
             with suppress(OSError, ValueError, AttributeError):
-                number = stream.fileno()
-                if os.isatty(number) or _is_dead(number):
-                    null = os.open(os.devnull, os.O_RDWR)
-                    os.dup2(null, number)
-                    os.close(null)
+                if os.isatty(stream.fileno()) or _is_dead(stream.fileno()):
+                    _to_nowhere(stream)
         stop()
 
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:

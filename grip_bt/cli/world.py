@@ -1,32 +1,45 @@
-"""`grip world`: lists simulated worlds, shows what a seed draws in one, takes a picture, checks and copies files."""
+"""`grip world` and `grip object`: worlds and what can stand in them: listed, shown, checked, made."""
 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.worlds import checked_world
 from grip_bt.base.errors import GripError
 from grip_bt.base.yaml.tree import read_file
-from grip_sim import start_simulation
-from grip_sim.specs import WorldSpec
+from grip_sim import objects, start_simulation
+from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.worlds import BUILTIN, load_world, read_world, world_files
+
+from .parser import add_actions
+from .terminal import tell
+
+if TYPE_CHECKING:
+    from grip_sim.objects.body import ObjectModel
 
 SEEDS = 20
 """So many arrangements are drawn by `check`."""
+Faults = Callable[[str, Project], Iterator[GripError]]
+SPOT = (0.60, 0.0)
+"""Where a thing stands on the table when its picture is taken [m]."""
 
 
 def add_world(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    verbs = parser.add_subparsers(title="what to do", metavar="WHAT", required=True)
-    listed = verbs.add_parser("list", help="the worlds of the project in this folder, and the built-in ones")
-    show = verbs.add_parser("show", help="what stands in a world, which regions and cameras it has")
-    check = verbs.add_parser("check", help="everything that is wrong with worlds' files; exit status 1 for errors")
-    new = verbs.add_parser("new", help="copy a built-in world into the project, to be changed")
+    listed, show, check, new = add_actions(
+        parser,
+        {
+            "list": (_list_worlds, "the worlds of the project in this folder, and the built-in ones"),
+            "show": (_show_world, "what stands in a world, which regions and cameras it has"),
+            "check": (_check_worlds, "everything that is wrong with worlds' files; exit status 1 for errors"),
+            "new": (_new_world, "copy a built-in world into the project, to be changed"),
+        },
+    )
     show.add_argument("world", metavar="NAME|FILE", help="a world's name, or a path of its file")
     show.add_argument("--seed", type=int, default=0, metavar="N", help="of what is drawn; 0 without it")
     show.add_argument("--picture", type=Path, metavar="FILE", help="write what a camera sees after 1 s: .png or .jpg")
@@ -36,55 +49,124 @@ def add_world(parser: argparse.ArgumentParser) -> None:
     new.add_argument("--like", default="table", metavar="WORLD", help=f"what to copy: {', '.join(BUILTIN)}; or a file")
     for each in (listed, show):
         each.add_argument("--json", action="store_true", help="print one JSON object")
-    for each, run in ((listed, _run_list), (show, _run_show), (check, _run_check), (new, _run_new)):
-        each.set_defaults(run=run)
 
 
-def _run_list(args: argparse.Namespace) -> int:
-    files = world_files(find_project(Path.cwd()).folder)
-    if args.json:
-        print(json.dumps({name: str(path) for name, path in files.items()}))
-        return 0
-    for name in files:
-        print(f"{name}: {_doc(name)}")
-    return 0
+def add_object(parser: argparse.ArgumentParser) -> None:
+    listed, show, check, add = add_actions(
+        parser,
+        {
+            "list": (_list_objects, "the objects of the project in this folder, and those of the library"),
+            "show": (_show_object, "an object's size, mass, inertia and parts"),
+            "check": (_check_objects, "everything that is wrong with objects' files; exit status 1 for errors"),
+            "add": (_add, "bring in a mesh, a URDF, an SDF, or a folder of YCB or Google Scanned Objects"),
+        },
+    )
+    show.add_argument("object", metavar="NAME|FILE", help="an object's name, or a path of its file")
+    show.add_argument("--picture", type=Path, metavar="FILE", help="write how it lies on a table: .png or .jpg")
+    check.add_argument("objects", nargs="*", metavar="NAME|FILE", help="all of the project's without it")
+    add.add_argument("path", type=Path, metavar="FILE|FOLDER", help="what to bring in; it is copied")
+    add.add_argument("--name", default="", metavar="NAME", help="objects/NAME.yaml; the file's or folder's name else")
+    add.add_argument("--scale", type=float, metavar="X", help="factor of its lengths; 0.001 for millimetres")
+    add.add_argument("--mass", type=float, metavar="KG", help="what it weighs; what its file says, or a guess, else")
+    add.add_argument("--friction", type=float, metavar="MU", help="against hands and tables; 0.6 without it")
+    add.add_argument("--parts", type=int, default=32, metavar="N", help="most convex parts, 32; 1: its hull")
+    for each in (listed, show):
+        each.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def _doc(name: str) -> str:
+def _here() -> Project:
+    return find_project(Path.cwd())
+
+
+def _list(args: argparse.Namespace, files: dict[str, Path], told: Callable[[Path], str]) -> None:
+    def line(name: str, file: Path) -> str:
+        try:
+            return f"{name}: {told(file)}"
+        except GripError as error:
+            return f"{name}: wrong: {error}"
+
+    data = {name: str(file) for name, file in files.items()}
+    tell(args.json, data, (line(name, file) for name, file in files.items()))
+
+
+def _list_worlds(args: argparse.Namespace) -> None:
+    _list(args, world_files(_here().folder), lambda file: read_world(str(file))[0].doc)
+
+
+def _list_objects(args: argparse.Namespace) -> None:
+    def told(file: Path) -> str:
+        model = objects.load_object(file)
+        return f"{model.doc or 'no doc'} ({_size(model)}, {model.mass:g} kg)"
+
+    _list(args, objects.object_files(_here().folder), told)
+
+
+def _check(given: Sequence[str], files: dict[str, Path], faults: Faults, what: str) -> int:
+    """Print what is wrong with what is named, or with all that the project has of its own."""
+    project = _here()
+    names = given or [name for name, file in files.items() if file.parent.parent == project.folder]
+    found = [f"{name}: {fault}" for name in names for fault in faults(name, project)]
+    print(*found, f"{len(names)} {what}: {len(found)} errors", sep="\n")
+    return int(bool(found))
+
+
+def _check_worlds(args: argparse.Namespace) -> int:
+    return _check(args.worlds, world_files(_here().folder), _faults_of_world, f"worlds checked on {SEEDS} seeds")
+
+
+def _faults_of_world(name: str, project: Project) -> Iterator[GripError]:
+    """Yield what is wrong with a world, its arrangements and its conditions: the first of each."""
+    found = checked_world(project, name)
+    if isinstance(found, GripError):
+        yield found
+        return
+    for seed in range(1, SEEDS):
+        try:
+            load_world(name, seed, project.folder)
+        except GripError as error:
+            yield GripError(f"seed {seed}: {error}")
+            return
+
+
+def _check_objects(args: argparse.Namespace) -> int:
+    return _check(args.objects, objects.object_files(_here().folder), _faults_of_object, "objects checked")
+
+
+def _faults_of_object(name: str, project: Project) -> Iterator[GripError]:
     try:
-        return read_world(name, find_project(Path.cwd()).folder)[0].doc
+        objects.load_object(objects.object_file(name, project.folder))
     except GripError as error:
-        return f"wrong: {error}"
+        yield error
 
 
-def _run_show(args: argparse.Namespace) -> int:
-    project = find_project(Path.cwd())
-    spec = load_world(args.world, args.seed, project.folder, "" if project.file.robot is None else project.robot_source)
-    print(json.dumps(spec.to_json(), indent=2) if args.json else "\n".join(_told(spec)))
+def _show(args: argparse.Namespace, data: object, lines: Iterator[str], spec: WorldSpec, camera: str) -> None:
+    tell(args.json, data, lines)
     if args.picture is not None:
-        take_picture(spec, args.camera, args.picture)
+        take_picture(spec, camera, args.picture)
         print(f"{args.picture}: written", file=sys.stderr)
-    return 0
 
 
-def _told(spec: WorldSpec) -> Iterator[str]:
+def _show_world(args: argparse.Namespace) -> None:
+    project = _here()
+    spec = load_world(args.world, args.seed, project.folder, "" if project.file.robot is None else project.robot_source)
+    _show(args, spec.to_json(), _lines_of_world(spec), spec, args.camera)
+
+
+def _lines_of_world(spec: WorldSpec) -> Iterator[str]:
     yield f"robot: {spec.robot}"
     for thing in spec.objects:
         size = f"radius {thing.radius:.3f} m" + ("" if thing.shape == "sphere" else f", height {thing.height:.3f} m")
         size = f"{Path(thing.model).stem}, {size}" if thing.model else size
         place = ", ".join(f"{each:.3f}" for each in thing.position)
         yield f"object {thing.name}: {size}, {thing.mass:.3f} kg, friction {thing.friction:g}, centre at {place}"
-    yield from (f"fixture {box.name}" for box in spec.boxes)
-    yield from (f"fixture {mesh.name}" for mesh in spec.meshes)
+    yield from (f"fixture {name}" for name in (*(b.name for b in spec.boxes), *(m.name for m in spec.meshes)))
     for name, said in spec.articulated.items():
         yield f"articulated {name}: {said.kind}, {', '.join(said.measures(name))}"
     for region in spec.regions:
         size = " x ".join(f"{each:g}" for each in region.size)
         yield f"region {region.name}: {size} m" + (", a target" if region.target else "")
-    for camera in spec.cameras:
-        yield f"camera {camera.name}: {camera.width} x {camera.height} px"
-    for name, condition in spec.judge.items():
-        yield f"judge {name}: {condition}"
+    yield from (f"camera {camera.name}: {camera.width} x {camera.height} px" for camera in spec.cameras)
+    yield from (f"judge {name}: {condition}" for name, condition in spec.judge.items())
     for name, fault in spec.faults.items():
         yield f"fault {name}: {fault.fault}" + (f" of {fault.of}" if fault.of else "")
 
@@ -114,36 +196,8 @@ def take_picture(spec: WorldSpec, camera: str, file: Path) -> None:
         raise GripError(f"{file}: can't be written; a picture is a .png or .jpg file in a folder that is there")
 
 
-def _run_check(args: argparse.Namespace) -> int:
-    project = find_project(Path.cwd())
-    own = (name for name, file in world_files(project.folder).items() if file.parent.parent == project.folder)
-    names = args.worlds or list(own)
-    wrong = 0
-    for name in names:
-        faults = list(_faults(project, name))
-        wrong += len(faults)
-        for fault in faults:
-            print(f"{name}: {fault}")
-    print(f"{len(names)} worlds checked on {SEEDS} seeds: {wrong} errors")
-    return int(wrong > 0)
-
-
-def _faults(project: Project, name: str) -> Iterator[GripError]:
-    """Yield what is wrong with a world, its arrangements and its conditions: the first of each."""
-    found = checked_world(project, name)
-    if isinstance(found, GripError):
-        yield found
-        return
-    for seed in range(1, SEEDS):
-        try:
-            load_world(name, seed, project.folder)
-        except GripError as error:
-            yield GripError(f"seed {seed}: {error}")
-            return
-
-
-def _run_new(args: argparse.Namespace) -> int:
-    project = find_project(Path.cwd())
+def _new_world(args: argparse.Namespace) -> None:
+    project = _here()
     if not args.name.isidentifier():
         raise GripError(f"{args.name!r} can't be a world's name: use letters, digits and _, as in my_table")
     file = project.folder / "worlds" / f"{args.name}.yaml"
@@ -154,4 +208,56 @@ def _run_new(args: argparse.Namespace) -> int:
     file.write_text(read_file(source))
     print(f"{file}: written; `world: {args.name}` in grip.yaml uses it")
     print(f"next: grip world show {args.name} --picture {args.name}.png")
-    return 0
+
+
+def _size(model: ObjectModel) -> str:
+    return " x ".join(f"{1e3 * edge:.0f}" for edge in model.size) + " mm"
+
+
+def _show_object(args: argparse.Namespace) -> None:
+    file = objects.object_file(args.object, _here().folder)
+    model = objects.load_object(file)
+    data = {key: getattr(model, key) for key in ("name", "doc", "size", "mass", "friction")}
+    data |= {"centre_of_mass": model.centre.tolist(), "inertia": model.inertia.tolist(), "parts": len(model.parts)}
+    _show(args, data, _lines_of_object(model), _on_a_table(model, file), "close")
+
+
+def _lines_of_object(model: ObjectModel) -> Iterator[str]:
+    yield f"{model.name}: {model.doc or 'no doc'}"
+    yield f"size: {_size(model)}"
+    yield f"mass: {model.mass:g} kg, friction {model.friction:g}"
+    centre = ", ".join(f"{1e3 * each:.1f}" for each in model.centre)
+    yield f"centre of mass: {centre} mm from the middle of its bounding box"
+    rows = "; ".join(", ".join(f"{1e6 * each:.4g}" for each in row) for row in model.inertia)
+    yield f"inertia about it: {rows} kg mm^2"
+    yield f"convex parts: {len(model.parts)}"
+
+
+def _on_a_table(model: ObjectModel, file: Path) -> WorldSpec:
+    height, far = model.size[2], 2.2 * max(model.size) + 0.08
+    (x, y), middle = SPOT, height / 2
+    thing = ObjectSpec("thing", "model", model.radius, height, (x, y, middle + 1e-3), 0.0, model.mass, model.friction)
+    eye = (x - 0.6 * far, y - 0.75 * far, middle + 0.55 * far)
+    camera = CameraSpec("close", 640, 480, 0.6, eye, target=(x, y, middle))
+    return replace(load_world("table"), objects=(replace(thing, model=str(file)),), cameras=(camera,))
+
+
+def _add(args: argparse.Namespace) -> None:
+    from grip_sim.objects.adding import check_mesh, find_object, write_object  # which needs trimesh
+
+    folder = _here().folder
+    name = args.name or args.path.resolve().stem.lstrip("0123456789_-").replace("-", "_").replace(" ", "_")
+    if not name.isidentifier():
+        raise GripError(f"{name!r} can't be an object's name: give one of letters, digits and _ by `--name`")
+    for option in ("scale", "mass", "friction", "parts"):
+        if (value := getattr(args, option)) is not None and not 0 < value < float("inf"):
+            raise GripError(f"--{option} is a number above 0, not {value:g}")
+    found = find_object(args.path)
+    checked = check_mesh(found, args.scale, args.parts, lambda text: print(text, file=sys.stderr))
+    own, source = folder / objects.FOLDER, str(args.path.name)
+    file = write_object(name, found, checked, own, mass=args.mass, friction=args.friction, source=source)
+    model = objects.load_object(file)
+    hidden = " (it hides the library's)" if name in objects.BUILTIN else ""
+    print(*(f"{name}: {remark}" for remark in checked.remarks), *_lines_of_object(model), sep="\n")
+    print(f"{file}: written{hidden}; `model: {name}` in a world's file uses it")
+    print(f"next: grip object show {name} --picture {name}.png")

@@ -53,10 +53,6 @@ class SimClock:
         """Simulated time alone [s]."""
         return self._simulated
 
-    def simulated_now(self) -> float:
-        """Return simulated time alone [s]."""
-        return self._simulated
-
     def begin(self) -> None:
         """A motion begins."""
         with self._lock:
@@ -117,16 +113,10 @@ class SimClient(Closing):
     """Owns one simulator process.
 
     Attributes:
-        clock: the run's.
         sent: how many requests were sent, without what is said of turns.
         on_fault: told of each fault of the world that begins or is over: its name, what happened, whether it is over.
 
-    Args:
-        pace: simulated seconds per second; None for as fast as it goes.
-        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
-
-    Raises:
-        SimulatorLostError: it didn't start; the message holds what it printed.
+    Args and what is raised: see `start_simulation`.
     """
 
     def __init__(self, spec: WorldSpec, pace: float | None = None, hold: int | None = None):
@@ -221,8 +211,6 @@ class SimClient(Closing):
         self._connection.close()
         self._process.close()
 
-    # --- requests ---
-
     def _send(
         self,
         fields: dict[str, object],
@@ -234,7 +222,11 @@ class SimClient(Closing):
             self.sent += 1
             number = self.sent
         message = pack({"id": number, **fields}, arrays)
-        operation: Operation[Reply] = Operation((lambda: self._cancel(number)) if cancelable else None)
+
+        def cancel() -> None:
+            self._send({"call": "cancel", "motion": number})
+
+        operation: Operation[Reply] = Operation(cancel if cancelable else None)
         with self._lock:
             if self._lost is not None:
                 return Operation.failed(self._lost)
@@ -246,15 +238,10 @@ class SimClient(Closing):
             pass  # the reader notices the end and fails every pending operation
         return operation
 
-    def _cancel(self, number: int) -> None:
-        self._send({"call": "cancel", "motion": number})
-
     def _await(self, operation: Operation[Reply], seconds: float) -> Reply:
         if not operation.wait_here(seconds):
             raise SimulatorLostError(f"the simulator (process {self.pid}) gives no answer within {seconds:.0f} s")
         return operation.result()
-
-    # --- answers ---
 
     def _read(self) -> None:
         try:

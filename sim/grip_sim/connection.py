@@ -57,29 +57,20 @@ def pack(fields: Mapping[str, object], arrays: Arrays | None = None) -> bytes:
 
 
 def receive(connection: socket.socket) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Wait for one message and return its fields and its arrays, which are read-only.
-
-    Raises:
-        ClosedError: the other end is gone, or what it sent is no message.
-    """
+    """Wait for a message; return its fields and read-only arrays. Raises ClosedError where the other end is gone."""
     header_length, body_length = _LENGTHS.unpack(_exactly(connection, _LENGTHS.size))
     if header_length + body_length > LARGEST:
         raise ClosedError(f"a message of {header_length + body_length} bytes")
     header, body = _exactly(connection, header_length), _exactly(connection, body_length)
+    arrays, offset = dict[str, NDArray[Any]](), 0
     try:
         content = json.loads(header)
-        return dict(content["fields"]), _arrays(content["arrays"], body)
+        for name, dtype, shape in content["arrays"]:
+            arrays[name] = np.frombuffer(body, np.dtype(dtype), math.prod(shape), offset).reshape(shape)
+            offset += arrays[name].nbytes
+        return dict(content["fields"]), arrays
     except (ValueError, KeyError, TypeError) as error:
         raise ClosedError(f"a message that can't be read: {error!r}") from None
-
-
-def _arrays(shapes: list[Any], body: bytes) -> dict[str, NDArray[Any]]:
-    arrays, offset = {}, 0
-    for name, dtype, shape in shapes:
-        count = math.prod(shape)
-        arrays[name] = np.frombuffer(body, np.dtype(dtype), count, offset).reshape(shape)
-        offset += arrays[name].nbytes
-    return arrays
 
 
 def _exactly(connection: socket.socket, count: int) -> bytes:
@@ -102,13 +93,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Reply:
-    """An answer of the simulator.
-
-    Attributes:
-        fields: JSON data.
-        arrays: by name.
-        time: when it arrived, on the run's clock [s].
-    """
+    """An answer of the simulator: JSON data, arrays, when it arrived on the run's clock [s]."""
 
     fields: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]]
@@ -137,18 +122,14 @@ LINES = 40
 
 
 class SimProcess:
-    """A child process that runs `python -m grip_sim`.
+    """A child process that runs `python -m grip_sim.server` with its end of a socket pair, which may be closed then.
 
-    It ends by itself when the other end of its connection is gone, also when our process was killed.
-
-    Args:
-        connection: its end of a socket pair; may be closed here afterwards.
-        hold: file descriptor over which somebody else may have the robot hold; None for nobody.
+    It ends by itself when the other end is gone, also when our process was killed.
     """
 
     def __init__(self, connection: socket.socket, hold: int | None = None):
         descriptors = [connection.fileno(), *([] if hold is None else [hold])]
-        command = python_command("-m", "grip_sim", *map(str, descriptors))
+        command = python_command("-m", "grip_sim.server", *map(str, descriptors))
         # What it prints is kept from our standard output, which may carry a protocol.
         self._process = subprocess.Popen(
             command,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Literal, NamedTuple, Protocol
 from zlib import crc32
 
 import numpy as np
@@ -16,44 +16,47 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from grip_bt.base.errors import GripError, UnknownNameError
-from grip_bt.base.yaml.models import Settings
+from grip_bt.base.yaml.models import Finite, NotNegative, Positive, Settings
 from grip_bt.commanders.description.robot import RobotDescription
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Seconds = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Vector = tuple[Finite, Finite, Finite]
-FaultKind = Literal[
-    "drop",
-    "push",
-    "stuck",
-    "limit",
-    "abort",
-    "blackout",
-    "freeze",
-    "late",
-    "light",
-    "component_death",
-    "component_hang",
-]
+Camera = Literal["blackout", "freeze", "late"]
+FaultKind = Literal["drop", "push", "stuck", "limit", "abort", "light", Camera, "component_death", "component_hang"]
 SLIPPING = 0.5
 """For so long an object that is dropped passes through hands, where nothing else is said [s]."""
 
 
 def rising(span: tuple[float, float]) -> tuple[float, float]:
-    """Return a range.
-
-    Raises:
-        ValueError: its first number isn't the smaller one.
-    """
+    """Return a range; ValueError where its first number isn't the smaller one."""
     if not span[0] <= span[1]:
         raise ValueError(f"from {span[0]:g} to {span[1]:g} is no range: the first number is the smaller one")
     return span
 
 
 Range = Annotated[tuple[Finite, Finite], AfterValidator(rising)]
-_TAKES: Mapping[str, str] = {"push": "by", "limit": "between", "late": "lag", "light": "factor"}
-"""Fault -> the field that only it has, and needs."""
+
+
+class _Kind(NamedTuple):
+    """What `of` names, if anything; the field that only it has; what it is of without `of`, where it may be."""
+
+    of: str = ""
+    takes: str = ""
+    everything: str = ""
+
+
+_KINDS: Mapping[str, _Kind] = {
+    "drop": _Kind("object", "", "nothing: no hand holds anything"),
+    "push": _Kind("object", "by"),
+    "stuck": _Kind("joint"),
+    "limit": _Kind("joint", "between"),
+    "abort": _Kind("group", "", "every motion"),
+    "blackout": _Kind("camera", "", "every camera"),
+    "freeze": _Kind("camera", "", "every camera"),
+    "late": _Kind("camera", "lag", "every camera"),
+    "light": _Kind("", "factor", "everything"),
+    "component_death": _Kind("component"),
+    "component_hang": _Kind("component"),
+}
 
 
 class Fault(Settings):
@@ -68,7 +71,7 @@ class Fault(Settings):
     """Object, joint, group, camera or component; without it what is held, every arm and hand, or every camera."""
     node: str = ""
     """Path of the task's node with whose beginning it is due; without it, it is due once."""
-    at: Seconds | Annotated[tuple[Seconds, Seconds], AfterValidator(rising)] = 0.0
+    at: NotNegative | Annotated[tuple[NotNegative, NotNegative], AfterValidator(rising)] = 0.0
     """How long after the start, or the node's beginning [simulated s]; from and to, which the seed draws between."""
     chance: Annotated[float, Field(ge=0, le=1)] = 1.0
     """With which probability it happens when it is due."""
@@ -87,32 +90,18 @@ class Fault(Settings):
 
     @model_validator(mode="after")
     def _has_what_it_needs(self) -> Fault:
-        for kind, field in _TAKES.items():
-            if (getattr(self, field) is not None) != (self.fault == kind):
-                word = "needs" if self.fault == kind else "takes no"
-                raise ValueError(f"the fault `{self.fault}` {word} `{field}`")
-        if self.fault in ("push", "stuck", "limit", "component_death", "component_hang") and not self.of:
-            raise ValueError(f"the fault `{self.fault}` needs `of`: the name of {_NAMED[self.fault]}")
+        for name, kind in _KINDS.items():
+            if kind.takes and (getattr(self, kind.takes) is not None) != (self.fault == name):
+                word = "needs" if self.fault == name else "takes no"
+                raise ValueError(f"the fault `{self.fault}` {word} `{kind.takes}`")
+        kind = _KINDS[self.fault]
+        if not self.of and not kind.everything:
+            raise ValueError(f"the fault `{self.fault}` needs `of`: the {kind.of}'s name")
         return self
 
 
 NOWHERE = (np.inf, -np.inf)
 """The range of a joint that is stuck."""
-ALL: Mapping[str, str] = {"drop": "nothing: no hand holds anything", "abort": "every motion", "light": "everything"} | {
-    kind: "every camera" for kind in ("blackout", "freeze", "late")
-}
-_NAMED: Mapping[str, str] = {
-    "drop": "an object",
-    "push": "an object",
-    "stuck": "a joint",
-    "limit": "a joint",
-    "abort": "a group",
-    "blackout": "a camera",
-    "freeze": "a camera",
-    "late": "a camera",
-    "component_death": "a component",
-    "component_hang": "a component",
-}
 
 
 def check_faults(
@@ -123,20 +112,14 @@ def check_faults(
     components: Collection[str],
 ) -> Iterator[GripError]:
     """Yield the faults that name what isn't there."""
-    there: Mapping[str, Collection[str]] = {
-        "an object": objects,
-        "a joint": robot.drives,
-        "a group": robot.groups,
-        "a camera": cameras,
-        "a component": components,
-    }
+    there: dict[str, Collection[str]] = {"object": objects, "joint": robot.drives, "group": robot.groups}
+    there |= {"camera": cameras, "component": components}
     for name, fault in faults.items():
-        kind = _NAMED.get(fault.fault)
-        if kind is None:
-            if fault.of:
-                yield GripError(f"faults/{name}: the fault `{fault.fault}` takes no `of`: it is everywhere")
+        kind = _KINDS[fault.fault].of
+        if fault.of and not kind:
+            yield GripError(f"faults/{name}: the fault `{fault.fault}` takes no `of`: it is everywhere")
         elif fault.of and fault.of not in there[kind]:
-            yield UnknownNameError(kind.partition(" ")[2], fault.of, there[kind], f"faults/{name}/of")
+            yield UnknownNameError(kind, fault.of, there[kind], f"faults/{name}/of")
 
 
 class Disturbed(Protocol):
@@ -169,15 +152,8 @@ class _Due:
     on: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Event:
-    """A fault that has begun, or is over.
-
-    Attributes:
-        name: of the fault.
-        words: what happened.
-        over: whether it ended.
-    """
+class Event(NamedTuple):
+    """A fault that has begun, or is over: its name, what happened, whether it ended."""
 
     name: str
     words: str
@@ -185,13 +161,7 @@ class Event:
 
 
 class Faults:
-    """Has the faults of a world happen.
-
-    Args:
-        faults: by name.
-        seed: of what is drawn.
-        world: where.
-    """
+    """Has the faults of a world happen."""
 
     def __init__(self, faults: Mapping[str, Fault], seed: int, world: Disturbed):
         self._faults, self._seed, self._world = faults, seed, world
@@ -213,20 +183,15 @@ class Faults:
 
     def stepped(self) -> None:
         """Begin what is due, and end what is over."""
-        if not self._due:
-            return
         ready = [due for due in self._due if due.time <= self._world.time + 1e-9]
-        if ready:
-            self._due = [due for due in self._due if due not in ready]
-            for due in ready:
-                self._begin(due) if due.begins else self._end(due)
+        self._due = [due for due in self._due if due not in ready]
+        for due in ready:
+            self._begin(due) if due.begins else self._end(due)
 
     def told(self) -> list[Event]:
         """Return what has happened since this was asked last."""
         events, self._told = self._told, []
         return events
-
-    # --- what is on ---
 
     def aborted(self, groups: Iterable[str]) -> str:
         """Return why a controller of one of these groups gives up now, or an empty string."""
@@ -236,7 +201,7 @@ class Faults:
                 return f"the controller has aborted (fault {name!r})"
         return ""
 
-    def of_camera(self, kind: FaultKind, camera: str) -> Fault | None:
+    def of_camera(self, kind: Camera, camera: str) -> Fault | None:
         """Return the fault of a kind that a camera has now."""
         found = (f for f in self._on.values() if f.fault == kind and f.of in ("", camera))
         return next(found, None)
@@ -245,8 +210,6 @@ class Faults:
     def brightness(self) -> float:
         """What colours are multiplied with now."""
         return float(np.prod([f.factor for f in self._on.values() if f.factor is not None]))
-
-    # --- beginning and ending ---
 
     def _draw(self, name: str, now: float) -> None:
         fault = self._faults[name]
@@ -273,7 +236,7 @@ class Faults:
         else:
             self._on[name] = fault
             lasts = lasts or 0.0 if fault.fault == "abort" else lasts
-        self._told.append(Event(name, f"{fault.fault} of {', '.join(on) or ALL[fault.fault]}"))
+        self._told.append(Event(name, f"{fault.fault} of {', '.join(on) or _KINDS[fault.fault].everything}"))
         if lasts is not None and fault.fault != "push":
             self._due.append(_Due(name, self._world.time + lasts, False, on))
 

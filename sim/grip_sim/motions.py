@@ -29,13 +29,7 @@ _PAST = 0.1
 
 @dataclass(frozen=True)
 class Ended:
-    """How a motion has ended.
-
-    Attributes:
-        error: empty, `aborted` or `canceled`.
-        message: what is said of that.
-        stopped: whether the joints were measured at rest.
-    """
+    """How a motion has ended: empty, `aborted` or `canceled`, why, and whether the joints were measured at rest."""
 
     error: str = ""
     message: str = ""
@@ -61,7 +55,6 @@ class Brake:
 
     Args:
         rows: which joints, n of them.
-        ramp: how their targets come to rest.
         begun: simulated time now [s].
     """
 
@@ -70,7 +63,6 @@ class Brake:
         self._hold: Array | None = None
 
     def advance(self, world: World) -> Ended | None:
-        """Move the targets on, and wait for the joints to stand still."""
         t = world.time - self._begun + world.spec.dt
         position, velocity, _ = self._ramp.sampled(np.array([t]))
         if t <= self._ramp.duration:
@@ -90,7 +82,6 @@ class Brake:
         return None
 
     def braking(self, world: World) -> Motion:
-        """Go on."""
         return self
 
 
@@ -129,18 +120,14 @@ class Follow:
         off = np.abs(path.at(at - since) - positions[0]).max()
         if off > 1e-3:
             raise ValueError(f"the new tail starts {off:.4f} rad away from the motion")
-        old = path.times + since
-        kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
         if path.velocities is None:  # its speed jumps at its points: nothing goes on smoothly from there
             return False
+        old = path.times + since
+        kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
         whole = np.concatenate([old[kept], at + times])
         self._since = float(whole[0])
-        self._path = Trajectory(
-            path.names,
-            whole - self._since,
-            np.concatenate([path.positions[kept], positions]),
-            np.concatenate([path.velocities[kept], velocities]),
-        )
+        told, speeds = (path.positions[kept], positions), (path.velocities[kept], velocities)
+        self._path = Trajectory(path.names, whole - self._since, np.concatenate(told), np.concatenate(speeds))
         return True
 
     def wrong_start(self) -> str:
@@ -201,7 +188,6 @@ class MoveHand:
         self._still_since: float | None = None
 
     def advance(self, world: World) -> Ended | None:
-        """Move the targets; the end is when the time is over and the fingers stand still, or the grace is over."""
         t = world.time - self._begun + world.spec.dt
         part = min(1.0, t / self._duration)
         self._robot.drive(self.rows, self._start + (self._goal - self._start) * part)
@@ -237,9 +223,7 @@ class Wait:
         self._until, self._end = until, end or Ended()
 
     def advance(self, world: World) -> Ended | None:
-        """Wait until the simulated time."""
         return self._end if world.time >= self._until else None
 
     def braking(self, world: World) -> Motion:
-        """End with the next step."""
         return Wait(world.time, Ended("canceled", "the wait was cancelled"))

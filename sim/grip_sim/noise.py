@@ -23,9 +23,10 @@ from pydantic import BeforeValidator, Field
 from pydantic.dataclasses import dataclass
 
 from grip_bt.base.arrays import Array
+from grip_bt.base.yaml.models import NotNegative as Amount
+from grip_bt.base.yaml.models import Positive
 
 Part = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,25 +52,19 @@ class NoiseSpec:
     constant: Amount = 0.0
     linear: Amount = 0.0
     subpixel: Amount = 0.0
-    baseline: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.05
+    baseline: Positive = 0.05
     slant: Amount = 0.0
     grazing: Annotated[float, Field(gt=0, le=np.pi / 2)] = np.pi / 2
     dropout: Part = 0.0
     bleeding: Part = 0.0
-    edge: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.02
+    edge: Positive = 0.02
     unit: Amount = 0.0
     nearest: Amount = 0.0
     colour: Amount = 0.0
     latency: Annotated[float, Field(ge=0, le=10)] = 0.0
 
     def deviation(self, depth: Array, focal: float, cosine: Array | float = 1.0) -> Array:
-        """Return the standard deviation of depth [m].
-
-        Args:
-            depth: [m].
-            focal: length [px].
-            cosine: of the angle between ray and normal.
-        """
+        """Return the standard deviation of depth [m]."""
         straight = self.constant + self.linear * depth + self.subpixel * depth**2 / (focal * self.baseline)
         tangent = np.sqrt(np.maximum(1 - np.square(cosine), 0)) / np.maximum(cosine, 0.05)
         return straight * (1 + self.slant * tangent)

@@ -39,7 +39,6 @@ def ignore_each_other(shapes: Iterable[physx.PhysxCollisionShape], bit: int) -> 
     may be in several such sets.
 
     Args:
-        shapes: the set.
         bit: names the set, 0-31.
     """
     for shape in shapes:
@@ -85,16 +84,4 @@ def add_model(scene: sapien.Scene, spec: ObjectSpec, model: ObjectModel) -> phys
     return body
 
 
-__all__ = [
-    "FIXED",
-    "HAND",
-    "SLIPPERY",
-    "SOLID",
-    "LinkBuilder",
-    "add_model",
-    "ignore_each_other",
-    "make_scene",
-    "movable",
-    "physx",
-    "sapien",
-]
+__all__ = ["LinkBuilder", "physx", "sapien"]

@@ -26,7 +26,6 @@ class ObjectTruth:
     """Where an object is and in which state.
 
     Attributes:
-        name: the object.
         status: `held`: the hand touches it and nothing else bears it; things beside it may touch it too.
             `placed`: at rest, its centre in a region that is a target. `fallen`: lower than where the world begins.
             `standing`, `lying`: at rest elsewhere. `elsewhere`: none of these.
@@ -44,13 +43,8 @@ class ObjectTruth:
     def to_json(self) -> dict[str, object]:
         """Return it as JSON data."""
         place = {"position": self.pose.position.tolist(), "quaternion": self.pose.quaternion.tolist()}
-        return {
-            "name": self.name,
-            "status": self.status,
-            "hand_force": self.hand_force,
-            "regions": list(self.regions),
-            **place,
-        }
+        said = {"name": self.name, "status": self.status, "hand_force": self.hand_force}
+        return {**said, "regions": list(self.regions), **place}
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> ObjectTruth:
@@ -84,10 +78,7 @@ def _verdict(world: World, spec: ObjectSpec, contacts: Iterable[Contact]) -> Obj
     elif hand_force > 0 and not resting:
         status = "held"
     elif at_rest and not hand_force:
-        if any(region.target for region in regions):
-            status = "placed"
-        else:
-            upright = abs(pose.rotation()[2, 2]) > UPRIGHT_COSINE
-            status = "standing" if upright else "lying"
+        upright = abs(pose.rotation()[2, 2]) > UPRIGHT_COSINE
+        status = "placed" if any(region.target for region in regions) else "standing" if upright else "lying"
     names = tuple(region.name for region in regions)
     return ObjectTruth(spec.name, status, pose, float(np.round(hand_force, 6)), names)

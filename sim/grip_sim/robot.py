@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +28,7 @@ LEAST, MOST = 1e-3, 0.999
 """Torques that regulation leaves a drive, as parts of what it can; all of it has one that has touched nothing yet."""
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     """State of some joints: arrays of one length; rad, rad/s, N m."""
 
     names: tuple[str, ...]
@@ -43,7 +42,6 @@ class SimRobot:
 
     Args:
         scene: where it is put, with its base link at the origin.
-        description: what it is.
     """
 
     def __init__(self, scene: sapien.Scene, description: RobotDescription):
@@ -63,7 +61,9 @@ class SimRobot:
             self._followers.setdefault(self._rows[mimic.joint], []).append((self._rows[name], mimic))
         self._set_drives(scene.timestep)
         self._let_neighbours_pass()
-        self.place(self._with_followers({j: q for j, q in description.at_rest.items() if j in self._rows}))
+        rest = {j: q for j, q in description.at_rest.items() if j in self._rows}
+        following = {j: m.multiplier * rest.get(m.joint, 0.0) + m.offset for j, m in description.mimics.items()}
+        self.place(rest | following)
 
     def rows(self, names: Sequence[str]) -> Indices:
         """Return the indices of joints, for the other methods."""
@@ -176,21 +176,12 @@ class SimRobot:
 
     def kept(self) -> dict[str, Array]:
         """Return everything that makes the robot move on as it does: states, targets and limits of all joints."""
-        return {
-            "positions": self.positions(),
-            "velocities": self.velocities(),
-            "targets": self._target.copy(),
-            "speeds": self._speed.copy(),
-            "limits": self._limit.copy(),
-            "forces": self._force.copy(),
-        }
+        driven = {"targets": self._target, "speeds": self._speed, "limits": self._limit, "forces": self._force}
+        copies = {name: each.copy() for name, each in driven.items()}
+        return {"positions": self.positions(), "velocities": self.velocities(), **copies}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
-        """Bring the robot into a state that was kept.
-
-        Raises:
-            ValueError: it is of a robot with other joints.
-        """
+        """Bring the robot into a state that was kept. Raises ValueError where it is of a robot with other joints."""
         count = len(self._joints)
         wrong = {name: np.shape(kept[name]) for name in self.kept() if np.shape(kept[name]) != (count,)}
         if wrong:
@@ -222,11 +213,6 @@ class SimRobot:
         self._joints[row].set_drive_target(position)
         self._joints[row].set_drive_velocity_target(speed)
 
-    def _with_followers(self, positions: Mapping[str, float]) -> dict[str, float]:
-        mimics = self.description.mimics
-        follow = {j: m.multiplier * positions.get(m.joint, 0.0) + m.offset for j, m in mimics.items()}
-        return {**positions, **follow}
-
     def _set_drives(self, dt: float) -> None:
         linked = {*self._followers, *(row for each in self._followers.values() for row, _ in each)}
         for row, joint in enumerate(self._joints):
@@ -239,12 +225,11 @@ class SimRobot:
 
     def _let_neighbours_pass(self) -> None:
         fingers = list(self.description.finger_links.values())
-        for link in self.links:
-            for shape in link.collision_shapes if link.name in self.hand_links else ():
-                shape.set_collision_groups([*HAND, *shape.get_collision_groups()[2:]])
         distal = {link for finger in fingers for link in finger[2:]}
         thumb = set(fingers[-1][:3]) if fingers else set()
         for link in self.links:
+            for shape in link.collision_shapes if link.name in self.hand_links else ():
+                shape.set_collision_groups([*HAND, *shape.get_collision_groups()[2:]])
             if link.name not in distal:  # arm, palm, roots of the fingers: the planner keeps them apart
                 ignore_each_other(link.collision_shapes, NEAR_BASE)
             if link.name in thumb:

@@ -1,10 +1,17 @@
-"""The simulator's process: physics advances only while something is under way; it ends when its client is gone."""
+"""`python -m grip_sim.server FD [HOLD]`: the simulator's process, started by `grip_sim.client` with open sockets.
+
+Physics advances only while something is under way; the process ends when its client is gone.
+"""
 
 from __future__ import annotations
 
+import os
 import select
+import signal
 import socket
+import sys
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +22,7 @@ from grip_bt.base.arrays import Array, Indices
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.trajectory.stopping import even_ramp
-from grip_sim.cameras.film import Film
+from grip_sim.cameras.rig import Film
 from grip_sim.connection import Arrays, ClosedError, pack, receive
 from grip_sim.motions import STILL, Brake, Ended, Follow, Motion, MoveHand, Wait
 from grip_sim.referee import judge
@@ -30,19 +37,14 @@ TELL_TIME = 0.02
 """While something moves, the client is told the time this often [s of ours]."""
 SILENT = frozenset({"follow", "move_hand", "wait", "go", "stand", "go_freely"})
 """Calls that aren't answered at once: motions are when they end, and what is said of turns never is."""
-Answer = tuple[dict[str, object], Arrays | None]
+Answer = Mapping[str, object]
+"""What is said, arrays among it."""
 _LOOSE = -(1 << 40)
 """The number of the motion that brakes joints which nothing drives; no call has it."""
 
 
 class Server:
-    """Obeys one client.
-
-    Args:
-        connection: to the client.
-        pace: simulated seconds per second; None for as fast as it goes.
-        hold: over which somebody else may have the robot hold for good, by any word; None for nobody.
-    """
+    """Obeys one client; somebody else may have the robot hold for good by any word over `hold`."""
 
     def __init__(
         self, connection: socket.socket, spec: WorldSpec, pace: float | None, hold: socket.socket | None = None
@@ -73,7 +75,7 @@ class Server:
         except (ClosedError, BrokenPipeError, ConnectionResetError):
             return
         finally:
-            self._end_film()
+            self._call_end_film()
 
     @property
     def _stands(self) -> bool:
@@ -91,8 +93,7 @@ class Server:
         if not self._hold.recv(64):
             self._hold = None
             return
-        if self._going:
-            self._call_stand()
+        self._call_stand()
         self._in_turns = False
         for number in list(self._motions):
             self._brake(number)
@@ -127,27 +128,26 @@ class Server:
 
     def _obey(self, fields: dict[str, Any], arrays: Arrays) -> None:
         number, call = fields.pop("id"), fields.pop("call")
+        answer: Answer | None
         try:
-            if (handler := getattr(self, f"_call_{call}", None)) is None:
+            if (handler := getattr(self, f"_call_{call}", None)) is not None:
+                answer = handler(number, **fields, **arrays)
+            elif call in ASKED:
+                answer = ASKED[call](self.world)
+            else:
                 raise LookupError("there is no such call")
-            answer: Answer | None = handler(number, **fields, **arrays)
         except GripError as error:
-            self._send({"id": number, "error": "refused", "message": str(error)})
-            return
+            answer = {"error": "refused", "message": str(error)}
         except (LookupError, TypeError, ValueError) as error:  # a wrong call, which changed nothing
-            message = f"{call}: {type(error).__name__}: {error}"
-            self._send({"id": number, "error": "refused", "message": message})
-            return
+            answer = {"error": "refused", "message": f"{call}: {type(error).__name__}: {error}"}
         if answer is not None or call not in SILENT:
-            said, data = answer or ({}, None)
-            self._send({"id": number, **said}, data)
+            self._send({"id": number, **(answer or {})})
 
     def _advance(self) -> None:
         began = time.monotonic()
         for _ in range(STEPS_PER_LOOK):
-            if self._in_turns:
-                if self._until is not None and self.world.time >= self._until:
-                    return self._call_stand()
+            if self._in_turns and self._until is not None and self.world.time >= self._until:
+                return self._call_stand()
             ends = [(number, end) for number, motion in self._motions.items() if (end := self._advanced(motion))]
             for number, end in ends:
                 self._finish(number, end)
@@ -166,13 +166,9 @@ class Server:
             self._send({"id": 0})
 
     def _advanced(self, motion: Motion) -> Ended | None:
-        robot = self.world.robot
-        if (
-            motion.rows.size
-            and not isinstance(motion, Brake)
-            and (why := self.world.faults.aborted(robot.groups_of(motion.rows)))
-        ):
-            return Ended("aborted", why)
+        if motion.rows.size and not isinstance(motion, Brake):
+            if why := self.world.faults.aborted(self.world.robot.groups_of(motion.rows)):
+                return Ended("aborted", why)
         return motion.advance(self.world)
 
     def _tell_faults(self) -> None:
@@ -187,9 +183,8 @@ class Server:
         self._say_held()
 
     def _tell_end(self, number: int, motion: Motion, end: Ended) -> None:
-        said, arrays = self._measured(motion.rows)
-        stopped = {} if end.stopped else {"stopped": False}
-        self._send({"id": number, **said, "error": end.error, "message": end.message, "data": stopped}, arrays)
+        said = {"error": end.error, "message": end.message, "data": {} if end.stopped else {"stopped": False}}
+        self._send({"id": number, **self._measured(motion.rows), **said})
 
     def _brake(self, number: int) -> None:
         """Have a motion come to rest; in a pause nothing moves, so it ends at once, and comes to rest after that."""
@@ -200,7 +195,9 @@ class Server:
         self._tell_end(number, self._motions.pop(number), Ended("canceled", "the motion was stopped in a pause"))
         self._motions[-abs(number)] = motion
 
-    def _send(self, fields: dict[str, object], arrays: Arrays | None = None) -> None:
+    def _send(self, said: Answer) -> None:
+        arrays = {name: each for name, each in said.items() if isinstance(each, np.ndarray)}
+        fields = {name: each for name, each in said.items() if name not in arrays}
         self._connection.sendall(pack({"time": self.world.time, **fields}, arrays))
 
     # --- what may be called: `_call_` and the name of the call ---
@@ -249,19 +246,18 @@ class Server:
 
     def _following(self, names: list[str]) -> Follow | None:
         rows = set(self.world.robot.rows(names))
-        found = (m for m in self._motions.values() if isinstance(m, Follow) and set(m.rows) == rows)
-        return next(found, None)
+        return next((m for m in self._motions.values() if isinstance(m, Follow) and set(m.rows) == rows), None)
 
     def _call_passed(self, number: int, names: list[str]) -> Answer:
         motion = self._following(names)
-        return {"passed": None if motion is None else motion.passed(self.world.time)}, None
+        return {"passed": None if motion is None else motion.passed(self.world.time)}
 
     def _call_amend(
         self, number: int, names: list[str], at: float, times: Array, positions: Array, velocities: Array
     ) -> Answer:
         motion = self._following(names)
         amended = motion is not None and motion.amend(self.world.time, at, times, positions, velocities)
-        return {"amended": amended}, None
+        return {"amended": amended}
 
     def _call_move_hand(
         self, number: int, names: list[str], goal: Array, duration: float, limit: float | None, force: float | None
@@ -296,47 +292,26 @@ class Server:
         return self._measured(self.world.robot.rows(names))
 
     def _measured(self, rows: Indices) -> Answer:
-        if not rows.size:
-            return {}, None
-        state = self.world.robot.measure(rows)
-        arrays = {"position": state.position, "velocity": state.velocity, "effort": state.effort}
-        return {"names": list(state.names)}, arrays
-
-    def _call_contacts(self, number: int) -> Answer:
-        return {"contacts": dict(self.world.hand_contacts())}, None
+        return self.world.robot.measure(rows)._asdict() if rows.size else {}
 
     def _call_look(self, number: int, camera: str) -> Answer:
         frame = self.world.look(camera)
-        pose = [*frame.pose.position.tolist(), *frame.pose.quaternion.tolist()]
-        said: dict[str, object] = {"pose": pose, "age": self.world.time - frame.time}
-        return said, {"image": frame.image, "depth": frame.depth}
+        age = self.world.time - frame.time
+        return {"pose": _listed(frame.pose), "age": age, "image": frame.image, "depth": frame.depth}
 
     def _call_camera_pose(self, number: int, camera: str) -> Answer:
-        pose = self.world.cameras.pose(camera)
-        return {"pose": [*pose.position.tolist(), *pose.quaternion.tolist()]}, None
+        return {"pose": _listed(self.world.cameras.pose(camera))}
 
     def _call_film(self, number: int, view: object, video: str | None, picture: str | None) -> None:
-        self._end_film()
+        self._call_end_film()
         camera = view if isinstance(view, str) else TypeAdapter(CameraSpec).validate_python(view)
         files = (None if file is None else Path(file) for file in (video, picture))
         self._film = Film(self.world.cameras, camera, self.world.time, *files)
 
-    def _call_end_film(self, number: int) -> None:
-        self._end_film()
-
-    def _end_film(self) -> None:
+    def _call_end_film(self, number: int = 0) -> None:
         film, self._film = self._film, None
         if film is not None:
             film.close()
-
-    def _call_truth(self, number: int) -> Answer:
-        return {"truth": [verdict.to_json() for verdict in judge(self.world)]}, None
-
-    def _call_measures(self, number: int) -> Answer:
-        return {"measures": self.world.measures()}, None
-
-    def _call_fingerprint(self, number: int) -> Answer:
-        return {"fingerprint": self.world.fingerprint()}, None
 
     def _call_move_object(self, number: int, name: str, position: list[float], quaternion: list[float]) -> None:
         self.world.move_object(name, Pose(position, quaternion))
@@ -345,10 +320,42 @@ class Server:
         self.world.faults.entered(node)
         self._tell_faults()
 
-    def _call_kept(self, number: int) -> Answer:
-        return {}, self.world.kept()
-
     def _call_put_back(self, number: int, **kept: Array) -> None:
         if self._motions:
             raise GripError("a world can only be restored while nothing moves")
         self.world.put_back(kept)
+
+
+def _listed(pose: Pose) -> list[float]:
+    return [*pose.position.tolist(), *pose.quaternion.tolist()]
+
+
+ASKED: Mapping[str, Callable[[World], Answer]] = {
+    "contacts": lambda world: {"contacts": dict(world.hand_contacts())},
+    "truth": lambda world: {"truth": [verdict.to_json() for verdict in judge(world)]},
+    "measures": lambda world: {"measures": world.measures()},
+    "fingerprint": lambda world: {"fingerprint": world.fingerprint()},
+    "kept": World.kept,
+}
+"""Calls that only ask the world."""
+
+
+def main() -> int:
+    """Make the world that the client asks for and obey it."""
+    # Ctrl-C reaches the whole process group; when to end is the client's decision, and its end is ours.
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    connection = socket.socket(fileno=int(sys.argv[1]))
+    try:
+        fields, _ = receive(connection)
+        hold = socket.socket(fileno=int(sys.argv[2])) if len(sys.argv) > 2 else None
+        server = Server(connection, WorldSpec.from_json(fields["spec"]), fields["pace"], hold)
+        connection.sendall(pack({"id": fields["id"], "time": 0.0}))
+    except (ClosedError, BrokenPipeError):
+        return 0
+    server.serve()
+    os._exit(0)  # nothing is left to be saved, and taking the physics apart would take half a second
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -34,22 +34,17 @@ def _measured(operation: Operation[Reply]) -> Operation[JointState]:
 
 
 class _Joints:
-    """What a group of simulated joints has in common."""
-
     def __init__(self, client: SimClient, names: tuple[str, ...]):
         self._client, self._names = client, names
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """The joints, in order."""
         return self._names
 
     def state(self) -> JointState:
-        """Return the measured state; efforts are the drives' torques [N m]."""
         return _state(self._client.ask("state", names=list(self._names)))
 
     def stop(self) -> None:
-        """Hold where the joints are and end a motion under way; what stands still keeps pressing as it did."""
         self._client.ask("stop", names=list(self._names))
 
 
@@ -59,19 +54,13 @@ class SimExecutor(_Joints):
     steerable = True
 
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
-        """Follow a trajectory; see the port.
-
-        Raises:
-            ValueError: the trajectory isn't for these joints, or holds what isn't a number.
-        """
+        """See the port. Raises ValueError where it isn't for these joints, or holds what isn't a number."""
         return _measured(self._client.move("follow", self._arrays(trajectory), names=list(self._names)))
 
     def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed, in simulated time [s]; see `ports.Steerable`."""
         return self._client.ask("passed", names=list(self._names)).fields["passed"]
 
     def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
         arrays = self._arrays(tail)
         if "velocities" not in arrays:
             arrays["velocities"] = np.gradient(arrays["positions"], tail.times, axis=0)
@@ -94,26 +83,16 @@ class SimHand(_Joints):
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
     ) -> Operation[JointState]:
-        """Move the fingers towards a posture; see the port.
-
-        Raises:
-            KeyError: the posture lacks a joint.
-            ValueError: the posture isn't finite, or the duration, the limit or the force isn't positive.
-        """
+        """See the port. Raises KeyError for a missing joint, ValueError where a number isn't finite or positive."""
         goal = posture.ordered(self._names)
         _check_finite("a posture", goal)
         check_positive("the duration of a motion", duration)
-        if torque_limit is not None:
-            check_positive("a torque limit", torque_limit)
-        if force is not None:
-            check_positive("a force", force)
-        moved = self._client.move(
-            "move_hand", {"goal": goal}, names=list(self._names), duration=duration, limit=torque_limit, force=force
-        )
-        return _measured(moved)
+        check_positive("a torque limit", 1.0 if torque_limit is None else torque_limit)
+        check_positive("a force", 1.0 if force is None else force)
+        said = {"names": list(self._names), "duration": duration, "limit": torque_limit, "force": force}
+        return _measured(self._client.move("move_hand", {"goal": goal}, **said))
 
     def contacts(self) -> Mapping[str, float]:
-        """Return the contact force [N] of each link of the hand that touches something that isn't the robot."""
         return self._client.ask("contacts").fields["contacts"]
 
 
@@ -121,16 +100,12 @@ class SimCamera:
     """Implements `grip_bt.base.ports.Camera`; one on a link is where the link is."""
 
     def __init__(self, client: SimClient, spec: CameraSpec):
-        self._client, self._name, self._info, self._moves = client, spec.name, spec.info(), spec.link is not None
+        self._client, self._name, self._info = client, spec.name, spec.info()
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry, with where it is now in world."""
-        if not self._moves:
-            return self._info
         return replace(self._info, pose=_pose(self._client.ask("camera_pose", camera=self._name)))
 
     def capture(self) -> Operation[RgbdFrame]:
-        """Take one frame; its time and its pose are those at which it shows the world."""
         return self._client.request("look", camera=self._name).then(self._frame)
 
     def _frame(self, reply: Reply) -> Operation[RgbdFrame]:
@@ -185,12 +160,7 @@ SETTLE = 0.5
 
 
 class Simulation(SimClient):
-    """A running simulator. Physics advances only while something is under way. Implements `grip_bt.base.ports.Stepped`.
-
-    Attributes:
-        spec: the world.
-        referee: the truth; for judges, never for a task.
-    """
+    """A running simulator, whose physics advances only while something is under way; implements `ports.Stepped`."""
 
     def __init__(self, spec: WorldSpec, pace: float | None = None, hold: int | None = None):
         if pace is not None:
@@ -200,11 +170,7 @@ class Simulation(SimClient):
         self.spec, self.referee = spec, SimReferee(self)
 
     def executor(self, group: str) -> SimExecutor:
-        """Return what moves a group of joints.
-
-        Raises:
-            UnknownNameError: the robot has no such group.
-        """
+        """Return what moves a group of joints. Raises UnknownNameError where the robot has no such group."""
         return SimExecutor(self, self._robot.group(group))
 
     def hand(self, group: str) -> SimHand:
@@ -212,11 +178,7 @@ class Simulation(SimClient):
         return SimHand(self, self._robot.group(group))
 
     def camera(self, name: str) -> SimCamera:
-        """Return a camera.
-
-        Raises:
-            UnknownNameError: the world has no such camera.
-        """
+        """Return a camera. Raises UnknownNameError where the world has no such camera."""
         cameras = {camera.name: camera for camera in self.spec.cameras}
         if name not in cameras:
             raise UnknownNameError("camera", name, cameras)
@@ -227,11 +189,7 @@ class Simulation(SimClient):
         self.ask("entered", node=node)
 
     def settle(self, seconds: float = SETTLE) -> None:
-        """Let simulated time pass and wait for it.
-
-        Raises:
-            SimulatorLostError: the simulator ended meanwhile.
-        """
+        """Let simulated time pass and wait for it. Raises SimulatorLostError where the simulator ended meanwhile."""
         wait = self.move("wait", seconds=seconds)
         wait.wait()
         wait.result()
@@ -240,13 +198,8 @@ class Simulation(SimClient):
     def filmed(self, view: str, video: Path | None = None, picture: Path | None = None) -> Iterator[None]:
         """Film the world while the block runs, 25 frames a second of simulated time, and take a picture in the end.
 
-        Args:
-            view: a camera of the world, empty for the first one; or six numbers `X,Y,Z,X,Y,Z`, from where to where.
-            video: an .mp4 file; None for none.
-            picture: a .png or .jpg file; None for none.
-
-        Raises:
-            GripError: there is no such camera, or a file can't be written.
+        Raises GripError where `view` is no camera of the world (empty for the first one), nor six numbers `X,Y,Z,X,Y,Z`
+        from where to where, or a file can't be written: `video` is an .mp4, `picture` a .png or .jpg.
         """
         place = _viewpoint(view or next((camera.name for camera in self.spec.cameras), ""))
         film, still = (None if file is None else str(file.absolute()) for file in (video, picture))
@@ -264,25 +217,18 @@ class Simulation(SimClient):
         return dict(self.ask("kept").arrays)
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
-        """Bring everything that moves to where it was kept, in a world of the same spec.
-
-        Raises:
-            GripError: it was another world, or something moves.
-        """
+        """Bring everything to where it was kept. Raises GripError where that was another world, or something moves."""
         self.ask("put_back", dict(kept))
 
     def pause(self) -> None:
-        """Have the world stand still in the middle of whatever moves, and the clock with it; see `Pausable`."""
         self.ask("pause")
         self.clock.pause()
 
     def resume(self) -> None:
-        """Have the world go on."""
         self.clock.resume()
         self.ask("resume")
 
     def keep_to_simulated(self, only: bool) -> None:
-        """Have the clock show simulated time alone, or let ours go on in it while nothing moves."""
         self.clock.keep_to_simulated(only)
 
 
@@ -304,8 +250,7 @@ def start_simulation(spec: WorldSpec, pace: float | None = None, hold: int | Non
 
     Raises:
         SimulatorLostError: it can't be started; the message holds what it printed.
-        UnknownNameError: there is no such robot.
-        ValueError: the pace isn't positive.
+        UnknownNameError, ValueError: there is no such robot; the pace isn't positive.
     """
     simulation = Simulation(spec, pace, hold)
     try:

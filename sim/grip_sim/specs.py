@@ -1,6 +1,7 @@
 """What a simulated world consists of, as frozen, checked values that travel as JSON.
 
-All poses are in world: the robot's base frame, z up, x forward. Lengths in m, masses in kg, times in s. What no world
+All poses are in world: the robot's base frame, z up, x forward. Lengths in m, masses in kg, times in s; a size is edge
+lengths, a yaw a turn about the vertical [rad], a colour red green blue, 0-255; names are entities'. What no world
 can hold, such as a mass of -1 kg, is refused by pydantic's ValidationError, which names the field and what is allowed.
 """
 
@@ -16,15 +17,11 @@ from pydantic.dataclasses import dataclass
 
 from grip_bt.base.values import CameraInfo, Pose
 from grip_bt.base.values.pose import quaternion_of
-from grip_sim.articulated.model import ArticulatedConfig
+from grip_bt.base.yaml.models import Finite, NotNegative, Positive
+from grip_sim.articulated.model import ArticulatedConfig, Size, Vector
 from grip_sim.faults import Fault
 from grip_sim.noise import Noise
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Vector = tuple[Finite, Finite, Finite]
-Size = tuple[Positive, Positive, Positive]
 Shade = Annotated[int, Field(ge=0, le=255)]
 Colour = tuple[Shade, Shade, Shade]
 
@@ -39,10 +36,7 @@ class BoxSpec:
     """A box that never moves.
 
     Attributes:
-        name: its entity's name.
-        size: edge lengths [m].
         centre: its centre in world [m].
-        colour: red green blue, 0-255.
         yaw: turn about the vertical [rad], after the pitch.
         pitch: turn about y, a slope that falls towards +x [rad].
     """
@@ -65,12 +59,8 @@ class MeshSpec:
     """Triangles that never move, such as a rack or a part of a room.
 
     Attributes:
-        name: its entity's name.
         file: path of a mesh: obj, stl, ply or dae.
         position: of the mesh's origin in world [m].
-        yaw: turn about the vertical [rad].
-        scale: factor of its lengths.
-        colour: red green blue, 0-255.
     """
 
     name: str
@@ -91,10 +81,6 @@ class RegionSpec:
     """An upright box of space with a name, which tasks aim at and the referee judges by.
 
     Attributes:
-        name: of the region.
-        size: edge lengths [m].
-        centre: of the box, in world [m].
-        yaw: turn about the vertical [rad].
         target: whether an object at rest in it counts as placed.
     """
 
@@ -119,17 +105,13 @@ class ObjectSpec:
     """A rigid object that the robot may move; it starts upright unless it is tilted.
 
     Attributes:
-        name: its entity's name.
         shape: `cylinder`, `box` with a square foot, `sphere`, or `model`.
         radius: radius, or half the edge of the foot; of a model, that of the circle it stays within [m].
         height: [m]; a sphere's is twice its radius.
         position: where its centre starts, in world [m]; a model's is the middle of its bounding box.
         yaw: turn about the vertical [rad], after the tilt.
-        mass: [kg].
         friction: coefficient against hands and everything that never moves. Between two objects theirs are added.
-        colour: red green blue, 0-255.
         tilt: roll and pitch [rad].
-        model: path of a model's file.
         scale: factor of a model's lengths.
     """
 
@@ -168,7 +150,6 @@ def open_box(name: str, inner: Size, at: Vector, wall: float = 0.01, colour: Col
         name: its walls are called `NAME_left`, `_right`, `_far` and `_near`.
         inner: inner size in x and y, and height of the walls [m].
         at: the middle of the inside's floor, in world [m].
-        wall: thickness of the walls [m].
     """
     (ix, iy, h), (x, y, z) = inner, at
     dx, dy, middle = (ix + wall) / 2, (iy + wall) / 2, z + h / 2
@@ -187,8 +168,6 @@ class CameraSpec:
 
     Attributes:
         name: the camera's name; its optical frame is `<name>_optical`.
-        width: columns [px].
-        height: rows [px].
         field_of_view: vertical opening angle [rad].
         position: of the optical centre, in world or in the link [m].
         quaternion: of the optical frame (x right, y down, z forward), w x y z.
@@ -244,11 +223,6 @@ class WorldSpec:
 
     Attributes:
         robot: a ready-made robot's name or a file; see `grip_bt.commanders.description.load.load_robot`.
-        seed: what the objects were drawn from.
-        objects: what may be moved.
-        boxes: what never moves, as boxes.
-        meshes: what never moves, as triangles.
-        regions: what tasks aim at and the referee judges by.
         floor: height of the floor that is under every world [m]; `fallen` is what lies lower than 5 cm below z = 0,
             or below `fallen_below`.
         dt: time step of the physics [s].

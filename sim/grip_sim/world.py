@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,23 +16,23 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.values import Pose
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_sim.articulated.bodies import make_articulated
-from grip_sim.cameras.frame import Frame
+from grip_sim.articulated.bodies import make_articulated, moving, set_moving
+from grip_sim.articulated.model import Vector
+from grip_sim.cameras import Frame
 from grip_sim.cameras.looks import Target, visuals_of
+from grip_sim.cameras.mesh_files import Look
 from grip_sim.cameras.rig import Rig
 from grip_sim.faults import Faults
 from grip_sim.objects import load_object
 from grip_sim.physics import FIXED, SLIPPERY, SOLID, add_model, make_scene, movable, physx, sapien
 from grip_sim.robot import SimRobot
-from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, Vector, WorldSpec
+from grip_sim.specs import BoxSpec, MeshSpec, ObjectSpec, WorldSpec
 
 
 class Contact(NamedTuple):
     """Two bodies that touch.
 
     Attributes:
-        first: the one's name.
-        second: the other's.
         push: force on the first along the surface's normal, without friction, in world [N].
     """
 
@@ -63,17 +64,16 @@ class World:
     """The physics of one spec. The same spec and the same sequence of calls give the same states, bit by bit.
 
     Args:
-        spec: what it consists of.
         description: the robot; by default the one that the spec names.
     """
 
     def __init__(self, spec: WorldSpec, description: RobotDescription | None = None):
         self.spec = spec
         self._scene = make_scene(spec.dt)
-        still = [
-            *(self._add_box(box) for box in (*spec.boxes, _floor(spec.floor))),
-            *(self._add_mesh(mesh) for mesh in spec.meshes),
-        ]
+        under = (0.0, 0.0, spec.floor - FLOOR_DEPTH / 2)
+        floor = BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), under, FLOOR_COLOUR)
+        fixtures: list[BoxSpec | MeshSpec] = [*spec.boxes, floor, *spec.meshes]
+        still = [self._add_still(each) for each in fixtures]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
@@ -81,15 +81,14 @@ class World:
             name: make_articulated(self._scene, name, said, lambda link, body: self.cameras.replaced(link, body))
             for name, said in spec.articulated.items()
         }
-        self._touchable = frozenset(self._objects) | {link.name for link in self._moving_links()}
+        mechanisms = self.articulated.values()
+        self._touchable = frozenset(self._objects) | {link.name for each in mechanisms for link in each.links}
         self._steps = 0
         self._moved: set[str] = set()
         self.faults = Faults(spec.faults, spec.seed, self)
-        moving = (Target(link, link.name, c) for each in self.articulated.values() for link, c in each.links.items())
-        seen = [*still, *self._robot_targets(), *self._object_targets(), *moving]
+        links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
+        seen = [*still, *self._robot_targets(), *self._object_targets(), *links]
         self.cameras = Rig(spec, seen, {link.name: link for link in self.robot.links}, self.faults)
-
-    # --- time ---
 
     @property
     def time(self) -> float:
@@ -110,8 +109,6 @@ class World:
             self.robot.regulate(rows, self.pressed(hand), self.spec.dt)
         self.cameras.stepped(self.time)
 
-    # --- what is where ---
-
     def object_pose(self, name: str) -> Pose:
         """Return the pose of an object's centre in world."""
         return _pose(self._object(name).entity_pose)
@@ -119,19 +116,14 @@ class World:
     def object_speeds(self, name: str) -> tuple[float, float]:
         """Return how fast an object moves [m/s] and turns [rad/s]."""
         body = self._object(name)
-        speeds = (body.linear_velocity, body.angular_velocity)
-        return float(np.linalg.norm(speeds[0])), float(np.linalg.norm(speeds[1]))
+        return float(np.linalg.norm(body.linear_velocity)), float(np.linalg.norm(body.angular_velocity))
 
     def move_object(self, name: str, pose: Pose) -> None:
         """Put an object elsewhere, at rest; for experiments that disturb a task."""
         body = self._object(name)
-        body.set_entity_pose(_sapien_pose(pose))
-        body.set_linear_velocity(np.zeros(3))
-        body.set_angular_velocity(np.zeros(3))
+        set_moving(body, np.array([*pose.position, *pose.quaternion, *np.zeros(6)]))
         body.wake_up()
         self._moved.add(name)
-
-    # --- what goes wrong on purpose ---
 
     def held_objects(self) -> list[str]:
         """Return the objects that a hand touches."""
@@ -155,14 +147,12 @@ class World:
         """Keep a joint within a range [rad or m], where it is for an empty one; None ends it."""
         self.robot.restrict(joint, between)
 
-    # --- what is where ---
-
     def link_pose(self, name: str) -> Pose:
         """Return the pose of a robot's link in world."""
-        for link in self.robot.links:
-            if link.name == name:
-                return _pose(link.entity_pose)
-        raise UnknownNameError("link", name, (link.name for link in self.robot.links))
+        links = {link.name: link for link in self.robot.links}
+        if name not in links:
+            raise UnknownNameError("link", name, links)
+        return _pose(links[name].entity_pose)
 
     def contacts(self) -> Iterator[Contact]:
         """Yield the contacts of the last step that carry a force; those of objects moved since then are void."""
@@ -184,10 +174,11 @@ class World:
 
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
-        total, links = 0.0, self.robot.description.hands[hand]
+        total, links, things = 0.0, self.robot.description.hands[hand], self._touchable
         for contact in self._scene.get_contacts():
             one, two = (body.entity.name for body in contact.bodies)
-            if _between(one, two, links, self._touchable) and self._moved.isdisjoint((one, two)):
+            touches = (one in links and two in things) or (two in links and one in things)
+            if touches and self._moved.isdisjoint((one, two)):
                 total += float(np.linalg.norm(sum(point.impulse for point in contact.points))) / self.spec.dt
         return total / 2
 
@@ -196,30 +187,20 @@ class World:
         return {f"{name}_{key}": n for name, each in self.articulated.items() for key, n in each.measures().items()}
 
     def look(self, camera: str) -> Frame:
-        """Take a frame with a camera.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Take a frame with a camera. Raises UnknownNameError where there is no such camera."""
         return self.cameras.look(camera)
 
     def kept(self) -> dict[str, Array]:
         """Return everything that moves, and how: the robot, and the poses and velocities of the objects."""
         bodies = list(self._objects.values())
-        poses = [[*body.entity_pose.p, *body.entity_pose.q] for body in bodies]
-        speeds = [[*body.linear_velocity, *body.angular_velocity] for body in bodies]
-        return {
-            **self.robot.kept(),
-            "poses": np.array(poses, float).reshape(-1, 7),
-            "object_speeds": np.array(speeds, float).reshape(-1, 6),
-            **{f"articulated.{name}": each.kept() for name, each in self.articulated.items()},
-        }
+        states = np.array([moving(body) for body in bodies]).reshape(-1, 13)
+        articulated = {f"articulated.{name}": each.kept() for name, each in self.articulated.items()}
+        return {**self.robot.kept(), "poses": states[:, :7], "object_speeds": states[:, 7:], **articulated}
 
     def put_back(self, kept: Mapping[str, Array]) -> None:
         """Bring everything that moves to where it was kept; what physics remembers of contacts builds up again.
 
-        Raises:
-            KeyError, ValueError: it was kept in another world; nothing was changed.
+        Raises KeyError or ValueError, before anything is changed, where it was kept in another world.
         """
         poses, speeds = np.asarray(kept["poses"]), np.asarray(kept["object_speeds"])
         if len(poses) != len(self._objects):
@@ -229,9 +210,7 @@ class World:
         for name, state in states.items():
             self.articulated[name].put_back(state)
         for body, pose, speed in zip(self._objects.values(), poses, speeds, strict=True):
-            body.set_entity_pose(sapien.Pose(pose[:3], pose[3:]))
-            body.set_linear_velocity(speed[:3])
-            body.set_angular_velocity(speed[3:])
+            set_moving(body, np.concatenate([pose, speed]))
             body.wake_up()
 
     def fingerprint(self) -> str:
@@ -246,25 +225,21 @@ class World:
             digest.update(np.asarray(each.kept(), dtype=np.float32).tobytes())
         return digest.hexdigest()
 
-    # --- building ---
-
-    def _moving_links(self) -> Iterator[physx.PhysxRigidBodyComponent]:
-        return (link for each in self.articulated.values() for link in each.links)
-
     def _object(self, name: str) -> physx.PhysxRigidDynamicComponent:
         if name not in self._objects:
             raise UnknownNameError("object", name, self._objects)
         return self._objects[name]
 
-    def _add_box(self, box: BoxSpec) -> Target:
+    def _add_still(self, spec: BoxSpec | MeshSpec) -> Target:
         builder = self._scene.create_actor_builder()
-        builder.add_box_collision(half_size=[s / 2 for s in box.size], material=FIXED)
-        return Target(_static(builder, box.name, box.pose), box.name, box.colour)
-
-    def _add_mesh(self, mesh: MeshSpec) -> Target:
-        builder = self._scene.create_actor_builder()
-        builder.add_nonconvex_collision_from_file(mesh.file, scale=[mesh.scale] * 3, material=FIXED)
-        return Target(_static(builder, mesh.name, mesh.pose), mesh.name, mesh.colour)
+        if isinstance(spec, BoxSpec):
+            builder.add_box_collision(half_size=[s / 2 for s in spec.size], material=FIXED)
+        else:
+            builder.add_nonconvex_collision_from_file(spec.file, scale=[spec.scale] * 3, material=FIXED)
+        builder.set_physx_body_type("static")
+        builder.set_initial_pose(_sapien_pose(spec.pose))
+        body = builder.build(name=spec.name).find_component_by_type(physx.PhysxRigidStaticComponent)
+        return Target(body, spec.name, spec.colour)
 
     def _add_object(self, spec: ObjectSpec) -> physx.PhysxRigidDynamicComponent:
         if spec.shape == "model":
@@ -273,13 +248,12 @@ class World:
         material = movable(spec.friction)
         r, h = spec.radius, spec.height
         if spec.shape == "cylinder":
-            density = spec.mass / (np.pi * r * r * h)
-            builder.add_cylinder_collision(UPRIGHT, r, h / 2, material=material, density=density)
+            builder.add_cylinder_collision(UPRIGHT, r, h / 2, material, spec.mass / (np.pi * r * r * h))
         elif spec.shape == "sphere":
             builder.add_sphere_collision(radius=r, material=material, density=spec.mass / (4 / 3 * np.pi * r**3))
         else:
-            half, density = [r, r, h / 2], spec.mass / (4 * r * r * h)
-            builder.add_box_collision(half_size=half, material=material, density=density)
+            density = spec.mass / (4 * r * r * h)
+            builder.add_box_collision(half_size=[r, r, h / 2], material=material, density=density)
         builder.set_initial_pose(_sapien_pose(spec.pose))
         entity = builder.build(name=spec.name)
         return entity.find_component_by_type(physx.PhysxRigidDynamicComponent)
@@ -290,13 +264,12 @@ class World:
             if link.collision_shapes or link.name in visuals:
                 hand = link.name in self.robot.hand_links
                 colour = HAND_COLOUR if hand else ARM_COLOUR
-                yield Target(link, link.name, colour, visuals.get(link.name, ()))
+                yield Target(link, link.name, colour, visuals.get(link.name))
 
     def _object_targets(self) -> Iterator[Target]:
         for spec in self.spec.objects:
-            looks = load_object(Path(spec.model)).looks if spec.shape == "model" else ()
-            drawn = tuple(look.moved(np.eye(4), spec.scale) for look in looks)
-            yield Target(self._objects[spec.name], spec.name, spec.colour, drawn=drawn)
+            visuals = partial(_looks_of, spec) if spec.shape == "model" else None
+            yield Target(self._objects[spec.name], spec.name, spec.colour, visuals)
 
 
 def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
@@ -308,18 +281,8 @@ def check_names(spec: WorldSpec, links: Iterable[str]) -> None:
         raise ValueError(f"a world's objects, boxes and links need names of their own; more than one is {twice[0]!r}")
 
 
-def _between(one: str, two: str, links: Container[str], things: Container[str]) -> bool:
-    return (one in links and two in things) or (two in links and one in things)
-
-
-def _static(builder: sapien.ActorBuilder, name: str, pose: Pose) -> physx.PhysxRigidStaticComponent:
-    builder.set_physx_body_type("static")
-    builder.set_initial_pose(_sapien_pose(pose))
-    return builder.build(name=name).find_component_by_type(physx.PhysxRigidStaticComponent)
-
-
-def _floor(height: float) -> BoxSpec:
-    return BoxSpec(FLOOR, (FLOOR_SIZE, FLOOR_SIZE, FLOOR_DEPTH), (0.0, 0.0, height - FLOOR_DEPTH / 2), FLOOR_COLOUR)
+def _looks_of(spec: ObjectSpec) -> list[Look]:
+    return [look.moved(np.eye(4), spec.scale) for look in load_object(Path(spec.model)).looks]
 
 
 def _sapien_pose(pose: Pose) -> sapien.Pose:

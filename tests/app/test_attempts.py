@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from grip_bt.app.runs.demo import AttemptRecorder
 from grip_bt.base.values import Failure
+from grip_bt.cli.demo import AttemptRecorder
 
 LEFT, LOST = Failure("something_left", "", {}), Failure("no_contact", "", {})
 

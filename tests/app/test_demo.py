@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from trial_project import grip, processes_in, result_of
 
-from grip_bt.app.runs.demo import ATTEMPT, CHECK, AttemptRecorder, demo_task, examples_folder
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
+from grip_bt.cli.demo import ATTEMPT, CHECK, AttemptRecorder, demo_task, examples_folder
 from grip_bt.nodes.node import Observer
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import grip_bt
-from grip_bt.app.runs.demo import examples_folder
 from grip_bt.base.errors import MissingPartError, NotWritableError
+from grip_bt.cli.demo import examples_folder
 
 CLONE = Path(__file__).parents[2] / "examples"
 

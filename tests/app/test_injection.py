@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from grip_bt.app.runs.execute import RunOptions, open_session
-from grip_bt.app.runs.injection import injected, read_faults
+from grip_bt.app.runs.mocks import injected, read_faults
 from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.runtime import JournalReader

@@ -247,13 +247,6 @@ def test_a_fork_with_another_value_goes_on_with_it(forked: Path) -> None:
         assert reader.value(reader.variables(reader.runs()[0].id)["tries"]) == 42
 
 
-@pytest.mark.slow
-def test_forks_are_run_often_and_summed_up(forked: Path) -> None:
-    done = grip("run", "--fork", "last", "--at", "act/first", "--times", "2", cwd=forked)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-2:] == ["2 runs:", "    2x success"]
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -279,7 +272,6 @@ def test_what_cant_be_forked_says_why(
         ([], "a task file is needed"),
         (["--fork", "last"], "--fork RUN and --at PLACE go together"),
         (["pick.yaml", "--set-outcome", "a=success"], "--set-outcome goes with --resume or --fork"),
-        (["--resume", "last", "--times", "2"], "--times goes with --fork"),
     ],
 )
 def test_options_that_dont_go_together_are_usage_errors(

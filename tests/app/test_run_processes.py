@@ -338,7 +338,7 @@ def test_a_stop_that_is_the_very_first_command_ends_the_process_in_good_order(pr
 @pytest.mark.parametrize(
     ("limit", "said"),
     [
-        ("-f 10", "the run's process can't be started: File too large; files may have 10240 bytes here"),
+        ("-f 10", "the run's process can't be started: File too large; `ulimit -a`"),
         ("-f 1060", "couldn't be written"),
     ],
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grip_bt.app.runs.tables import Timing, failures, timings
+from grip_bt.app.runs.replay import Timing, failures, timings
 from grip_bt.cli.__main__ import main
 from grip_bt.runtime import Event
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from grip_bt.app.runs.demo import demo_task
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
+from grip_bt.cli.demo import demo_task
 
 pytestmark = [pytest.mark.ros, pytest.mark.sim, pytest.mark.slow]
 

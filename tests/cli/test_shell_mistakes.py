@@ -82,7 +82,8 @@ def test_seeds_of_a_campaign_that_are_none_are_told(project, seeds, capsys):
 def test_results_that_are_not_there_are_told_in_words(project, capsys):
     assert main(["bench", "report", "none.jsonl"]) == 1
     assert capsys.readouterr().err == (
-        "grip: none.jsonl: can't be read: No such file or directory; `grip bench CAMPAIGN` writes results\n"
+        "grip: none.jsonl: can't be read as results of a campaign: No such file or directory; "
+        "`grip bench CAMPAIGN` writes them\n"
     )
 
 

@@ -69,7 +69,7 @@ def test_ctrl_c_while_grip_is_being_loaded_is_one_sentence(tmp_path):
         "import os, signal, sys\n"
         "class Stop:\n"
         "    def find_spec(self, name, path=None, target=None):\n"
-        "        if name == 'grip_bt.cli.check':\n"
+        "        if name == 'grip_bt.cli.task':\n"
         f"            os.kill(os.getpid(), {int(signal.SIGINT)})\n"
         "sys.meta_path.insert(0, Stop())\n"
     )

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grip_bt.base.arrays import Array, Mask
-from grip_sim.cameras.frame import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NOTHING, Frame
+from grip_sim.cameras import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NOTHING, Frame
 from grip_sim.cameras.looks import Target
 from grip_sim.physics import physx
 from grip_sim.specs import BoxSpec, CameraSpec

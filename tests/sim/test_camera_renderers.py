@@ -12,12 +12,11 @@ from hypothesis import strategies as st
 from ray_camera import RayCamera
 from scipy.spatial import ConvexHull
 
-from grip_sim.cameras.frame import Places
-from grip_sim.cameras.looks import Target, Visual, look_of, visuals_of
+from grip_sim.cameras import Places, vulkan_works
+from grip_sim.cameras.looks import Target, visuals_of
 from grip_sim.cameras.mesh_files import read_mesh
 from grip_sim.cameras.raster import RasterRenderer
 from grip_sim.physics import make_scene, physx, sapien
-from grip_sim.render_support import vulkan_works
 from grip_sim.specs import CameraSpec, WorldSpec
 from grip_sim.worlds import load_world
 
@@ -224,7 +223,6 @@ def textured(folder):
 
 
 def square(folder):
-    rows = tuple(tuple(row) for row in np.eye(4).tolist())
     scene = make_scene(1 / 240)
     builder = scene.create_actor_builder()
     builder.add_box_collision(half_size=[0.01, 0.5, 0.5])
@@ -232,8 +230,7 @@ def square(folder):
     builder.set_initial_pose(sapien.Pose([1.5, 0, 0]))
     made = builder.build(name="square").find_component_by_type(physx.PhysxRigidStaticComponent)
     scene.step()
-    visual = Visual("mesh", rows, (1.0, 1.0, 1.0), str(textured(folder)))
-    return scene, [Target(made, "square", (9, 9, 9), (visual,))]
+    return scene, [Target(made, "square", (9, 9, 9), lambda: read_mesh(textured(folder)))]
 
 
 def test_a_picture_on_a_mesh_is_the_right_way_up(tmp_path):
@@ -251,7 +248,7 @@ def test_the_visuals_of_a_robot_are_read_with_their_colours():
 
     visuals = visuals_of(load_robot("panda_allegro").urdf)
     assert len(visuals) > 20
-    looks = [look for v in visuals["panda_link6"] for look in look_of(v)]
+    looks = visuals["panda_link6"]()
     assert {(255, 255, 255), (64, 64, 64)} <= {look.colour for look in looks}
     assert sum(len(look.triangles) for look in looks) > 1000
 
@@ -276,8 +273,7 @@ def test_a_mirrored_mesh_is_turned_right_side_out(tmp_path):
 def test_what_has_no_readable_mesh_is_drawn_by_its_collision_shapes(tmp_path, caplog):
     rng, scene = np.random.default_rng(0), make_scene(1 / 240)
     made = body(scene, "box", sapien.Pose([1.0, 0, 0]), rng, tmp_path)
-    rows = tuple(tuple(row) for row in np.eye(4).tolist())
-    target = Target(made, "box", (9, 9, 9), (Visual("mesh", rows, (1.0, 1.0, 1.0), str(tmp_path / "gone.stl")),))
+    target = Target(made, "box", (9, 9, 9), lambda: read_mesh(tmp_path / "gone.stl"))
     assert sum(len(look.triangles) for look in target.looks()) == 12
     assert "collision shapes" in caplog.text
 

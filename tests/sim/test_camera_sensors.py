@@ -244,7 +244,7 @@ def test_only_a_simulated_world_is_filmed(tmp_path):
 
 
 def test_where_no_driver_is_auto_draws_triangles_without_a_trial(monkeypatch, tmp_path):
-    render_support = import_module("grip_sim.render_support")  # the package has a function of that name
+    render_support = import_module("grip_sim.cameras")  # the package has a function of that name
     monkeypatch.setenv("VK_ICD_FILENAMES", str(tmp_path / "none.json"))
     monkeypatch.setattr(render_support, "_tried", lambda: pytest.fail("it was tried"))
     render_support.vulkan_works.cache_clear()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from grip_bt.app.project.judging import WorldCondition, counted
+from grip_bt.app.project.worlds import WorldCondition, counted
 from grip_sim.articulated.model import ArticulatedConfig
 from grip_sim.specs import WorldSpec
 

@@ -10,31 +10,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, field_validator
+from pydantic import Field, ValidationError, field_validator
 
+from grip_bt.app.project.folder import Key
 from grip_bt.app.runs.execute import MOST_SEED
 from grip_bt.app.runs.mocks import Script
 from grip_bt.base.errors import CampaignError, NotWritableError
-from grip_bt.base.yaml.models import read_model
+from grip_bt.base.yaml.models import Settings, read_model
 from grip_sim.faults import Fault
 
 MOST_SEEDS = 100_000
 Seed = Annotated[int, Field(ge=0, le=MOST_SEED)]
-Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
 
-class _Config(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, populate_by_name=True)
-
-
-class SeedRange(_Config):
+class SeedRange(Settings):
     """Seeds one after the other."""
 
     first: Seed = 0
     count: int = Field(ge=1, le=MOST_SEEDS)
 
 
-class Variant(_Config):
+class Variant(Settings, populate_by_name=True):
     """One of the ways that are compared."""
 
     task: str | None = None
@@ -49,7 +45,7 @@ class Variant(_Config):
     """What goes wrong in the simulated world, besides the faults of its file."""
 
 
-class CampaignFile(_Config):
+class CampaignFile(Settings):
     """What `campaigns/NAME.yaml` holds."""
 
     campaign: Literal[1]
@@ -96,24 +92,21 @@ class Campaign:
     def seeds(self) -> tuple[int, ...]:
         """The seeds, in order."""
         said = self.file.seeds
-        if isinstance(said, SeedRange):
-            return tuple(range(said.first, said.first + said.count))
-        return tuple(said)
+        return tuple(range(said.first, said.first + said.count) if isinstance(said, SeedRange) else said)
 
     def task(self, variant: str) -> Path:
-        """Return the file of a variant's task.
-
-        Raises:
-            CampaignError: it isn't there.
-        """
+        """Return the file of a variant's task. Raises CampaignError where it isn't there."""
         name = self.file.variants[variant].task or self.file.task
         assert name is not None, "a campaign's variants have tasks"
         folders = [self.path.absolute().parent, *self.path.absolute().parent.parents[:2]]
         for folder in folders:
             if (folder / name).is_file():
                 return folder / name
-        looked = ", ".join(map(str, folders))
-        raise CampaignError(str(self.path), f"variant {variant!r}: there is no task {name!r} (looked in {looked})")
+        raise self.error(f"variant {variant!r}: there is no task {name!r} (looked in {', '.join(map(str, folders))})")
+
+    def error(self, text: str) -> CampaignError:
+        """Return what is wrong with it, as an error."""
+        return CampaignError(str(self.path), text)
 
     def trials(self) -> Iterator[tuple[str, int]]:
         """Yield each (variant, seed), seed by seed, so that an early end leaves pairs that can be compared."""
@@ -130,19 +123,19 @@ def read_campaign(path: Path) -> Campaign:
         CampaignError: it has no variant and no task, a variant without one, or a seed twice.
     """
     file = read_model(path, CampaignFile)
-    if not file.variants:
-        if file.task is None:
-            raise CampaignError(str(path), "nothing to run: give `task`, or `variants` with a `task` each")
+    if not file.variants and file.task is not None:
         file = file.model_copy(update={"variants": {Path(file.task).stem: Variant()}})
-    without = [name for name, variant in file.variants.items() if variant.task is None and file.task is None]
-    if without:
-        raise CampaignError(str(path), f"no task for {', '.join(without)}: give `task` there, or one for all")
     campaign = Campaign(path, file)
-    if not campaign.seeds:
-        raise CampaignError(str(path), "`seeds` is empty: give a list of numbers, or first and count")
+    without = [name for name, variant in file.variants.items() if variant.task is None and file.task is None]
     twice = sorted(seed for seed, times in Counter(campaign.seeds).items() if times > 1)
+    if not file.variants:
+        raise campaign.error("nothing to run: give `task`, or `variants` with a `task` each")
+    if without:
+        raise campaign.error(f"no task for {', '.join(without)}: give `task` there, or one for all")
+    if not campaign.seeds:
+        raise campaign.error("`seeds` is empty: give a list of numbers, or first and count")
     if twice:
-        raise CampaignError(str(path), f"duplicate seeds: {', '.join(map(str, twice))}")
+        raise campaign.error(f"duplicate seeds: {', '.join(map(str, twice))}")
     return campaign
 
 
@@ -188,13 +181,7 @@ class TrialRow(TypedDict, total=False):
 
 @dataclass
 class Results:
-    """What is in a file of results.
-
-    Attributes:
-        path: the file.
-        head: about the campaign: `name`, `doc`, `measures`, `variants` (name -> its settings).
-        rows: the trials, in the order of their ends: `variant`, `seed`, and what `judged` returns.
-    """
+    """A file of results: its head (`name`, `doc`, `variants`: name -> settings), and trials in order of their ends."""
 
     path: Path
     head: Mapping[str, Any]
@@ -206,11 +193,7 @@ class Results:
         return {(row["variant"], row["seed"]) for row in self.rows}
 
     def add(self, row: TrialRow) -> None:
-        """Write a trial; it is on disk when this returns.
-
-        Raises:
-            NotWritableError: it can't be written.
-        """
+        """Write a trial; it is on disk when this returns. Raises NotWritableError where it can't be written."""
         _append(self.path, row)
         self.rows.append(row)
 
@@ -234,9 +217,8 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
         changed = [] if before in (None, now) else [key for key in now if now[key] != before.get(key)]
         if changed:
             text = f"{variant!r} isn't what it was when these trials ran (changed: {', '.join(changed)})"
-            raise CampaignError(
-                str(path), f"{text}; results of different settings aren't mixed: start a new file with -o FILE"
-            )
+            advice = "results of different settings aren't mixed: start a new file with -o FILE"
+            raise CampaignError(str(path), f"{text}; {advice}")
     written = path.read_bytes()
     if not written.endswith(b"\n"):  # what a crash has left of a line
         path.write_bytes(written[: written.rfind(b"\n") + 1])
@@ -244,20 +226,14 @@ def begin(path: Path, head: Mapping[str, Any], resume: bool) -> Results:
 
 
 def read(path: Path) -> Results:
-    """Read results; a last line that was cut off while it was written is left out.
-
-    Raises:
-        CampaignError: it isn't such a file.
-    """
+    """Read results, without a last line that was cut off. Raises CampaignError where it isn't such a file."""
     try:
         lines = path.read_text().split("\n")
         rows = [json.loads(line) for line in lines[:-1] if line]
-    except OSError as error:
-        raise CampaignError(
-            str(path), f"can't be read: {error.strerror}; `grip bench CAMPAIGN` writes results"
-        ) from error
-    except ValueError as error:
-        raise CampaignError(str(path), f"can't be read as results of a campaign: {error}") from error
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        text = f"can't be read as results of a campaign: {why}; `grip bench CAMPAIGN` writes them"
+        raise CampaignError(str(path), text) from error
     if not rows or not isinstance(rows[0], dict) or rows[0].get("campaign") != _FORMAT:
         raise CampaignError(str(path), "these aren't results of a campaign: `grip bench CAMPAIGN` writes them")
     return Results(path, rows[0], rows[1:])

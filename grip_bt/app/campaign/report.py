@@ -32,16 +32,14 @@ def summary(results: Results) -> dict[str, Any]:
     by_variant: dict[str, list[TrialRow]] = {name: [] for name in results.head["variants"]}
     for row in results.rows:
         by_variant.setdefault(row["variant"], []).append(row)
-    names = list(by_variant)
+    names, run = list(by_variant), {name for name, rows in by_variant.items() if rows}
+    others = [name for name in names[1:] if {name, names[0]} <= run]
+    compared = {name: _compared(by_variant[names[0]], by_variant[name]) for name in others}
     return {
         "campaign": results.head["name"],
         "trials": len(results.rows),
         "variants": {name: _one(rows) for name, rows in by_variant.items() if rows},
-        "compared": {
-            name: _compared(by_variant[names[0]], by_variant[name])
-            for name in names[1:]
-            if by_variant[names[0]] and by_variant[name]
-        },
+        "compared": compared,
     }
 
 
@@ -121,9 +119,8 @@ def as_text(results: Results) -> str:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     table = [f"| {' | '.join(c.ljust(w) for c, w in zip(row, widths, strict=True))} |" for row in rows]
     lines += [table[0], f"|{'|'.join('-' * (width + 2) for width in widths)}|", *table[1:]]
-    for name, compared in said["compared"].items():
-        first = next(iter(said["variants"]))
-        lines += ["", _comparison_text(name, first, compared)]
+    first = next(iter(said["variants"]), "")
+    lines += [line for name, found in said["compared"].items() for line in ("", _comparison_text(name, first, found))]
     for name, one in said["variants"].items():
         for said_of, found in (("successful", one["failures"]), ("computed", one["unclear"])):
             if found:

@@ -13,12 +13,11 @@ from typing import Any
 from grip_bt.app.campaign.file import Campaign, Plain, TrialRow
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
-from grip_bt.app.project.judging import STATES
+from grip_bt.app.project.worlds import STATES
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
-from grip_bt.app.runs.injection import check_nodes
-from grip_bt.app.runs.mocks import apply_mocks, scripted
+from grip_bt.app.runs.mocks import apply_mocks, check_nodes, scripted
 from grip_bt.app.runs.supervisor import Supervisor
-from grip_bt.base.errors import CampaignError, EvaluationError, ExpressionError, nearest
+from grip_bt.base.errors import EvaluationError, ExpressionError, nearest
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import resolve
@@ -33,14 +32,7 @@ _WAKE = 0.2
 
 
 class Trials:
-    """Runs trials of a campaign.
-
-    Args:
-        campaign: checked.
-        journal: where their runs are written.
-        ended: called with each row, one at a time.
-        watchdog: how long one tick may take [s] before a trial ends as an error.
-    """
+    """Runs trials of a campaign; one whose tick takes longer than `watchdog` [s] ends as an error."""
 
     def __init__(self, campaign: Campaign, journal: Path, ended: Callable[[TrialRow], None], watchdog: float = 10.0):
         self._campaign, self._journal, self._ended, self._watchdog = campaign, journal, ended, watchdog
@@ -49,11 +41,7 @@ class Trials:
         self._under_way: set[Supervisor] = set()
 
     def run(self, trials: Iterable[_Trial], workers: int = 1) -> None:
-        """Run them all, `workers` at a time; returns when they have ended, or after `stop`.
-
-        Raises:
-            Exception: what `ended` has raised; the other trials are stopped then.
-        """
+        """Run them all, `workers` at a time, to their ends or `stop`; what `ended` raises stops them, and is raised."""
         with ThreadPoolExecutor(workers) as pool:
             jobs = [pool.submit(self._trial, *trial) for trial in trials]
             while (state := wait(jobs, _WAKE)).not_done:
@@ -61,6 +49,11 @@ class Trials:
                     self.stop()
         for job in jobs:
             job.result()
+
+    @property
+    def stopped(self) -> bool:
+        """Whether they were told to stop."""
+        return self._stopped.is_set()
 
     def stop(self) -> None:
         """Stop the trials under way, and begin no other. They leave no row. May be called from a signal handler."""
@@ -71,17 +64,9 @@ class Trials:
     def _trial(self, variant: str, seed: int) -> None:
         if self._stopped.is_set():
             return
-        began = time.monotonic()
-        started: list[Mapping[str, str]] = []
-
-        def told(event: Mapping[str, Any]) -> None:
-            if event["event"] == "started":
-                started.append(event)
-
-        said = self._campaign.file
-        task = self._campaign.task(variant)
-        supervisor = Supervisor(str(task), self._options(variant, seed), told, self._watchdog, own_input=False)
-        late = threading.Event()
+        began, late, said = time.monotonic(), threading.Event(), self._campaign.file
+        task, options = str(self._campaign.task(variant)), self._options(variant, seed)
+        supervisor = Supervisor(task, options, lambda event: None, self._watchdog, own_input=False)
 
         def too_late() -> None:
             late.set()
@@ -105,7 +90,7 @@ class Trials:
             end |= {"status": "timed_out", "message": f"not done after {said.timeout:g} s of wall time"}
         elif end["event"] == "failed":
             end |= {"status": "error"}
-        row = judged(self._campaign, end, time.monotonic() - began, started[0] if started else None)
+        row = judged(self._campaign, end, time.monotonic() - began, supervisor.started)
         with self._lock:
             self._ended({"variant": variant, "seed": seed, **row})
 
@@ -135,10 +120,10 @@ def check(campaign: Campaign) -> None:
         CampaignError: the campaign speaks of what its tasks don't have.
         UntrustedCodeError: a task runs code that isn't GRIP's, which is forbidden.
     """
-    said, where = campaign.file, str(campaign.path)
+    said = campaign.file
     for name in said.count:
         if name in _KNOWN:
-            raise CampaignError(where, f"{name!r} is known of every trial already; choose another name")
+            raise campaign.error(f"{name!r} is known of every trial already; choose another name")
     for variant, settings in said.variants.items():
         project, document, _ = check_task(campaign.task(variant))
         check_inputs(document, settings.set)
@@ -149,44 +134,28 @@ def check(campaign: Campaign) -> None:
         check_nodes(settings.faults, paths)
         for name, path in said.count.items():
             if path not in paths:
-                text = f"count/{name}: {variant!r} has no node {path!r}{nearest(path, paths)}"
-                raise CampaignError(where, text)
+                raise campaign.error(f"count/{name}: {variant!r} has no node {path!r}{nearest(path, paths)}")
         variables = {*document.task.inputs, *document.task.variables}
-        unknown = [given for given in settings.set if given not in variables]
-        if unknown:
-            raise CampaignError(
-                where, f"{variant}/set: the task has no variable {unknown[0]!r}{nearest(unknown[0], variables)}"
-            )
+        for given in settings.set:
+            if given not in variables:
+                raise campaign.error(f"{variant}/set: the task has no variable {given!r}{nearest(given, variables)}")
         names = {*_KNOWN, *said.count, *variables}
         for place, text in (("success", said.success), *((f"measure/{k}", v) for k, v in said.measure.items())):
-            _check_expression(where, place, text, names)
-
-
-def _check_expression(where: str, place: str, text: str, names: set[str]) -> None:
-    try:
-        parsed = parse_expression(text)
-    except ExpressionError as error:
-        raise CampaignError(where, f"{place}: {error}") from error
-    for name in parsed.names:
-        if name not in names:
-            known = ", ".join((*_KNOWN, "the names below `count`", "the task's variables"))
-            raise CampaignError(where, f"{place}: unknown name {name!r}{nearest(name, names)} (available: {known})")
+            try:
+                parsed = parse_expression(text)
+            except ExpressionError as error:
+                raise campaign.error(f"{place}: {error}") from error
+            for name in parsed.names:
+                if name not in names:
+                    known = ", ".join((*_KNOWN, "the names below `count`", "the task's variables"))
+                    raise campaign.error(f"{place}: unknown name {name!r}{nearest(name, names)} (available: {known})")
 
 
 def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, str] | None) -> TrialRow:
-    """Return what came of a trial, as JSON data.
+    """Return what came of a trial that took `wall` [s] in all, from its events `started`, if any, and `ended`.
 
-    Args:
-        campaign: of the trial.
-        end: the event `ended`.
-        wall: how long it took in all [s].
-        started: the event `started`; None when it didn't begin.
-
-    Returns:
-        status, outcome, code, message, duration, wall, run; `truth` (object -> the referee's word) or None;
-        `contradicted`: whether that contradicts a success; `unconfirmed`: what couldn't be confirmed to have
-        stopped after a stop or an error, in words; `counts`, `measures`, `success`, and
-        `unclear`: what couldn't be computed, with the reason.
+    `truth`: object -> the referee's word; `contradicted`: whether that contradicts a success; `unconfirmed`: what
+    couldn't be confirmed to have stopped, in words; `unclear`: what couldn't be computed, with the reason.
     """
     truth = end.get("truth")
     row: TrialRow = {
@@ -203,14 +172,10 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, s
     }
     counts, variables = _looked_up(campaign, started)
     states = Counter((truth or {}).values())
-    seen = {state: states[state] if truth is not None else None for state in STATES}
-    facts = {
-        **variables,
-        **seen,
-        **counts,
-        **{key: row.get(key) for key in ("status", "outcome", "code", "duration", "contradicted")},
-    }
-    facts |= {"wall": row["wall"], "objects": len(truth) if truth is not None else None}
+    seen = {state: None if truth is None else states[state] for state in STATES}
+    seen["objects"] = None if truth is None else len(truth)
+    told = ("status", "outcome", "code", "duration", "contradicted", "wall")
+    facts = {**variables, **seen, **counts, **{key: row.get(key) for key in told}}
     unclear: dict[str, str] = {}
     measures = {name: _computed(text, facts, unclear, name, value_of) for name, text in campaign.file.measure.items()}
     success = bool(_computed(campaign.file.success, facts, unclear, "success", condition_of))
@@ -218,7 +183,6 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, s
 
 
 def _looked_up(campaign: Campaign, started: Mapping[str, str] | None) -> tuple[dict[str, int], dict[str, Any]]:
-    """Return how often counted nodes began, and the last values of the task's variables."""
     counts = dict.fromkeys(campaign.file.count, 0)
     if started is None:
         return counts, {}

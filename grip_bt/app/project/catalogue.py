@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
 from grip_bt.app.project.folder import ARCHIVE, MESSAGES
-from grip_bt.app.project.needs import Packages, components_in_need, frames_in_doubt, packages_here, sensors_in_need
-from grip_bt.base.errors import (
-    DocumentError,
-    GripError,
-    MissingPartError,
-    UnknownNameError,
-)
+from grip_bt.app.project.needs import nodes_in_need, packages_here
+from grip_bt.base.errors import DocumentError, GripError, MissingPartError, UnknownNameError
 from grip_bt.base.message_store import MessageLibrary, names
 from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.description.robot import RobotDescription
@@ -27,6 +22,8 @@ from grip_bt.task.catalog.ros_config import sensor_manifest
 from .faults import TAUGHT, common_states, faults_of_arm, faults_of_camera, faults_of_hand, faults_of_world
 from .folder import Project, find_project
 
+Known = dict[str, Iterable[str]]
+"""Kind of names -> those that a part of the robot has."""
 _robots: FileCache[tuple[str, str], RobotDescription | GripError | None] = FileCache()
 """Folder and `robot:` of a project -> the robot, or what is wrong with it."""
 
@@ -40,10 +37,12 @@ def project_parts_of(project: Project) -> ProjectParts:
         problems = (_problem(found, "`grip robot check` lists all that is wrong with it"),)
     world = [_problem(fault) for fault in faults_of_world(project)]
     robot = None if isinstance(found, GripError) else found
-    links, packages = _links(robot), packages_here(project)
-    nodes = {**_sensors(project, links, packages, world), **components_in_need(project, packages)}
-    for node, doubts in frames_in_doubt(project, links, robot is not None or file.robot is None).items():
-        nodes[node] = (*nodes.get(node, ()), *doubts)
+    links = [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+    packages = packages_here(project)
+    needs = nodes_in_need(project, packages, links, robot is not None or file.robot is None)
+    for name in file.sensors:
+        needs[f"sensor/{name}"] += _faults_of_sensor(project, name, links, world)
+    nodes = {node: tuple(found) for node, found in needs.items()}
     if file.robot is None and not file.arms and not file.hands:
         return ProjectParts(nodes=nodes, packages=packages)  # a task can be drawn before there is a robot
     problems, taught = (*problems, *world), None
@@ -51,7 +50,17 @@ def project_parts_of(project: Project) -> ProjectParts:
         taught = TaughtStates(project.folder / TAUGHT)
     except DocumentError as error:
         problems = (*problems, _problem(error))
-    arms, hands = _arms(project, robot, taught, problems), _hands(project, robot, taught, links, problems)
+    arms, hands = dict[str, PartNames](), dict[str, PartNames]()
+    for name, arm in file.arms.items():
+        known: Known = {} if taught is None else {"taught": taught.of(name)}
+        if robot is not None and taught is not None:
+            known |= _names_of_arm(project, name, robot, taught)
+        wrong = () if robot is None else faults_of_arm(project, name, robot)
+        arms[name] = _part_names(known, [*problems, *map(_problem, wrong), *_uncontrolled(project, name, arm.arms)])
+    for name, hand in file.hands.items():
+        known = {} if robot is None or taught is None else _names_of_hand(name, hand.group, robot, taught, links)
+        wrong = () if robot is None else faults_of_hand(project, name, robot)
+        hands[name] = _part_names(known, [*problems, *map(_problem, wrong), *_uncontrolled(project, name)])
     return ProjectParts(arms, hands, nodes, packages)
 
 
@@ -65,41 +74,22 @@ def _robot(project: Project) -> RobotDescription | GripError | None:
         return error
 
 
-def _arms(
-    project: Project, robot: RobotDescription | None, taught: TaughtStates | None, problems: tuple[Problem, ...]
-) -> dict[str, PartNames]:
-    found = {}
-    for name, arm in project.file.arms.items():
-        known: dict[str, Iterable[str]] = {}
-        if taught is not None:
-            known["taught"] = taught.of(name)
-        if robot is not None and taught is not None and arm.group in robot.groups:
-            states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
-            known["state"] = {**states, **taught.states(name)}
-        faults = () if robot is None else faults_of_arm(project, name, robot)
-        found[name] = _part_names(known, [*problems, *map(_problem, faults), *_uncontrolled(project, name, arm.arms)])
-    return found
+def _names_of_arm(project: Project, name: str, robot: RobotDescription, taught: TaughtStates) -> Known:
+    arm = project.file.arms[name]
+    states = {**robot.named_states.get(arm.group, {}), **common_states(arm, project.file.arms, robot)}
+    return {"state": {**states, **taught.states(name)}} if arm.group in robot.groups else {}
 
 
-def _hands(
-    project: Project,
-    robot: RobotDescription | None,
-    taught: TaughtStates | None,
-    links: list[str],
-    problems: tuple[Problem, ...],
-) -> dict[str, PartNames]:
-    found = {}
-    for name, hand in project.file.hands.items():
-        known: dict[str, Iterable[str]] = {}
-        if robot is not None and taught is not None and hand.group in robot.groups:
-            fingers = joints_of_fingers(robot, hand.group)
-            known["posture"] = {**robot.named_states.get(hand.group, {}), **taught.states(name)}
-            known["finger"] = fingers
-            known["tip"] = [*fingers, *links_of_groups(robot, {name: hand.group})[name]]
-            known["link"] = [*links, "grasp", *(f"grasp/{group}" for group in robot.grasp_frames)]
-        faults = () if robot is None else faults_of_hand(project, name, robot)
-        found[name] = _part_names(known, [*problems, *map(_problem, faults), *_uncontrolled(project, name)])
-    return found
+def _names_of_hand(name: str, group: str, robot: RobotDescription, taught: TaughtStates, links: list[str]) -> Known:
+    if group not in robot.groups:
+        return {}
+    fingers = joints_of_fingers(robot, group)
+    return {
+        "posture": {**robot.named_states.get(group, {}), **taught.states(name)},
+        "finger": fingers,
+        "tip": [*fingers, *links_of_groups(robot, {name: group})[name]],
+        "link": [*links, "grasp", *(f"grasp/{each}" for each in robot.grasp_frames)],
+    }
 
 
 def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> list[Problem]:
@@ -111,28 +101,19 @@ def _uncontrolled(project: Project, name: str, joined: tuple[str, ...] = ()) -> 
     return [Problem(NO_CONTROLLER, str(error).rstrip("."))]
 
 
-def _sensors(
-    project: Project, links: Iterable[str], packages: Packages | None, world: Iterable[Problem]
-) -> dict[str, tuple[Problem, ...]]:
-    """Return what is wrong with the sensors: no such camera, a mount on no link, packages that aren't installed."""
-    found = sensors_in_need(project, packages)
-    cameras = {} if project.file.ros is None else project.file.ros.cameras
-    for name, sensor in project.file.sensors.items():
-        if sensor.camera is not None:
-            found[f"sensor/{name}"] += (*world, *map(_problem, faults_of_camera(project, name)))
-        mounts = {
-            f"sensors/{name}": sensor.mount,
-            f"ros/cameras/{name}": cameras[name].mount if name in cameras else None,
-        }
-        for where, mount in mounts.items():
-            if mount is not None and links and mount.on not in ("world", *links):
-                error = UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on")
-                found[f"sensor/{name}"] += (_problem(error),)
-    return found
-
-
-def _links(robot: RobotDescription | None) -> list[str]:
-    return [] if robot is None else [link.get("name", "") for link in ET.fromstring(robot.urdf).iter("link")]
+def _faults_of_sensor(
+    project: Project, name: str, links: Collection[str], world: Iterable[Problem]
+) -> Iterator[Problem]:
+    """Yield what is wrong with a sensor: its world, no such camera, a mount on no link."""
+    sensor, ros = project.file.sensors[name], project.file.ros
+    if sensor.camera is not None:
+        yield from world
+        yield from map(_problem, faults_of_camera(project, name))
+    camera = None if ros is None else ros.cameras.get(name)
+    mounts = {f"sensors/{name}": sensor.mount, f"ros/cameras/{name}": None if camera is None else camera.mount}
+    for where, mount in mounts.items():
+        if mount is not None and links and mount.on not in ("world", *links):
+            yield _problem(UnknownNameError("link", mount.on, ("world", *links), f"grip.yaml: {where}/mount/on"))
 
 
 def _part_names(known: Mapping[str, Iterable[str]], problems: list[Problem]) -> PartNames:

@@ -26,15 +26,12 @@ from grip_bt.task.catalog.ros_config import InterfaceSpec
 
 from .folder import find_project
 
-_NOTHING = YamlMapping({}, 1, 1)
-
 
 @dataclass(frozen=True)
 class Wish:
     """What is known of a component to be.
 
     Attributes:
-        interface: its interface.
         server: the name under which it is served; empty for one made from the interface's.
         name: the component's; empty for one made from the server's.
         package: folder of the interface package, to be copied; None for an installed one.
@@ -47,11 +44,7 @@ class Wish:
 
 
 def from_file(path: Path) -> Wish:
-    """Take a .srv, .action or .msg file of an interface package.
-
-    Raises:
-        DocumentError: it can't be read, or lies in no package.
-    """
+    """Take a .srv, .action or .msg file of an interface package; DocumentError where it isn't one or lies in none."""
     if not path.is_file():
         raise DocumentError("there is no such file", str(path))
     package = path.resolve().parent.parent
@@ -62,33 +55,20 @@ def from_file(path: Path) -> Wish:
     return Wish(read_interface(path), package=package)
 
 
-def from_type(name: str) -> Wish:
-    """Take an installed type, such as `std_srvs/srv/Trigger`.
-
-    Raises:
-        DocumentError: it isn't one, or isn't installed.
-    """
-    return Wish(read_interface(name))
-
-
 def from_graph(name: str, within: float, interfaces: Path | None = None) -> Wish:
-    """Take what runs: its type is asked of the running graph.
+    """Take what runs: its type is asked of the running graph within so many [s].
 
     Args:
-        within: how long to look [s].
         interfaces: folder with the package that defines the type, for one that isn't installed.
 
     Raises:
-        UnknownNameError: nothing of that name runs.
-        GripError: its type isn't known here; it says what to do.
+        UnknownNameError, GripError: nothing of that name runs; its type isn't known here.
     """
     from grip_bt.ros.client.graph import find_served
 
     served = find_served(name, within)
-    if interfaces is not None:
-        file = interface_file(interfaces, served.type)
-        if file is not None:
-            return Wish(read_interface(file), served.name, package=file.parent.parent)
+    if interfaces is not None and (file := interface_file(interfaces, served.type)) is not None:
+        return Wish(read_interface(file), served.name, package=file.parent.parent)
     try:
         return Wish(read_interface(served.type), served.name)
     except DocumentError as error:
@@ -101,12 +81,10 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
 
     Args:
         outcomes: as `--outcomes` takes them; None asks the user, on a terminal.
-        failures: outcomes that mean failure.
 
     Raises:
         OutcomesNeededError: nobody said how it can end.
-        ContractError: the interface and the outcomes don't fit; nothing is written.
-        GripError: the folder has a component file already, or something doesn't fit.
+        GripError: it is there already, or (ContractError) the interface and the outcomes don't fit; nothing is written.
     """
     server = wish.server or "/" + suggested_name(wish.interface)
     name = wish.name or server.strip("/").replace("/", "_").lower()
@@ -114,7 +92,10 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
     if (home / FILE_NAME).exists():
         raise GripError(f"{home / FILE_NAME} already exists; edit it and run: grip component add {home}")
     if outcomes is None and wish.interface.kind != "msg":
-        outcomes = _ask(wish.interface)
+        needed = OutcomesNeededError(wish.interface)
+        if not sys.stdin.isatty():
+            raise needed
+        outcomes = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip() or needed.suggestion
     chosen = {"received": "true"} if outcomes is None else parse_outcomes(outcomes)
     try:
         text = component_text(wish.interface, name, server, chosen, failures)
@@ -123,7 +104,7 @@ def make_component(wish: Wish, folder: Path, outcomes: str | None, failures: Col
             raise document_error(faults, FILE_NAME)
         check_contract(component, wish.interface, partial(fields_within, wish.package and wish.package.parent))
     except ValidationError as error:
-        raise GripError(diagnostic_of(_NOTHING, error.errors()[0])[0]) from None
+        raise GripError(diagnostic_of(YamlMapping({}, 1, 1), error.errors()[0])[0]) from None
     home.mkdir(parents=True, exist_ok=True)
     for package in _with_needed(wish.package):
         if not (home / "interfaces" / package.name).exists():
@@ -150,21 +131,8 @@ def components_folder(start: Path) -> Path:
     return project.folder / (project.file.components or "components")
 
 
-def _ask(interface: InterfaceSpec) -> str:
-    needed = OutcomesNeededError(interface)
-    if not sys.stdin.isatty():
-        raise needed
-    said = input(f"{needed}\noutcomes [{needed.suggestion}]: ").strip()
-    return said or needed.suggestion
-
-
 def label_of(component: ComponentFile, reply: Mapping[str, Any]) -> str:
-    """Return how an answer is called: by its number, or by the outcomes' rules.
-
-    Args:
-        component: whose answer it is.
-        reply: outputs, and the `outcome` of a contract.
-    """
+    """Return how an answer is called: by its number, or by the outcomes' rules."""
     if not component.rules:
         return f"{component.outcomes[reply['outcome']]!r} ({reply['outcome']})"
     for label, text in component.rules.items():

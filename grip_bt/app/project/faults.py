@@ -43,20 +43,29 @@ def faults_of_parts(project: Project, robot: RobotDescription) -> Iterator[GripE
 
 def faults_of_arm(project: Project, name: str, robot: RobotDescription) -> Iterator[GripError]:
     """Yield what is wrong with what an arm names, all of it."""
-    arm, where = project.file.arms[name], f"grip.yaml: arms/{name}"
-    if arm.group not in robot.groups:
-        yield _no_group(robot, arm.group, where)
+    arm, arms, where = project.file.arms[name], project.file.arms, f"grip.yaml: arms/{name}"
+    yield from _faults_of_group(arm.group, robot, where)
     if arm.hand is not None and arm.hand not in project.file.hands:
         yield UnknownNameError("hand", arm.hand, project.file.hands, f"{where}/hand")
     yield from faults_of_fields(arm, robot, where)
-    yield from _faults_of_parts(project, name, arm, robot)
+    others = set(arms) - {name}
+    strange = [part for part in arm.arms if part not in others]
+    yield from (UnknownNameError("arm", part, others, f"{where}/arms") for part in strange)
+    groups = [arm.group, *(arms[part].group for part in arm.arms if part in others)]
+    if arm.arms and not strange and all(group in robot.groups for group in groups):
+        if set(robot.group(arm.group)) != {joint for group in groups[1:] for joint in robot.group(group)}:
+            joined = ", ".join(arm.arms)
+            yield GripError(f"{where}/arms: the group {arm.group!r} holds other joints than {joined} together")
 
 
 def faults_of_hand(project: Project, name: str, robot: RobotDescription) -> Iterator[GripError]:
     """Yield what is wrong with what a hand names."""
-    group = project.file.hands[name].group
+    return _faults_of_group(project.file.hands[name].group, robot, f"grip.yaml: hands/{name}")
+
+
+def _faults_of_group(group: str, robot: RobotDescription, where: str) -> Iterator[GripError]:
     if group not in robot.groups:
-        yield _no_group(robot, group, f"grip.yaml: hands/{name}")
+        yield UnknownNameError("group", group, robot.groups, f"{where}/group, robot {robot.name}")
 
 
 def faults_of_fields(arm: ArmConfig, robot: RobotDescription, where: str) -> Iterator[GripError]:
@@ -95,30 +104,11 @@ def common_states(arm: ArmConfig, arms: Mapping[str, ArmConfig], robot: RobotDes
     """Return the states that all arms which an arm joins have by the same name, such as `home`."""
     parts = [robot.named_states.get(arms[name].group, {}) for name in arm.arms if name in arms]
     names = set.intersection(*(set(part) for part in parts)) if parts else set()
+    joined = {name: [part[name] for part in parts] for name in sorted(names)}
     return {
-        name: JointState(
-            tuple(j for part in parts for j in part[name].names),
-            np.concatenate([part[name].position for part in parts]),
-        )
-        for name in sorted(names)
+        name: JointState([j for each in states for j in each.names], np.concatenate([s.position for s in states]))
+        for name, states in joined.items()
     }
-
-
-def _faults_of_parts(project: Project, name: str, arm: ArmConfig, robot: RobotDescription) -> Iterator[GripError]:
-    where, arms = f"grip.yaml: arms/{name}/arms", project.file.arms
-    strange = [part for part in arm.arms if part not in arms or part == name]
-    for part in strange:
-        yield UnknownNameError("arm", part, set(arms) - {name}, where)
-    groups = [arm.group, *(arms[part].group for part in arm.arms if part not in strange)]
-    if not arm.arms or strange or any(group not in robot.groups for group in groups):
-        return
-    joints = {joint for group in groups[1:] for joint in robot.group(group)}
-    if set(robot.group(arm.group)) != joints:
-        yield GripError(f"{where}: the group {arm.group!r} holds other joints than {', '.join(arm.arms)} together")
-
-
-def _no_group(robot: RobotDescription, group: str, where: str) -> UnknownNameError:
-    return UnknownNameError("group", group, robot.groups, f"{where}/group, robot {robot.name}")
 
 
 _scenes: FileCache[Path, DocumentError | None] = FileCache()

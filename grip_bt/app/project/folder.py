@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import BaseModel, ByteSize, ConfigDict, StringConstraints
+from pydantic import ByteSize, StringConstraints
 
 from grip_bt.base.errors import GripError, NotWritableError, ProjectExistsError
-from grip_bt.base.yaml.models import read_model
+from grip_bt.base.yaml.models import Settings, read_model
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
@@ -31,11 +30,7 @@ MESSAGES, ARCHIVE = "messages", "messages.values.sqlite"
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
 
-class _Config(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
-
-
-class _ArmParts(_Config):
+class _ArmParts(Settings):
     group: str = "arm"
     """Group of joints in the robot's description."""
     hand: str | None = None
@@ -48,13 +43,13 @@ class ArmConfig(MotionSettings, _ArmParts):
     """One arm: its joints, and how it is asked to move."""
 
 
-class HandConfig(_Config):
+class HandConfig(Settings):
     """One hand."""
 
     group: str = "hand"
 
 
-class ProjectFile(_Config):
+class ProjectFile(Settings):
     """What `grip.yaml` holds."""
 
     grip: Literal[1]
@@ -98,11 +93,7 @@ class Project:
 
     @property
     def state_folder(self) -> Path:
-        """Where runs, logs and built interfaces are kept; made when it isn't there.
-
-        Raises:
-            NotWritableError: it can't be made.
-        """
+        """Where runs, logs and built interfaces are kept; made, if it can be: NotWritableError else."""
         folder = self.folder / ".grip"
         try:
             folder.mkdir(exist_ok=True)
@@ -130,23 +121,13 @@ class Project:
         return str(self.folder / FILE_NAME) if isinstance(robot, RobotConfig) else str(robot)
 
     def description(self) -> RobotDescription:
-        """Return the project's robot.
-
-        Raises:
-            InvalidRobotError: its files are wrong.
-            UnknownNameError: there is no such robot, or the project names none.
-            MissingPartError: the data of a ready-made robot isn't installed.
-        """
+        """Return the project's robot; see `load_robot`, also for what is raised."""
         from grip_bt.commanders.description.load import load_robot
 
         return load_robot("None" if self.file.robot is None else self.file.robot, self.folder)
 
     def room(self) -> tuple[SceneObject, ...]:
-        """Return what the project's `.scene` file holds; nothing where there is none.
-
-        Raises:
-            DocumentError: the file can't be read.
-        """
+        """Return what the project's `.scene` file holds, if it has one; DocumentError where that can't be read."""
         from grip_bt.commanders.scene_file import load_scene
 
         return () if self.file.scene is None else load_scene(self.folder / self.file.scene)
@@ -200,17 +181,12 @@ def make_project(folder: str | Path, files: Mapping[str, str] | None = None) -> 
     folder = Path(folder)
     if folder.exists() and (not folder.is_dir() or any(entry.name != ".git" for entry in folder.iterdir())):
         raise ProjectExistsError(folder)
-    written = []
-    for source in sorted(file for file in _TEMPLATE.rglob("*") if file.is_file()):
-        relative = source.relative_to(_TEMPLATE)
-        # A file of this name in the package's own folder would hide files from git and from the package's build.
-        relative = relative.with_name(".gitignore") if relative.name == "gitignore" else relative
-        (folder / relative).parent.mkdir(parents=True, exist_ok=True)
-        if files and str(relative) in files:
-            (folder / relative).write_text(files[str(relative)], encoding="utf-8")
-        else:
-            shutil.copyfile(source, folder / relative)
-        written.append(relative)
+    sources = {file.relative_to(_TEMPLATE): file for file in sorted(_TEMPLATE.rglob("*")) if file.is_file()}
+    # A file of this name in the package's own folder would hide files from git and from the package's build.
+    named = {path.with_name(".gitignore") if path.name == "gitignore" else path: f for path, f in sources.items()}
+    for path, source in named.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text((files or {}).get(str(path)) or source.read_text("utf-8"), encoding="utf-8")
     for name in _FOLDERS:
         (folder / name).mkdir(exist_ok=True)
-    return written
+    return list(named)

@@ -12,7 +12,6 @@ from grip_bt.compilers.resolve import resolve
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.catalog.component_file import load_component
-from grip_bt.task.catalog.component_parts import Start
 from grip_bt.task.model import Foreign
 
 from .folder import Project
@@ -28,11 +27,7 @@ def forbid() -> None:
 
 
 def refuse(found: Iterable[str]) -> None:
-    """Refuse to go on where code that isn't GRIP's is forbidden, and some would be imported or started.
-
-    Raises:
-        UntrustedCodeError: there is some; it names all of it.
-    """
+    """Raise UntrustedCodeError, which names all, where code that isn't GRIP's is forbidden and some would run."""
     if os.environ.get(VARIABLE) and (told := list(dict.fromkeys(found))):
         raise UntrustedCodeError(told)
 
@@ -44,14 +39,12 @@ def of_task(project: Project, task: Task, catalog: Catalog, robot: str, mocked: 
         if isinstance(part.node, Foreign):
             if catalog.code.is_third_party(part.node.imported):
                 yield f"{part.path}: imports {part.node.imported}"
-        elif (
-            part.manifest is not None and part.manifest.implementation and not {part.path, part.manifest.id} & {*mocked}
-        ):
-            where = part.manifest.implementation.rpartition(":")[0]
+        elif (face := part.manifest) is not None and face.implementation and not {part.path, face.id} & {*mocked}:
+            where = face.implementation.rpartition(":")[0]
             if where.endswith(".py") or where.partition(".")[0] not in _OURS:
                 yield f"{part.path}: imports {where}"
-            if part.manifest.id.startswith("component/"):
-                components[part.manifest.id.partition("/")[2]] = part.path
+            if face.id.startswith("component/"):
+                components[face.id.partition("/")[2]] = part.path
     for name in components if robot != "fake" else ():
         yield from of_component(project.component_folders().get(name))
 
@@ -62,12 +55,6 @@ def of_component(folder: Path | None) -> Iterator[str]:
         component = None if folder is None else load_component(folder)
     except GripError:
         return  # refused in its own words when it is started
-    if component is not None and component.start is not None:
-        yield f"component {component.name}: starts {started(component.start)}"
-
-
-def started(start: Start) -> str:
-    """Return what is started, as it is written."""
-    if start.command:
-        return shlex.join(start.command)
-    return " ".join(filter(None, (start.package, start.executable or start.launch)))
+    if component is not None and (start := component.start) is not None:
+        words = start.command or filter(None, (start.package, start.executable or start.launch))
+        yield f"component {component.name}: starts {shlex.join(words)}"

@@ -20,29 +20,19 @@ def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]
     """Return the processes of a project; all of those that are to be run, where none is named.
 
     Raises:
-        UnknownNameError: the project has no such process.
-        PackageError: a package, its program or its launch file isn't here.
+        UnknownNameError, PackageError: there is no such process, package, program or launch file.
     """
     declared = project.file.processes
     for name in names:
         if name not in declared:
             raise UnknownNameError("process", name, declared, str(project.folder / "grip.yaml"))
-    wanted = names or [name for name, config in declared.items() if config.run]
-    return [_member(name, declared[name], project.folder) for name in wanted]
-
-
-def _member(name: str, config: ProcessConfig, project: Path) -> Member:
-    return Member(
-        name,
-        command_of(config, project),
-        project / (config.folder or "."),
-        child_environment(()) | dict(config.env),
-        config.ready,
-        config.restart,
-        config.restarts,
-        config.restart_delay,
-        config.required,
-    )
+    members = []
+    for name in names or [name for name, config in declared.items() if config.run]:
+        config, folder = declared[name], project.folder
+        environment = child_environment(()) | dict(config.env)
+        again = (config.ready, config.restart, config.restarts, config.restart_delay, config.required)
+        members.append(Member(name, command_of(config, folder), folder / (config.folder or "."), environment, *again))
+    return members
 
 
 HEAD = '<?xml version="1.0"?>\n'
@@ -91,11 +81,10 @@ def _start(
         _include(root, start, folder)
         return
     common = {"name": name, "output": "both", "cwd": folder}
-    if process is not None:
-        common |= (
-            {"respawn": "true", "respawn_delay": str(process.restart_delay)} if process.restart == "always" else {}
-        )
-        common |= {"on_exit": "shutdown"} if process.required and process.restart == "never" else {}
+    if process is not None and process.restart == "always":
+        common |= {"respawn": "true", "respawn_delay": str(process.restart_delay)}
+    if process is not None and process.required and process.restart == "never":
+        common["on_exit"] = "shutdown"
     if start.executable is not None:
         words = shlex.join(map(_literal, start.args))
         extra = {"args": words} if words else {}

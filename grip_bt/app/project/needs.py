@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, partial
 from itertools import takewhile
 from pathlib import Path
@@ -22,7 +22,7 @@ from grip_bt.ros.interfaces.packages import (
     search_path,
     share_folder,
 )
-from grip_bt.task.catalog.component_file import ComponentFile, load_component
+from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.catalog.component_parts import Start
 from grip_bt.task.catalog.project_parts import MISSING_PACKAGE, UNFIT_PROJECT, Problem, missing_package, missing_type
 from grip_bt.task.validation.codes import suggestion
@@ -52,37 +52,45 @@ def _types_in(homes: Sequence[Path]) -> frozenset[str]:
     return frozenset(f"{file.suffix[1:]}/{file.stem}" for file in files)
 
 
-def sensors_in_need(project: Project, packages: Packages | None) -> dict[str, tuple[Problem, ...]]:
-    """Return, by node, which of the packages aren't here that the project's sensors need."""
-    found = {}
+def nodes_in_need(
+    project: Project, packages: Packages | None, links: Collection[str], robot_known: bool
+) -> dict[str, list[Problem]]:
+    """Return, by node of a sensor or a component, what it needs that isn't here, and frames that nothing has.
+
+    Args:
+        packages: those with interfaces that a run would find; None where ROS isn't installed.
+        robot_known: False where the robot couldn't be read: nothing is known of its links then.
+
+    Nothing is said of frames where the project declares none at all, neither by a robot nor by a mount: then all of
+    them are somebody else's.
+    """
+    mounts = [sensor.mount for sensor in project.file.sensors.values() if sensor.mount is not None]
+    mounted = {frame for mount in mounts for frame in ((mount.frame,) if links else (mount.frame, mount.on))}
+    fixed = {ROOT, *links, *mounted} if robot_known and (links or mounted) else set[str]()
+    found: dict[str, list[Problem]] = {}
     for name, sensor in project.file.sensors.items():
         where, types = f"grip.yaml: sensors/{name}", {topic.message_type() for topic in sensor.topics.values()}
-        found[f"sensor/{name}"] = (
-            *_lacking(types, packages, where, True),
-            *_unstartable(sensor.driver, packages, where),
-        )
-    return found
-
-
-def components_in_need(project: Project, packages: Packages | None) -> dict[str, tuple[Problem, ...]]:
-    """Return likewise for its components, and what is wrong with their files."""
-    found: dict[str, tuple[Problem, ...]] = {}
+        found[f"sensor/{name}"] = problems = _lacking(types, packages, where, True)
+        problems += _unstartable(sensor.driver, packages, where)
+        if fixed and sensor.topics and sensor.given_in is not None:
+            problems += _unknown(f"{where}/given_in", sensor.given_in, fixed | _published(project), by_tf=True)
     for name, folder in project.component_folders().items():
         where = f"components/{name}/component.yaml"
         try:
             file = load_component(folder)
         except DocumentError as error:
             said = f"{where}: a run refuses this component: {error}"
-            found[f"component/{name}"] = (
-                Problem(UNFIT_PROJECT, said, "fix the file, and run `grip component add` again"),
-            )
+            fix = "fix the file, and run `grip component add` again"
+            found[f"component/{name}"] = [Problem(UNFIT_PROJECT, said, fix)]
             continue
-        lacking = (*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where))
+        found[f"component/{file.name}"] = problems = []
         if file.name != name:  # under which a run looks for it
             said = f"{where}: the component is called {file.name!r}, and its folder {name!r}, so a run cannot find it"
             fix = f"rename the folder to {file.name!r}, or write `name: {name}` and add it again"
-            lacking = (Problem(UNFIT_PROJECT, said, fix), *lacking)
-        found[f"component/{file.name}"] = lacking
+            problems.append(Problem(UNFIT_PROJECT, said, fix))
+        problems += [*_lacking({file.interface}, packages, where), *_unstartable(file.start, packages, where)]
+        for port, said_of in file.ports.items() if fixed else ():
+            problems += _unknown(f"{where}: ports/{port}/frame", said_of.frame, fixed, by_tf=False)
     return found
 
 
@@ -126,51 +134,14 @@ _LARGEST = 1_000_000
 """Of a launch file's text that is looked through."""
 
 
-def frames_in_doubt(project: Project, links: Collection[str], robot_known: bool) -> dict[str, tuple[Problem, ...]]:
-    """Return, by node, which frames are named that nothing has, as far as files tell.
-
-    Args:
-        robot_known: False where the robot couldn't be read: nothing is known of its links then.
-
-    Returns:
-        id of a node -> what is wrong with it. Nothing is said where the project declares no frame at all, neither by a
-        robot nor by a mount: then all of them are somebody else's.
-    """
-    mounts = [sensor.mount for sensor in project.file.sensors.values() if sensor.mount is not None]
-    mounted = {frame for mount in mounts for frame in ((mount.frame,) if links else (mount.frame, mount.on))}
-    if not robot_known or not (links or mounted):
-        return {}
-    fixed = {ROOT, *links, *mounted}
-    found: dict[str, tuple[Problem, ...]] = {}
-    given = {n: s.given_in for n, s in project.file.sensors.items() if s.topics and s.given_in is not None}
-    published = fixed | _published(project) if given else fixed
-    for name, frame in given.items():
-        where = f"grip.yaml: sensors/{name}/given_in"
-        found[f"sensor/{name}"] = tuple(_unknown([(where, frame)], published, by_tf=True))
-    for file, named in _named_by_components(project):
-        found[f"component/{file.name}"] = tuple(_unknown(named, fixed, by_tf=False))
-    return found
-
-
-def _unknown(named: Iterable[tuple[str, str]], known: Collection[str], by_tf: bool) -> Iterator[Problem]:
-    """Yield the frames that aren't known; with `by_tf` there may be more of them when the task runs."""
-    for where, frame in named:
-        if frame in known:
-            continue
-        doubt = "; only TF could provide it at run time" if by_tf else "; TF is not used for a component's frames"
-        otherwise = "name one of these, or make sure that TF publishes it" if by_tf else "name one of these"
-        fix = suggestion(nearest(frame, tuple(sorted(known))), otherwise)
-        yield Problem(UNFIT_PROJECT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)
-
-
-def _named_by_components(project: Project) -> Iterator[tuple[ComponentFile, list[tuple[str, str]]]]:
-    for name, folder in project.component_folders().items():
-        try:
-            file = load_component(folder)
-        except DocumentError:
-            continue  # the project's catalogue says so
-        where = f"components/{name}/component.yaml: ports"
-        yield file, [(f"{where}/{p}/frame", port.frame) for p, port in file.ports.items() if port.frame is not None]
+def _unknown(where: str, frame: str | None, known: Collection[str], by_tf: bool) -> list[Problem]:
+    """Return that a frame isn't known; with `by_tf` there may be more of them when the task runs."""
+    if frame is None or frame in known:
+        return []
+    doubt = "; only TF could provide it at run time" if by_tf else "; TF is not used for a component's frames"
+    otherwise = "name one of these, or make sure that TF publishes it" if by_tf else "name one of these"
+    fix = suggestion(nearest(frame, tuple(sorted(known))), otherwise)
+    return [Problem(UNFIT_PROJECT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)]
 
 
 def _published(project: Project) -> set[str]:
@@ -182,7 +153,7 @@ def _published(project: Project) -> set[str]:
             continue
         words = [process.executable or "", *process.command, *process.args]
         if _PUBLISHER in words:
-            own = list(takewhile(lambda word: word != "--ros-args", words[words.index(_PUBLISHER) + 1 :]))
+            own = list(takewhile("--ros-args".__ne__, words[words.index(_PUBLISHER) + 1 :]))
             found.update(_SAID.findall(" ".join(own)) or (own[-2:] if len(own) in _POSITIONAL else ()))
     return {frame.lstrip("/") for frame in found}
 

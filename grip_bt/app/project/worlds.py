@@ -1,37 +1,35 @@
-"""The simulated world of a project: its file, what a seed draws, and what of it arms avoid and aim at."""
+"""The simulated world of a project: its file, what a seed draws, what arms avoid and aim at, and how it is judged.
+
+Conditions of `goals` and `judge` name how many objects are in a state (`held`, `placed` ...), how many there are
+(`objects`), how many have their centre in a region (`in_REGION`), and measures, such as `cabinet_opened` [m].
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import get_args
 
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, GripError, nearest
+from grip_bt.base.evaluation import condition_of
+from grip_bt.base.expression import parse_expression
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box
 from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.scene_state import SceneObject
+from grip_sim.referee import ObjectTruth, Status
 from grip_sim.specs import WorldSpec
 from grip_sim.worlds import load_world
 
 from .folder import Project
-from .judging import WorldCondition
 
 _worlds: FileCache[tuple[str, str], WorldSpec | GripError] = FileCache()
 
 
 def world_of(project: Project, seed: int, world: str = "") -> WorldSpec:
-    """Return a world with the project's robot in it, as a seed draws it.
-
-    Args:
-        project: the project.
-        seed: of what is drawn.
-        world: its name; the project's own where empty.
-
-    Raises:
-        UnknownNameError, DocumentError: there is no such world, or its file is wrong.
-        ArrangementError: objects don't fit into it.
-    """
+    """Return a world, by default the project's own, with the project's robot, as a seed draws it; see `load_world`."""
     spec = load_world(world or project.file.world or "", seed, project.folder)
     return replace(spec, robot=project.robot_source)
 
@@ -66,3 +64,51 @@ def room_of(spec: WorldSpec) -> tuple[SceneObject, ...]:
 def regions_of(spec: WorldSpec) -> Mapping[str, tuple[Sequence[float], Pose]]:
     """Return the places that tasks aim at: edge lengths [m] and the middle in world, by name."""
     return {region.name: (region.size, region.pose) for region in spec.regions}
+
+
+STATES: tuple[str, ...] = get_args(Status)
+"""What a referee may say of an object."""
+Counts = Mapping[str, float]
+
+
+class WorldCondition:
+    """A condition over what is true in a world; `where` and `file` are named in errors, such as `goals/pick`.
+
+    Raises DocumentError where it isn't a condition over the names of its regions and measures.
+    """
+
+    def __init__(self, text: str, regions: Iterable[str], measures: Iterable[str], where: str, file: str):
+        self.text = text
+        known = ("objects", *STATES, *(f"in_{region}" for region in regions), *measures)
+        self._counts: Counts = dict.fromkeys(known, 0)
+        try:
+            parsed = parse_expression(text)
+            for name in parsed.names:
+                if name not in known:
+                    near, there = nearest(name, known), ", ".join(known)
+                    raise DocumentError(f"{where}: unknown name {name!r}{near} (available: {there})", file)
+            self._compute = condition_of(parsed, {name: partial(self._count, name) for name in parsed.names})
+            self._compute()
+        except (ExpressionError, EvaluationError) as error:
+            raise DocumentError(f"{where}: {error}", file) from error
+
+    def holds(self, counts: Counts) -> bool:
+        """Tell whether it is true of what was counted, see `counted`."""
+        self._counts = counts
+        return self._compute()
+
+    def _count(self, name: str) -> float:
+        return self._counts.get(name, 0)
+
+
+def counted(truth: Iterable[ObjectTruth], regions: Iterable[str], measures: Counts) -> Counts:
+    """Return how many objects are in each state and region, how many there are, and the measures."""
+    truth = tuple(truth)
+    states: Counter[str] = Counter(thing.status for thing in truth)
+    inside = Counter(region for thing in truth for region in thing.regions)
+    return {
+        "objects": len(truth),
+        **{state: states[state] for state in STATES},
+        **{f"in_{region}": inside[region] for region in regions},
+        **measures,
+    }

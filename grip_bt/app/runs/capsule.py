@@ -101,11 +101,9 @@ def _drawing(task: Task, catalog: Catalog, view: View) -> str:
 
 def _node(node: Any, catalog: Catalog) -> dict[str, Any]:
     manifest = catalog.get(node.node) if isinstance(node, Leaf) and node.node in catalog else None
+    outcomes = dict(outcomes_of(node)) if not isinstance(node, Leaf) else {"success": "success", "failure": "failure"}
     if isinstance(node, Leaf):
-        plain = {"success": "success", "failure": "failure"}
-        outcomes = manifest.outcomes_for(dict(node.meaning)) if manifest is not None else {**plain, **node.meaning}
-    else:
-        outcomes = dict(outcomes_of(node))
+        outcomes = outcomes | node.meaning if manifest is None else manifest.outcomes_for(dict(node.meaning))
     return {
         "what": describe(node),
         "doc": node.doc or (manifest.doc if manifest is not None else ""),
@@ -133,7 +131,6 @@ def columns_of(events: list[Event]) -> tuple[dict[str, Any], str]:
 
 
 def _packed(content: object) -> str:
-    """Return JSON, deflated."""
     text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), default=str)
     return base64.b64encode(zlib.compress(text.encode(), 9, -zlib.MAX_WBITS)).decode()
 
@@ -157,13 +154,7 @@ def _texts(events: list[Event]) -> tuple[str, str]:
 def _said(event: Event, longest: int) -> dict[str, Any]:
     """Return the data of an event in short; a value is there by its preview."""
     data = {k: v for k, v in event.data.items() if k not in ("value", "hash", "size", "data")}
-    short = {k: _shortened(v, 10 * longest if k == "traceback" else longest) for k, v in data.items()}
     if longest == 0:
-        return {k: v for k, v in short.items() if k in ("variable", "state", "status")}
-    return short
-
-
-def _shortened(value: object, longest: int) -> Any:
-    if not isinstance(value, str) or len(value) <= max(longest, _SHORT):
-        return value
-    return value[: max(longest, _SHORT) - 1] + "…"
+        data = {k: v for k, v in data.items() if k in ("variable", "state", "status")}
+    most = {k: max(10 * longest if k == "traceback" else longest, _SHORT) for k in data}
+    return {k: v[: most[k] - 1] + "…" if isinstance(v, str) and len(v) > most[k] else v for k, v in data.items()}

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from grip_bt.app.project.catalogue import catalogue_of
-from grip_bt.app.runs.resume import RestoredState, changes, kept_parts
+from grip_bt.app.runs.resume import Restored, changes, kept_parts
 from grip_bt.app.wiring.parts import Progress, load_part, silent
 from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.base.issue import Issue, Report
@@ -38,10 +38,10 @@ from ..project.folder import Project, find_project
 from ..project.foreign_code import of_task, refuse
 from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
-from .injection import check_nodes, injected
-from .mocks import apply_mocks
+from .mocks import apply_mocks, check_nodes, injected
 from .resume import ResumeRequest, policy_of, start_resumed
 
+_log = logging.getLogger(__name__)
 Target = Literal["bt", "sm"]
 MOST_SEED = 2**32 - 1
 
@@ -133,11 +133,7 @@ def check_task(path: str | Path | Task, text: str | None = None) -> tuple[Projec
 
 
 def check_inputs(document: Document, given: Mapping[str, object]) -> None:
-    """Refuse a run of a task that isn't given what it needs.
-
-    Raises:
-        InvalidTaskError: it names each input that is missing.
-    """
+    """Refuse a run of a task that isn't given what it needs: InvalidTaskError names each input that is missing."""
     missing = []
     for name, said in document.task.inputs.items():
         if name not in given and not (isinstance(said, Variable) and said.has_value):
@@ -179,20 +175,10 @@ def _tree_of(path: str | Path) -> str:
     return str(read(Path(path)).task.x.get(DRAWN, "")) if f"\n{DRAWN}:" in text else ""
 
 
-def _imports_ros(found: tree_code.FoundTree) -> bool:
-    """Tell whether the code of a tree's behaviours imports rclpy, in a process that has it already."""
-    modules = {type(node).__module__ for node in found.tree.root.iterate()}
-    return any("rclpy" in vars(sys.modules.get(name, object)) or name.startswith("py_trees_ros") for name in modules)
-
-
 def _adopted(
     path: str | Path, where: str, options: RunOptions, progress: Progress, stack: ExitStack
 ) -> tuple[Project, Document, AdoptedTree]:
-    """Run the code that makes a tree, and return the tree, with the task that draws it.
-
-    Raises:
-        GripError: somebody else's code isn't to be run, it makes no tree, or a tree isn't run so.
-    """
+    """Run the code that makes a tree, and return the tree, with the task that draws it."""
     place = tree_code.place_of(where)
     refuse([f"imports and runs {where}"])
     project = find_project(place.file or Path.cwd() if tree_code.is_tree_code(str(path)) else path)
@@ -213,7 +199,10 @@ def _adopted(
 
     there = "rclpy" in sys.modules
     found = tree_code.find_tree(place, node)
-    of_ros = "rclpy" in sys.modules if not there else _imports_ros(found)
+    modules = {type(each).__module__ for each in found.tree.root.iterate()}
+    of_ros = not there and "rclpy" in sys.modules
+    if there:  # by somebody else: what the behaviours' own code imports tells
+        of_ros = any("rclpy" in vars(sys.modules.get(m, object)) or m.startswith("py_trees_ros") for m in modules)
     setup = {"node": node()} if of_ros and not found.ready else {}
     tree = AdoptedTree(found, where, options.ticks, setup, nodes[0] if nodes else None)
     text = f"# What {where} builds; that is what runs.\n{dumps(tree.task)}"
@@ -234,87 +223,96 @@ def open_session(
         UnknownNameError: a breakpoint or a mock names what isn't in the task; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    with ExitStack() as code, _session(path, options, progress, hold, code) as session:
-        yield session
-
-
-@contextmanager
-def _session(
-    path: str | Path | Task, options: RunOptions, progress: Progress, hold: int | None, code: ExitStack
-) -> Iterator[Session]:
-    resume = options.resume
-    compiled: CompiledTree | CompiledMachine
-    if not isinstance(path, Task) and (where := _tree_of(path)):
-        project, document, compiled = tree = _adopted(path, where, options, progress, code)
-        options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
-    else:
-        project, document, report, compiled = _compiled(path, options, progress, code)
-    working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
-    for point in options.breaks:
-        make_breakpoint(compiled, 0, **point)  # refused before anything is started
-    if options.faults and options.robot != "sim":
-        raise GripError(f"faults happen in a simulated world, not with --robot {options.robot}; mocks fail anywhere")
-    check_nodes(options.faults, compiled.by_path)
-    needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
-    running: list[Runner] = []
-
-    def told(part: str, words: str) -> None:
-        progress(part, words)
-        for runner in running:
-            runner.tell(part, words)
-
-    faults = options.faults if resume is None else None  # what has happened doesn't happen again
-    opening = Opening(project, options.seed, options.pace, told, hold, faults)
-    parts = open_resources(opening, needs, options.robot, own)
-    with parts as resources, Journal(options.journal or project.journal) as journal:
-        log = re_execution = None
-        kept = kept_parts(resources)
-        back = RestoredState()
-        if resume is not None:
-            log, re_execution, back = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
-            for part, seq in back.restored.items():
-                progress(part, f"restored to event {seq}")
-            for part, why in back.anew.items():
-                progress(part, f"starts from its initial state: it {why}")
-        context = resources.context(None if re_execution is None else re_execution.clock)
-        runner = Runner(
-            compiled,
-            context,
-            journal=journal,
-            task_path=document.source,
-            task_text=document.text,
-            seed=options.seed,
-            rate=options.rate,
-            watchdog=options.watchdog,
-            log=log,
-            re_execution=re_execution,
-            facts={
-                "options": OPTIONS.dump_python(options, mode="json", include=_RECORDED),
-                "keeps": sorted(kept),
-                **({"restored": back.restored} if back.restored else {}),
-                **({"anew": back.anew} if back.anew else {}),
-            },
-        )
-        changed = {
-            path: tuple(part for part in changes(leaf.manifest) if part in kept)
-            for path, leaf in compiled.leaves.items()
-        }
-        runner.keep(kept, {path: parts for path, parts in changed.items() if parts})
-        if options.durable:
-            asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
-            runner.observe(Durable(journal, asked))
+    with ExitStack() as code:
+        compiled: CompiledTree | CompiledMachine
+        if not isinstance(path, Task) and (where := _tree_of(path)):
+            project, document, compiled = tree = _adopted(path, where, options, progress, code)
+            options, report = replace(options, rate=options.rate or tree[2].rate), Report(())
+        else:
+            project, document, report, compiled = _compiled(path, options, progress, code)
+        working = [leaf.manifest for leaf in compiled.leaves.values() if not isinstance(leaf, MockLeaf)]
         for point in options.breaks:
-            runner.debugger.set(**point)
-        if options.paused:
-            runner.pause()
-        running.append(runner)
-        try:
-            with _filmed(resources, options), injected(resources, runner, told):
-                yield Session(project, document, report, resources, runner, journal.file)
-        finally:
-            runner.dismiss()
-    if options.journal is None:
-        _keep_to_limit(project.journal, project.file.journal_limit)
+            make_breakpoint(compiled, 0, **point)  # refused before anything is started
+        if options.faults and options.robot != "sim":
+            raise GripError(f"faults happen in simulated worlds, not with --robot {options.robot}; mocks fail anywhere")
+        check_nodes(options.faults, compiled.by_path)
+        needs, own = {manifest.id for manifest in working}, {manifest.implementation for manifest in working}
+        running: list[Runner] = []
+
+        def told(part: str, words: str) -> None:
+            progress(part, words)
+            for runner in running:
+                runner.tell(part, words)
+
+        faults = options.faults if options.resume is None else None  # what has happened doesn't happen again
+        opening = Opening(project, options.seed, options.pace, told, hold, faults)
+        parts = open_resources(opening, needs, options.robot, own)
+        with parts as resources, Journal(options.journal or project.journal) as journal:
+            runner = _runner(compiled, document, options, resources, journal, progress)
+            running.append(runner)
+            try:
+                with _filmed(resources, options), injected(resources, runner, told):
+                    yield Session(project, document, report, resources, runner, journal.file)
+            finally:
+                runner.dismiss()
+        if options.journal is None and size_of(project.journal) > project.file.journal_limit:
+            try:
+                pruned = make_room(project.journal, project.file.journal_limit)
+            except JournalError as error:  # the run itself went well
+                _log.warning("%s", error)
+            else:
+                _log.info("%s: %d old runs were removed (journal_limit)", project.journal, len(pruned.runs))
+
+
+def _runner(
+    compiled: CompiledTree | CompiledMachine,
+    document: Document,
+    options: RunOptions,
+    resources: Resources,
+    journal: Journal,
+    progress: Progress,
+) -> Runner:
+    """Return the runner of a new run, or of one that goes on, as its options want it."""
+    resume = options.resume
+    log = re_execution = None
+    kept = kept_parts(resources)
+    back: Restored = {}
+    if resume is not None:
+        log, re_execution, back = start_resumed(journal, compiled, resume, resources.clock, options.seed, kept)
+    restored = {part: seq for part, seq in back.items() if isinstance(seq, int)}
+    anew = {part: why for part, why in back.items() if isinstance(why, str)}
+    for part, seq in restored.items():
+        progress(part, f"restored to event {seq}")
+    for part, why in anew.items():
+        progress(part, f"starts from its initial state: it {why}")
+    context = resources.context(None if re_execution is None else re_execution.clock)
+    runner = Runner(
+        compiled,
+        context,
+        journal=journal,
+        task_path=document.source,
+        task_text=document.text,
+        seed=options.seed,
+        rate=options.rate,
+        watchdog=options.watchdog,
+        log=log,
+        re_execution=re_execution,
+        facts={
+            "options": OPTIONS.dump_python(options, mode="json", include=_RECORDED),
+            "keeps": sorted(kept),
+            **{key: said for key, said in (("restored", restored), ("anew", anew)) if said},
+        },
+    )
+    changed = {p: tuple(x for x in changes(leaf.manifest) if x in kept) for p, leaf in compiled.leaves.items()}
+    runner.keep(kept, {path: parts for path, parts in changed.items() if parts})
+    if options.durable:
+        asked = [path for path, leaf in compiled.leaves.items() if policy_of(leaf.manifest) == "ask"]
+        runner.observe(Durable(journal, asked))
+    for point in options.breaks:
+        runner.debugger.set(**point)
+    if options.paused:
+        runner.pause()
+    return runner
 
 
 def _filmed(resources: Resources, options: RunOptions) -> AbstractContextManager[None]:
@@ -343,32 +341,13 @@ def run(task: str | Path | Task, *, observer: Observer | None = None, **options:
         return session.runner.run()
 
 
-_log = logging.getLogger(__name__)
-
-
 def make_room(file: Path, limit: int, give_back: bool = False) -> Pruned:
     """Remove the oldest runs of a journal that are over, until it holds less than `limit` [bytes].
 
-    A run that has no end stays while its process lives.
-
-    Args:
-        give_back: whether free room is given back to the disk.
+    A run that has no end stays while its process lives; with `give_back`, the disk gets free room back.
 
     Raises:
         JournalError: it is no journal, or can't be written.
     """
     with JournalReader(file) as reader:
         return prune(file, limit, reader.lives, give_back)
-
-
-def _keep_to_limit(file: Path, limit: int) -> None:
-    """Make room after a run, where there is need; trouble is logged, since the run itself went well."""
-    if size_of(file) <= limit:
-        return
-    try:
-        pruned = make_room(file, limit)
-    except JournalError as error:
-        _log.warning("%s", error)
-        return
-    if pruned.runs:
-        _log.info("%s: %d old runs were removed (journal_limit)", file, len(pruned.runs))

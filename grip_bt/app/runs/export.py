@@ -33,27 +33,25 @@ def _object(**properties: object) -> dict[str, Any]:
     return {"type": "object", "properties": properties}
 
 
+def _stamped(**properties: object) -> dict[str, Any]:
+    return _object(timestamp=_TIME, frame_id=_STRING, **properties)
+
+
+def _list_of(items: object) -> dict[str, Any]:
+    return {"type": "array", "items": items}
+
+
 _XYZ = _object(x=_NUMBER, y=_NUMBER, z=_NUMBER)
 _POSE = _object(position=_XYZ, orientation=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER))
-_FIELD = _object(name=_STRING, offset=_COUNT, type=_COUNT)
+_FIELDS = _list_of(_object(name=_STRING, offset=_COUNT, type=_COUNT))
 _UINT8, _FLOAT32 = 1, 7
 """Of foxglove.PackedElementField."""
-
 SCHEMAS: dict[str, dict[str, Any]] = {
     "foxglove.Log": _object(timestamp=_TIME, level=_COUNT, message=_STRING, name=_STRING, file=_STRING, line=_COUNT),
-    "foxglove.PoseInFrame": _object(timestamp=_TIME, frame_id=_STRING, pose=_POSE),
-    "foxglove.PosesInFrame": _object(timestamp=_TIME, frame_id=_STRING, poses={"type": "array", "items": _POSE}),
-    "foxglove.PointCloud": _object(
-        timestamp=_TIME,
-        frame_id=_STRING,
-        pose=_POSE,
-        point_stride=_COUNT,
-        fields={"type": "array", "items": _FIELD},
-        data=_BYTES,
-    ),
-    "foxglove.RawImage": _object(
-        timestamp=_TIME, frame_id=_STRING, width=_COUNT, height=_COUNT, encoding=_STRING, step=_COUNT, data=_BYTES
-    ),
+    "foxglove.PoseInFrame": _stamped(pose=_POSE),
+    "foxglove.PosesInFrame": _stamped(poses=_list_of(_POSE)),
+    "foxglove.PointCloud": _stamped(pose=_POSE, point_stride=_COUNT, fields=_FIELDS, data=_BYTES),
+    "foxglove.RawImage": _stamped(width=_COUNT, height=_COUNT, encoding=_STRING, step=_COUNT, data=_BYTES),
 }
 
 
@@ -64,25 +62,27 @@ def stamp(nanoseconds: int) -> dict[str, int]:
 
 def messages(value: Any, nanoseconds: int) -> dict[str, Message]:
     """Return what Foxglove can draw of a value: suffix of the topic -> message; empty for anything else."""
+    if isinstance(value, RgbdFrame):
+        seen = {"/image": value.image, "/depth": value.depth}
+        return {suffix: messages(each, nanoseconds)[""] for suffix, each in seen.items()}
     match value:
         case Pose():
-            message = {"timestamp": stamp(nanoseconds), "frame_id": value.frame, "pose": _pose_fields(value)}
-            return {"": ("foxglove.PoseInFrame", message)}
+            kind, frame, fields = "PoseInFrame", value.frame, dict[str, Any](pose=_pose_fields(value))
         case Grasp():
-            return {"": _poses([value], nanoseconds)}
+            return messages([value], nanoseconds)
         case [Grasp(), *_] if all(isinstance(grasp, Grasp) for grasp in value):
-            return {"": _poses(value, nanoseconds)}
+            poses = [_pose_fields(grasp.pose) for grasp in value]
+            kind, frame, fields = "PosesInFrame", value[0].pose.frame, {"poses": poses}
         case PointCloud():
-            return {"": _cloud(value, nanoseconds)}
+            kind, frame, fields = "PointCloud", value.frame, _cloud(value)
         case Image():
-            return {"": _raw(value.frame, np.ascontiguousarray(value.pixels), "rgb8", nanoseconds)}
+            kind, frame, fields = "RawImage", value.frame, _raw(np.ascontiguousarray(value.pixels), "rgb8")
         case DepthImage():
             depth = np.ascontiguousarray(value.depth, "<f4")
-            return {"": _raw(value.info.pose.frame, depth, "32FC1", nanoseconds)}
-        case RgbdFrame():
-            seen = {"/image": value.image, "/depth": value.depth}
-            return {suffix: messages(each, nanoseconds)[""] for suffix, each in seen.items()}
-    return {}
+            kind, frame, fields = "RawImage", value.info.pose.frame, _raw(depth, "32FC1")
+        case _:
+            return {}
+    return {"": (f"foxglove.{kind}", {"timestamp": stamp(nanoseconds), "frame_id": frame, **fields})}
 
 
 def _pose_fields(pose: Pose) -> dict[str, Any]:
@@ -90,42 +90,22 @@ def _pose_fields(pose: Pose) -> dict[str, Any]:
     return {"position": position, "orientation": dict(zip("wxyz", map(float, pose.quaternion), strict=True))}
 
 
-def _poses(grasps: list[Grasp], nanoseconds: int) -> Message:
-    poses = [_pose_fields(grasp.pose) for grasp in grasps]
-    frame = grasps[0].pose.frame
-    return "foxglove.PosesInFrame", {"timestamp": stamp(nanoseconds), "frame_id": frame, "poses": poses}
-
-
-def _cloud(cloud: PointCloud, nanoseconds: int) -> Message:
+def _cloud(cloud: PointCloud) -> dict[str, Any]:
     fields = [{"name": name, "offset": 4 * i, "type": _FLOAT32} for i, name in enumerate("xyz")]
     parts = [np.ascontiguousarray(cloud.points, "<f4").view(np.uint8).reshape(-1, 12)]
     if cloud.colors is not None:
         opaque = np.full((len(cloud.points), 1), 255, np.uint8)
         parts += [cloud.colors, opaque]
-        fields += [
-            {"name": name, "offset": 12 + i, "type": _UINT8} for i, name in enumerate(("red", "green", "blue", "alpha"))
-        ]
+        colours = enumerate(("red", "green", "blue", "alpha"), 12)
+        fields += [{"name": name, "offset": offset, "type": _UINT8} for offset, name in colours]
     packed = np.hstack(parts)
-    return "foxglove.PointCloud", {
-        "timestamp": stamp(nanoseconds),
-        "frame_id": cloud.frame,
-        "pose": _pose_fields(Pose()),
-        "point_stride": packed.shape[1],
-        "fields": fields,
-        "data": base64.b64encode(packed.tobytes()).decode(),
-    }
+    data = base64.b64encode(packed.tobytes()).decode()
+    return {"pose": _pose_fields(Pose()), "point_stride": packed.shape[1], "fields": fields, "data": data}
 
 
-def _raw(frame: str, pixels: np.ndarray[Any, Any], encoding: str, nanoseconds: int) -> Message:
-    return "foxglove.RawImage", {
-        "timestamp": stamp(nanoseconds),
-        "frame_id": frame,
-        "width": pixels.shape[1],
-        "height": pixels.shape[0],
-        "encoding": encoding,
-        "step": pixels.strides[0],
-        "data": base64.b64encode(pixels.tobytes()).decode(),
-    }
+def _raw(pixels: np.ndarray[Any, Any], encoding: str) -> dict[str, Any]:
+    size = {"width": pixels.shape[1], "height": pixels.shape[0], "step": pixels.strides[0]}
+    return {**size, "encoding": encoding, "data": base64.b64encode(pixels.tobytes()).decode()}
 
 
 COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data", "meaning")
@@ -171,20 +151,11 @@ def _csv(reader: JournalReader, record: RunRecord, file: Path) -> Iterator[_Writ
         )
 
 
-_INTEGER, _TEXT_OR_NONE = {"type": "integer"}, {"type": ["string", "null"]}
-_ANY = _object(preview=_STRING, value={})
-_EVENT = _object(
-    seq=_INTEGER,
-    t=_NUMBER,
-    wall=_NUMBER,
-    path=_STRING,
-    event=_STRING,
-    outcome=_TEXT_OR_NONE,
-    code=_TEXT_OR_NONE,
-    data={"type": "object"},
-    meaning=_TEXT_OR_NONE,
-)
-_SCHEMAS = {**SCHEMAS, "grip.Event": _EVENT, "grip.Value": _ANY}
+_TYPES: dict[str, dict[str, Any]] = {"seq": {"type": "integer"}, "t": _NUMBER, "wall": _NUMBER, "data": _object()}
+_TYPES |= dict.fromkeys(("path", "event"), _STRING)
+_TYPES |= dict.fromkeys(("outcome", "code", "meaning"), {"type": ["string", "null"]})
+_EVENT = _object(**{column: _TYPES[column] for column in COLUMNS})
+_SCHEMAS = {**SCHEMAS, "grip.Event": _EVENT, "grip.Value": _object(preview=_STRING, value={})}
 _INFO, _WARNING, _ERROR = 2, 3, 4
 """Levels of foxglove.Log."""
 
@@ -209,8 +180,6 @@ def _mcap(reader: JournalReader, record: RunRecord, file: Path) -> Iterator[_Wri
 
 
 class _Channels:
-    """Makes a channel when its first message comes."""
-
     def __init__(self, writer: Any):
         self._writer = writer
         self._schemas: dict[str, int] = {}
@@ -250,10 +219,8 @@ def _add(channels: _Channels, reader: JournalReader, event: Event) -> None:
 
 def _line(event: Event) -> tuple[str, int]:
     code = f" ({event.code})" if event.code else ""
-    said = {
-        key: value for key, value in event.data.items() if key in ("text", "message", "variable", "preview", "status")
-    }
-    text = " ".join([event.event, *([event.outcome + code] if event.outcome else []), *map(str, said.values())])
+    said = [str(event.data[key]) for key in event.data if key in ("text", "message", "variable", "preview", "status")]
+    text = " ".join([event.event, *([event.outcome + code] if event.outcome else []), *said])
     poor = event.meaning == "failure" or event.event == "interrupted"
     level = _ERROR if event.event in ("error", "damaged") else _WARNING if poor else _INFO
     return text, level

@@ -1,30 +1,35 @@
-"""Scripts in place of nodes, from a file or the command line: a task is tried without the parts that it would need."""
+"""Scripts in place of nodes, so that a task is tried without parts that it needs, and faults of its simulated world."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+import signal
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ValidationError
 
-from grip_bt.base.errors import DocumentError, UnknownNameError
+from grip_bt.app.wiring.parts import Resources
+from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.base.yaml.models import read_model
+from grip_bt.base.yaml.models import Settings, check_model, read_model
+from grip_bt.base.yaml.tree import parse
 from grip_bt.compilers.binding import LeafFactory, implementation_of
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.nodes.mock import MockLeaf, MockStep
+from grip_bt.nodes.node import Observer
+from grip_bt.runtime import Runner
 from grip_bt.runtime.debugger import node_path
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import AnyNode, Leaf, Task, children_of, join
+from grip_sim.faults import Fault
 
 Script = str | MockStep | list[str | MockStep]
 
 
-class _MocksFile(BaseModel):
-    """What a file of mocks holds: node -> script."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
+class _MocksFile(Settings):
     mocks: dict[str, Script]
 
 
@@ -77,12 +82,11 @@ def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple
     """
     parts = {part.path: part for part in resolve(task, catalog).root.walk()}
     steps: dict[str, list[MockStep]] = {}
-    for name, script in sorted(
-        mocks.items(), key=lambda said: said[0] in parts
-    ):  # a node's own script is the last word
+    for name in sorted(mocks, key=parts.__contains__):  # a node's own script is the last word
         of_type = [p for p, part in parts.items() if isinstance(part.node, Leaf) and part.node.node == name]
         if name in parts or of_type or name not in catalog:
-            steps |= {path: _checked(path, parts, script) for path in ([name] if name in parts else of_type or [name])}
+            paths = [name] if name in parts or not of_type else of_type
+            steps |= {path: _checked(path, parts, mocks[name]) for path in paths}
     faces: list[Manifest] = []
     root = _replaced("/", task.root, parts, steps, faces)
 
@@ -98,23 +102,20 @@ def apply_mocks(task: Task, catalog: Catalog, mocks: Mapping[str, Any]) -> tuple
 def _checked(path: str, parts: Mapping[str, Part], script: Sequence[Mapping[str, Any]]) -> list[MockStep]:
     if path not in parts:
         raise UnknownNameError("node", path, parts, "a mock")
-    part = parts[path]
+    part, where = parts[path], f"mock of {path}"
     ports = part.manifest.outputs if part.manifest is not None else part.around.visible()
     codes = part.manifest.codes if part.manifest is not None else ()
-    steps = []
-    for given in script:
-        try:
-            step = MockStep.model_validate(given)
-        except ValidationError as error:
-            raise DocumentError(str(error), f"mock of {path}") from None
+    try:
+        steps = [MockStep.model_validate(given) for given in script]
+    except ValidationError as error:
+        raise DocumentError(str(error), where) from None
+    for step in steps:
         if step.outcome not in part.meaning:
-            raise UnknownNameError("outcome", step.outcome, part.meaning, f"mock of {path}")
+            raise UnknownNameError("outcome", step.outcome, part.meaning, where)
         if step.code and codes and step.code not in codes:
-            raise UnknownNameError("failure code", step.code, codes, f"mock of {path}")
-        for port in step.outputs:
-            if port not in ports:
-                raise UnknownNameError("output", port, ports, f"mock of {path}")
-        steps.append(step)
+            raise UnknownNameError("failure code", step.code, codes, where)
+        for port in step.outputs.keys() - ports:
+            raise UnknownNameError("output", port, ports, where)
     return steps
 
 
@@ -140,3 +141,72 @@ def _replaced(
     if all(new[name] is child for name, child in children.items()):
         return node
     return node.model_copy(update={"children" if hasattr(node, "children") else "child": FrozenDict(new)})
+
+
+class _Given(Settings):
+    faults: dict[str, Fault]
+
+
+def read_faults(given: Sequence[str]) -> dict[str, Fault]:
+    """Return by name the faults of a command line, `NAME: {fault: drop, node: attempt/lift}` as in a world's file.
+
+    Raises DocumentError where one isn't a fault, or two have one name.
+    """
+    found: dict[str, Fault] = {}
+    for text in given:
+        read, wrong = check_model(parse(f"faults: {{{text}}}", "--fault"), _Given, "--fault")
+        if read is None:
+            raise DocumentError(f"{text}: {'; '.join(message for message, _, _ in wrong)}", "--fault")
+        if twice := found.keys() & read.faults:
+            raise DocumentError(f"two faults are called {min(twice)!r}", "--fault")
+        found |= read.faults
+    return found
+
+
+def check_nodes(faults: Mapping[str, Fault], nodes: Collection[str]) -> None:
+    """Raise UnknownNameError where a fault waits for a node that the task doesn't have."""
+    for name, fault in faults.items():
+        if fault.node and node_path(fault.node) not in nodes:
+            raise UnknownNameError("node", fault.node, nodes, f"faults/{name}/node")
+
+
+class _AtNodes(Observer):
+    def __init__(self, entered: Callable[[str], None], nodes: Iterable[str]):
+        self._entered, self._nodes = entered, {node_path(node): node for node in nodes}
+
+    def entered(self, path: str) -> None:
+        if path in self._nodes:
+            with suppress(GripError):  # a simulator that is lost is told of by whoever moves it
+                self._entered(self._nodes[path])
+
+
+@contextmanager
+def injected(resources: Resources, runner: Runner, tell: Callable[[str, str], None]) -> Iterator[None]:
+    """Have the faults of the simulated world happen while the block runs; before the runner begins."""
+    world = resources.world
+    if world is None or not world.spec.faults:
+        yield
+        return
+    faults, servers, hanging = world.spec.faults, resources.servers, set[str]()
+
+    def happened(name: str, words: str, over: bool) -> None:
+        fault = faults[name]
+        pid = servers.get(fault.of) if fault.fault.startswith("component_") else None
+        if pid is not None:
+            _signal(pid, fault.fault, over)
+            hanging.add(fault.of)
+        tell("fault", f"{name}: {words}")
+
+    world.on_fault = happened
+    runner.observe(_AtNodes(world.entered, [fault.node for fault in faults.values() if fault.node]))
+    try:
+        yield
+    finally:
+        for component in hanging:  # what hangs doesn't end when it is asked to
+            _signal(servers[component], "component_hang", over=True)
+
+
+def _signal(pid: int, kind: str, over: bool) -> None:
+    word = signal.SIGCONT if over else signal.SIGKILL if kind == "component_death" else signal.SIGSTOP
+    with suppress(ProcessLookupError):
+        os.kill(pid, word)

@@ -11,7 +11,7 @@ import hashlib
 import json
 import threading
 from base64 import b64encode
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
-from grip_bt.commanders.scene_state import SceneSnapshot
+from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 
 from ..wiring.parts import Resources
 
@@ -68,23 +68,18 @@ def _record(resources: Resources, clock: Clock, file: Path, over: threading.Even
         file.parent.mkdir(parents=True, exist_ok=True)
         _thin_out(file.parent)
         with file.open("a", encoding="utf-8") as out:
-            states = {name: part.state() for name, part in parts.items()}
-            out.write(json.dumps({"parts": {name: list(state.names) for name, state in states.items()}}) + "\n")
-            told: dict[str, Any] = {}
+            out.write(json.dumps({"parts": {name: part.state().names for name, part in parts.items()}}) + "\n")
+            told, bodies = dict[str, Any](), Bodies()
             scene: SceneSnapshot | None = None
-            bodies = Bodies()
             while True:
-                last = over.is_set()
-                line: dict[str, Any] = {}
-                moved = {
-                    name: p for name, part in parts.items() if _changed(p := part.state().position, told.get(name))
-                }
-                if moved:
+                last, line = over.is_set(), dict[str, Any]()
+                now_at = {name: part.state().position for name, part in parts.items()}
+                if moved := {name: p for name, p in now_at.items() if _changed(p, told.get(name))}:
                     told |= moved
                     line["q"] = {name: np.round(position, 4).tolist() for name, position in moved.items()}
                 now = resources.scene.snapshot() if resources.scene is not None else None
                 if isinstance(now, SceneSnapshot) and now is not scene:
-                    scene, line["scene"] = now, _objects(now.objects, bodies)
+                    scene, line["scene"] = now, {n: _object(item, bodies) for n, item in now.objects.items()}
                     if new := bodies.new():
                         line["bodies"] = new
                 if line:
@@ -99,28 +94,17 @@ def _changed(now: Any, before: Any) -> bool:
     return before is None or len(now) != len(before) or bool(np.abs(now - before).max(initial=0.0) > MOVED)
 
 
-def _objects(objects: Mapping[str, Any], bodies: Bodies) -> dict[str, Any]:
-    return {
-        name: {
-            **_shape(item.shape, bodies),
-            "at": _place(item.pose, item.shape),
-            "hand": item.hand,
-            "fixed": item.fixed,
-        }
-        for name, item in objects.items()
-    }
-
-
-def _shape(shape: Solid, bodies: Bodies) -> dict[str, Any]:
-    match shape:
-        case Box():
-            return {"kind": "box", "size": _rounded(shape.size)}
-        case Cylinder():
-            return {"kind": "cylinder", "size": _rounded((shape.radius, shape.height))}
-        case Sphere():
-            return {"kind": "sphere", "size": _rounded((shape.radius,))}
-        case Mesh() | CellMap():
-            return bodies.shape(shape)
+def _object(item: SceneObject, bodies: Bodies) -> dict[str, Any]:
+    place = {"at": _place(item.pose, item.shape), "hand": item.hand, "fixed": item.fixed}
+    match item.shape:
+        case Box(size=size):
+            return {"kind": "box", "size": _rounded(size), **place}
+        case Cylinder(radius=radius, height=height):
+            return {"kind": "cylinder", "size": _rounded((radius, height)), **place}
+        case Sphere(radius=radius):
+            return {"kind": "sphere", "size": _rounded((radius,)), **place}
+        case shape:
+            return {**bodies.shape(shape), **place}
 
 
 def _place(pose: Pose, shape: Solid) -> list[float]:

@@ -55,14 +55,10 @@ def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: Co
         return _run(order, channels, control)
     except _StoppedEarlyError:
         raise
-    except GripError as error:
+    except BaseException as error:  # noqa: BLE001 - the parent has to know that it isn't a node's fault
         signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # a stop comes too late now, and mustn't cut the message short
-        text = str(error) if getattr(error, "issues", None) else f"grip: {error}"
-        control.send("failed", message=text)
-        return 1
-    except BaseException:  # noqa: BLE001 - the parent has to know that it isn't a node's fault
-        signal.signal(signal.SIGUSR1, signal.SIG_IGN)
-        control.send("failed", message=traceback.format_exc())
+        told = str(error) if getattr(error, "issues", None) else f"grip: {error}"
+        control.send("failed", message=told if isinstance(error, GripError) else traceback.format_exc())
         return 1
 
 

@@ -1,29 +1,27 @@
-"""A run of the journal again, event by event: at its own pace or another, up to a place, also while it is written."""
+"""Runs of the journal: found, shown again event by event, also in progress; and what their events add up to."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from os.path import commonprefix
-from pathlib import Path
+from pathlib import Path, PurePosixPath
+from statistics import median
 
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
+from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import Event, JournalReader, RunRecord, RunSnapshot
 from grip_bt.runtime.debugger import node_path
 
+from ..project.catalogue import catalogue_of
 from ..project.folder import find_project
+from .execute import check_task
 
 POLL = 0.05
 """How often [s] the journal is asked about a run that is under way."""
-GLYPHS = {
-    "enter": "▶",
-    "interrupted": "⊘",
-    "message": "…",
-    "write": "=",
-    "error": "‼",
-    "zombie": "☠",
-    "damaged": "‼",
-}
+GLYPHS = {"enter": "▶", "interrupted": "⊘", "message": "…", "write": "=", "error": "‼", "zombie": "☠", "damaged": "‼"}
 ENDS: Mapping[str | None, str] = {"success": "✓", "failure": "✗", None: "■"}
 """What an end means; journals of earlier versions don't say what a task's own outcomes mean."""
 _WENT_ON = {
@@ -39,29 +37,19 @@ _NEAREST = 8
 
 
 def find_run(reader: JournalReader, name: str) -> str:
-    """Return the id of the run that is meant: an id, its beginning, or `last`.
-
-    Raises:
-        UnknownNameError: none is, or several are; it lists the nearest.
-    """
+    """Return the id that is meant by an id, its beginning, or `last`. Raises UnknownNameError with the nearest ones."""
     ids = [record.id for record in reader.runs()]
-    if name == "last" and ids:
-        return ids[0]
-    fitting = [id for id in ids if id.startswith(name)]
-    if name in ids or len(fitting) == 1:
-        return name if name in ids else fitting[0]
-    if name and len(fitting) > 1:
+    fitting = ids[:1] if name == "last" else [name] if name in ids else [id for id in ids if id.startswith(name)]
+    if len(fitting) == 1:
+        return fitting[0]
+    if name and fitting:
         raise AmbiguousNameError("run", name, fitting, str(reader.file), _NEAREST)
     alike = sorted(ids, key=lambda id: -len(commonprefix([id, name])))
     raise UnknownNameError("run", name, alike[:_NEAREST], str(reader.file))
 
 
 def journal_of(place: Path | None, journal: Path | None) -> Path:
-    """Return the journal to read: the one that is given, or that of the project around `place`.
-
-    Raises:
-        UnknownNameError: there are no runs yet.
-    """
+    """Return the journal that is given, or of the project around `place`. Raises UnknownNameError where none is."""
     file = journal or find_project(place or Path()).folder / ".grip" / "runs.sqlite"
     if not file.is_file():
         raise UnknownNameError("journal", str(file), [], "there are no runs yet; give --journal FILE, or run a task")
@@ -113,23 +101,16 @@ def replay(
     until: Until | None = None,
     sleep: Callable[[float], None] = time.sleep,
 ) -> tuple[RunSnapshot, bool]:
-    """Show one event after the other.
+    """Show one event after the other, `speed` seconds of the run in a second, or as fast as it goes.
 
-    Args:
-        speed: seconds of the run in a second; None for as fast as it goes.
-        until: where to end; None for the end of the run.
-
-    Returns:
-        the last moment, and whether `until` was reached.
+    Returns the last moment, and whether `until` was reached.
     """
-    moment = RunSnapshot()
-    began = 0.0
+    moment, began = RunSnapshot(), 0.0
     for event in events:
         if speed is not None:
             if moment.seq == 0:
                 began = time.monotonic() - event.t / speed
-            early = event.t / speed - (time.monotonic() - began)
-            if early > 0:
+            if (early := event.t / speed - (time.monotonic() - began)) > 0:
                 sleep(early)
         moment.apply(event)
         show(event, moment)
@@ -187,3 +168,92 @@ def moment_lines(moment: RunSnapshot, record: RunRecord | None = None) -> list[s
     if record is not None and record.status in _NO_END:
         lines.append(f"  {_NO_END[record.status]}; resume it with: grip run --resume {record.id}")
     return lines
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How long [s] the activations of a node took, on the run's clock, without those that were interrupted."""
+
+    path: str
+    count: int
+    interrupted: int
+    total: float
+    median: float
+    max: float
+
+
+def timings(events: Iterable[Event]) -> list[Timing]:
+    """Return the times of each node of a run, in the order in which they began first."""
+    begun: dict[str, float] = {}
+    taken: dict[str, list[float]] = {}
+    halted: Counter[str] = Counter()
+    for event in events:
+        if event.event == "enter":
+            begun[event.path] = event.t
+            taken.setdefault(event.path, [])
+        elif event.event == "exit" and event.path in begun:
+            taken[event.path].append(event.t - begun.pop(event.path))
+        elif event.event == "interrupted" and begun.pop(event.path, None) is not None:
+            halted[event.path] += 1
+    return [
+        Timing(path, len(all), halted[path], sum(all), median(all) if all else 0.0, max(all, default=0.0))
+        for path, all in taken.items()
+    ]
+
+
+def failures(events: Iterable[Event]) -> dict[tuple[str, str], tuple[int, str]]:
+    """Return (leaf, reason's code) -> (how often, the last message) of a run, most often first.
+
+    A container fails with the reason of a child, which is counted there.
+    """
+    entered: set[str] = set()
+    counts: Counter[tuple[str, str]] = Counter()
+    messages: dict[tuple[str, str], str] = {}
+    for event in events:
+        if event.event == "enter":
+            entered.add(event.path)
+        elif event.event == "exit" and event.code is not None:
+            counts[event.path, event.code] += 1
+            messages[event.path, event.code] = event.data.get("message", "")
+    above = {"/"} if entered - {"/"} else set()
+    above.update(str(parent) for path in entered for parent in PurePosixPath(path).parents)
+    return {key: (count, messages[key]) for key, count in counts.most_common() if key[0] not in above}
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Which outcomes of a task's nodes were seen in its runs, with which failure codes, and how often."""
+
+    runs: int
+    seen: Mapping[str, Mapping[str, int]]
+    missing: Mapping[str, Sequence[str]]
+    codes: Mapping[tuple[str, str], Mapping[str, int]]
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """How many outcomes were seen, and how many there are."""
+        seen = sum(map(len, self.seen.values()))
+        return seen, seen + sum(map(len, self.missing.values()))
+
+
+def coverage(reader: JournalReader, task: str) -> Coverage:
+    """Look through all runs of a task, by its name, for the outcomes that its nodes have now; see `check_task`."""
+    project, document, _ = check_task(task)
+    parts = resolve(document.task, catalogue_of(project)).root.walk()
+    wanted = {part.path: list(part.meaning) for part in parts}
+    records = [record for record in reader.runs() if record.task_name == document.task.name]
+    counts: dict[str, Counter[str]] = {path: Counter() for path in wanted}
+    codes: dict[tuple[str, str], Counter[str]] = {}
+    for record in records:
+        for event in reader.events(record.id):
+            if event.event == "exit" and event.outcome is not None and event.outcome in wanted.get(event.path, ()):
+                counts[event.path][event.outcome] += 1
+                if event.code is not None:
+                    codes.setdefault((event.path, event.outcome), Counter())[event.code] += 1
+    missing = {path: [o for o in outcomes if o not in counts[path]] for path, outcomes in wanted.items()}
+    return Coverage(
+        len(records),
+        {path: dict(found) for path, found in counts.items() if found},
+        {path: outcomes for path, outcomes in missing.items() if outcomes},
+        {key: dict(found) for key, found in codes.items()},
+    )

@@ -40,31 +40,30 @@ def changes(manifest: Manifest) -> tuple[str, ...]:
     return _CHANGED_BY.get(manifest.id.partition("/")[0], ())
 
 
+@dataclass
 class _KeptState:
     """Implements `SideState` for a part of which some value, quick to look at, tells whether it is as it was."""
 
-    def __init__(
-        self,
-        version: Callable[[], object],
-        save: Callable[[], object],
-        restore: Callable[[Any], None],
-        same: Callable[[object, object], bool] = operator.eq,
-    ):
-        self._version, self._save, self._restore, self._same = version, save, restore, same
-        self._last = version()
+    version: Callable[[], object]
+    save: Callable[[], object]
+    put_back: Callable[[Any], None]
+    same: Callable[[object, object], bool] = operator.eq
+
+    def __post_init__(self) -> None:
+        self._last = self.version()
 
     def changed(self) -> object:
         """Return the state, where it is another one."""
-        now = self._version()
-        if self._same(now, self._last):
+        now = self.version()
+        if self.same(now, self._last):
             return None
         self._last = now
-        return self._save()
+        return self.save()
 
     def restore(self, state: object) -> None:
         """Have the part as it was."""
-        self._restore(state)
-        self._last = self._version()
+        self.put_back(state)
+        self._last = self.version()
 
 
 def kept_parts(resources: Resources) -> dict[str, SideState]:
@@ -100,7 +99,6 @@ def _set_entries(library: MessageLibrary, state: Mapping[str, Iterable[Iterable[
 
 
 def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
-    """Return the last state of each part that a run's events tell of."""
     return {event.data["part"]: event for event in events if event.event == KEPT}
 
 
@@ -115,11 +113,10 @@ def parts_lost(nodes: Mapping[str, str], events: Sequence[Event], robot: str, st
     keeps = set().union(*(data.get("keeps", ()) for data in begun))
     moved = robot == "ros" or (FAKES if robot == "fake" else WORLD) in keeps
     gone = ({SCENE, MESSAGES} - keeps - {stays}) | (set() if moved else {WORLD})
-    ended = {event.path for event in events if event.event == "exit"}
-    found = []
-    surely = {path: node.partition("/")[0] for path, node in nodes.items() if path in ended}
+    ended, found = {event.path for event in events if event.event == "exit"}, []
+    kinds = {path: node.partition("/")[0] for path, node in sorted(nodes.items()) if path in ended}
     for part, words in _LOST_WORDS.items():
-        paths = sorted(path for path, kind in surely.items() if kind in _MOVING and part in _CHANGED_BY[kind])
+        paths = [path for path, kind in kinds.items() if kind in _MOVING and part in _CHANGED_BY[kind]]
         if paths and part in gone:
             found.append(f"{', '.join(paths[:3])}{' ...' if len(paths) > 3 else ''} had ended, and {words}")
     return found
@@ -135,11 +132,7 @@ _MOVING = _CHANGED_BY.keys() - {"component", "grasp"}
 
 
 def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
-    """Return which parts can't be brought back since the journal hasn't got their states any more, and why.
-
-    Args:
-        stays: a part that outlives the run's process.
-    """
+    """Return which parts can't be brought back since the journal hasn't got their states any more, and why."""
     others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}
     found = {}
     for name, event in _last_kept(events).items():
@@ -151,37 +144,23 @@ def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays
     return found
 
 
-@dataclass
-class RestoredState:
-    """What became of parts beside the task: the event whose state each has, or why it starts from its initial one."""
-
-    restored: dict[str, int] = field(default_factory=dict)
-    anew: dict[str, str] = field(default_factory=dict)
+Restored = dict[str, int | str]
+"""Part beside the task -> the event whose state it has, or why it starts from its initial one."""
 
 
-def restore_state(
-    parts: Mapping[str, SideState], reader: JournalReader, events: Sequence[Event], agreed: bool = False
-) -> RestoredState:
-    """Bring parts into the state that they had at the last of `events`.
-
-    Args:
-        agreed: whether a part that can't be brought there may begin as in a new run.
-
-    Raises:
-        ResumeError: one can't be brought there.
-    """
-    found = RestoredState()
+def _restored(parts: Mapping[str, SideState], reader: JournalReader, events: Iterable[Event], agreed: bool) -> Restored:
+    """Bring parts into the state that they had at the last of `events`; one that can't be there has to be agreed to."""
+    found: Restored = {}
     for name, event in _last_kept(events).items():
         if name in parts:
             try:
                 parts[name].restore(reader.value(event))
             except (GripError, LookupError, TypeError, ValueError) as error:
-                why = _not_back(event, error)
+                found[name] = why = _not_back(event, error)
                 if not agreed:
                     raise ResumeError(f"{WORDS[name]} {why}; with --yes, {ANEW}") from error
-                found.anew[name] = why
             else:
-                found.restored[name] = event.seq
+                found[name] = event.seq
     return found
 
 
@@ -198,7 +177,6 @@ class ResumeRequest:
     """What is gone on with, and how.
 
     Attributes:
-        run: its id.
         at: the last event that happens again, in a new run; None to go on with the run itself.
         results: leaf -> (outcome, code) of its next end, in place of its work.
         values: variable -> value from then on.
@@ -229,7 +207,7 @@ def start_resumed(
     clock: Clock | None,
     seed: int,
     kept: Mapping[str, SideState],
-) -> tuple[RunLog, ReExecution, RestoredState]:
+) -> tuple[RunLog, ReExecution, Restored]:
     """Return the log that is written on, the run that happens again first, and what became of `kept` parts.
 
     Args:
@@ -243,7 +221,7 @@ def start_resumed(
     record = reader.run(resume.run)
     events = reader.events(resume.run, limit=resume.at)
     _check_values(reader, events)
-    back = restore_state(kept, reader, events, resume.agreed)
+    back = _restored(kept, reader, events, resume.agreed)
     if resume.at is None:
         log = journal.go_on(record.id)
     else:
@@ -254,17 +232,15 @@ def start_resumed(
             log.note(event.t, event.path, DetailedEvent(event.event, event.outcome, event.code, dict(data) or None))
     if resume.values:
         events += _set_values(log, compiled, resume.values, events)
-    parts = parts_of(compiled)
-    manifests = {path: part.manifest for path, part in parts.items() if part.manifest is not None}
+    manifests = {path: part.manifest for path, part in parts_of(compiled).items() if part.manifest is not None}
     how: dict[str, Any] = {
         path: "resume"
         for path, leaf in compiled.leaves.items()
         if isinstance(leaf, MockLeaf) or policy_of(manifests[path]) == "resume"
     }
-    values = dict(resume.values)
 
     def value(event: Event) -> Any:
-        return values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
+        return resume.values[event.data["variable"]] if event.data.get("set") == "now" else reader.value(event)
 
     return log, ReExecution(compiled, events, value, clock or WallClock(), how=how, results=resume.results), back
 
@@ -272,33 +248,28 @@ def start_resumed(
 def _check_values(reader: JournalReader, events: Iterable[Event]) -> None:
     """Refuse a run with a value that isn't there any more, before anything is started."""
     for event in events:
-        if event.event == "write":
-            try:
+        try:
+            if event.event == "write":
                 reader.value(event)
-            except GripError as error:
-                variable = event.data.get("variable")
-                raise ResumeError(
-                    f"cannot resume from here: variable {variable!r}, which {event.path} wrote at event "
-                    f"{event.seq}: {error}. Fork it at an event before that"
-                ) from error
+        except GripError as error:
+            what = f"variable {event.data.get('variable')!r}, which {event.path} wrote at event {event.seq}"
+            raise ResumeError(f"cannot resume from here: {what}: {error}. Fork it at an event before that") from error
 
 
 def _set_values(
     log: RunLog, compiled: CompiledTree | CompiledMachine, values: Mapping[str, object], events: Sequence[Event]
 ) -> list[Event]:
     """Write that variables were set by hand; return these events as they happen again."""
-    scopes = compiled.data
-    t = events[-1].t if events else 0.0
-    made: list[Event] = []
+    t, made = events[-1].t if events else 0.0, list[Event]()
     for name, value in values.items():
-        found = [scope for scope in scopes if name in scope.cells]
-        if not found:
-            raise UnknownNameError("variable", name, {n for scope in scopes for n in scope.cells}, "--set")
-        cell = found[0].cells[name]  # the outermost one of this name
+        scope = next((scope for scope in compiled.data if name in scope.cells), None)  # the outermost one that has it
+        if scope is None:
+            raise UnknownNameError("variable", name, {n for scope in compiled.data for n in scope.cells}, "--set")
+        cell = scope.cells[name]
         wrong = check_value(cell.parsed, value)
         if wrong is not None:
             raise WrongTypeError("--set", name, cell.type, wrong)
-        data = {"variable": name, "type": cell.type, "scope": found[0].path, "set": "by hand"}
+        data = {"variable": name, "type": cell.type, "scope": scope.path, "set": "by hand"}
         log.note(t, "/", DetailedEvent("write", data=data, written=(snapshot(value),)))
         made.append(Event(len(events) + len(made) + 1, t, 0.0, "/", "write", None, None, {**data, "set": "now"}))
     return made

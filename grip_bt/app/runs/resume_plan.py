@@ -29,31 +29,16 @@ _CLOSING = 10.0
 _NODES = ("enter", "exit", "interrupted", "write")
 
 
-@dataclass(frozen=True)
-class Question:
-    """Something that a person has to agree to: about what, what isn't known, and what is done if they do."""
-
-    about: str
-    why: str
-    agreed: str
-
-    def __str__(self) -> str:
-        return f"{self.about}: {self.why}; {self.agreed}"
-
-
 def _last_task_event(events: Sequence[Event]) -> int:
     """Return the last event that belongs to the task's own doing, before a stop or an error interrupted everything."""
-    last = len(events)
-    for event in events:
-        stopping = event.event == "state" and event.data.get("state") == "stopping"
-        if stopping or (event.event == "error" and not _died(event)):
-            last = event.seq - 1
-            break
-    while (
-        last > 0
-        and last < len(events)
-        and events[last - 1].event in ("interrupted", "state", "message", "zombie", KEPT)
-    ):
+    broken = (
+        event.seq - 1
+        for event in events
+        if (event.event == "state" and event.data.get("state") == "stopping")
+        or (event.event == "error" and not _died(event))
+    )
+    last = next(broken, len(events))
+    while 0 < last < len(events) and events[last - 1].event in ("interrupted", "state", "message", "zombie", KEPT):
         last -= 1
     return last
 
@@ -71,21 +56,17 @@ def _check_resumable(record: RunRecord, events: Sequence[Event]) -> None:
         raise ResumeError(f"run {record.id} died before it began; start the task again: grip run {record.task_path}")
     if record.status in ("died", "lost") or (record.status == "error" and errors and _died(errors[-1])):
         return
-    at = _last_task_event(events)
     why = f"it has ended: {record.status}" + (f", {errors[-1].path} raised" if errors else "")
-    raise ResumeError(
-        f"run {record.id} cannot be resumed: {why}. As a new run, from any event up to {at}: "
-        f"grip run --fork {record.id} --at {at}"
-    )
+    raise _only_forked(record, why, _last_task_event(events))
+
+
+def _only_forked(record: RunRecord, why: str, at: int) -> ResumeError:
+    how = f"As a new run, from any event up to {at}: grip run --fork {record.id} --at {at}"
+    return ResumeError(f"run {record.id} cannot be resumed: {why}. {how}")
 
 
 def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
-    """Return the event up to which a run is to happen again, of a number, `NODE`, or `NODE:OUTCOME`.
-
-    Raises:
-        UnknownNameError: the run never comes there.
-        ResumeError: it was stopped, or a node had raised, before that.
-    """
+    """Return the event up to which a run is to happen again, of a number, `NODE`, or `NODE:OUTCOME`."""
     until = Until(text)
     at = next((event.seq for event in events if until.reached(event)), None)
     if at is None:
@@ -95,9 +76,8 @@ def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
         while last > 0 and events[last - 1].event not in _NODES:
             last -= 1
         if any(e.event in _NODES for e in events[last:at]):
-            raise ResumeError(
-                f"run {record.id} was stopped, or broken by an error, after event {last}: --at {last} or less"
-            )
+            why = f"was stopped, or broken by an error, after event {last}: --at {last} or less"
+            raise ResumeError(f"run {record.id} {why}")
     return at
 
 
@@ -108,45 +88,35 @@ def _questions(
     options: RunOptions,
     stays: str,
     anew: Mapping[str, str],
-) -> list[Question]:
+) -> list[str]:
     """Return what a person has to agree to; `anew` has why parts beside the task can't be brought back."""
     found = []
-    mocked = {*options.mocks}
     faces = {p: part.manifest for p, part in parts.items() if part.manifest is not None}
-    leaves = {p: face for p, face in faces.items() if not {p, face.id} & mocked}
+    leaves = {p: face for p, face in faces.items() if not {p, face.id} & {*options.mocks}}
     for path in Recording(events, leaves).under_way:
-        manifest = leaves[path]
-        if path not in resume.results and policy_of(manifest) == "ask":
-            why = f"{manifest.id} was under way, and its progress is unknown"
-            found.append(
-                Question(path, why, f"it is started again (or say how it ended: --set-outcome {path}=success)")
-            )
+        if path not in resume.results and policy_of(leaves[path]) == "ask":
+            again = f"it is started again (or say how it ended: --set-outcome {path}=success)"
+            found.append(f"{path}: {leaves[path].id} was under way, and its progress is unknown; {again}")
     if resume.at is None:
         nodes = {path: manifest.id for path, manifest in leaves.items()}
         lost = parts_lost(nodes, events, options.robot, stays)
-        found += [Question("the world", each, "the run continues anyway") for each in lost]
-    found += [Question(WORDS[part], why, ANEW) for part, why in anew.items()]
+        found += [f"the world: {each}; the run continues anyway" for each in lost]
+    found += [f"{WORDS[part]}: {why}; {ANEW}" for part, why in anew.items()]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
     if foreign:
-        found.append(Question(", ".join(foreign), "py_trees behaviours ran", "they will run again"))
+        found.append(f"{', '.join(foreign)}: py_trees behaviours ran; they will run again")
     return found
 
 
 def _read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, tuple[str, str]]:
-    """Return leaf -> (outcome, code) of texts such as `attempt/grasp=failure.no_ik`.
-
-    Raises:
-        UnknownNameError: there is no such leaf or outcome.
-        ResumeError: a text can't be read, or names a container.
-    """
-    found = {}
+    """Return leaf -> (outcome, code) of texts such as `attempt/grasp=failure.no_ik`."""
+    found, leaves = {}, [p for p, part in parts.items() if part.manifest is not None]
     for text in given:
-        node, there, said = text.partition("=")
+        node, _, said = text.partition("=")
         outcome, _, code = said.strip().partition(".")
-        if not there or not outcome:
+        if not outcome:
             raise ResumeError(f"--set-outcome {text!r} isn't NODE=OUTCOME, such as attempt/grasp=failure.no_ik")
         path = node_path(node)
-        leaves = [p for p, part in parts.items() if part.manifest is not None]
         if path not in parts:
             raise UnknownNameError("leaf", path, leaves, "--set-outcome")
         if path not in leaves:
@@ -158,22 +128,13 @@ def _read_results(parts: Mapping[str, Part], given: Iterable[str]) -> dict[str, 
     return found
 
 
-Ask = Callable[[Question], bool]
-"""Asks a person whether they agree."""
-
-
-def agree(asked: Sequence[Question], ask: Ask | None) -> None:
-    """Have a person agree to everything; `ask` is None where nobody can be asked.
-
-    Raises:
-        ResumeError: somebody doesn't agree, or can't be asked.
-    """
+def agree(asked: Sequence[str], ask: Callable[[str], bool] | None) -> None:
+    """Have a person agree to everything, by `ask` if there is one. Raises ResumeError where they don't or can't."""
     if ask is None and asked:
-        lines = "\n".join(f"  {question}" for question in asked)
-        raise ResumeError(f"resuming needs your confirmation (or pass --yes):\n{lines}")
+        raise ResumeError("\n  ".join(("resuming needs your confirmation (or pass --yes):", *asked)))
     for question in asked:
         if ask is not None and not ask(question):
-            raise ResumeError(f"not resumed: {question.about}")
+            raise ResumeError(f"not resumed: {question.partition(':')[0]}")
 
 
 @dataclass(frozen=True)
@@ -182,7 +143,7 @@ class ResumePlan:
 
     task: Path
     options: RunOptions
-    questions: Sequence[Question]
+    questions: Sequence[str]
     notes: Sequence[str] = ()
 
 
@@ -213,21 +174,16 @@ def plan_resume(
         record = reader.run(find_run(reader, run))
         known = len(reader.damage)
         events = list(takewhile(lambda event: event.event != DAMAGED, reader.iterate(record.id)))
-        if at is None and len(reader.damage) > known:
-            raise ResumeError(
-                f"run {record.id} cannot be resumed: it is damaged: {'; '.join(reader.damage[known:])}. "
-                f"As a new run, from any event up to {len(events)}: grip run --fork {record.id} --at {len(events)}"
-            )
         if at is None:
+            if reader.damage[known:]:
+                raise _only_forked(record, f"it is damaged: {'; '.join(reader.damage[known:])}", len(events))
             _check_resumable(record, events)
-            if record.status == "died":
-                deadline = time.monotonic() + _CLOSING
-                while reader.lives(record.id):
-                    if time.monotonic() > deadline:
-                        raise ResumeError(
-                            f"run {record.id} was interrupted, and its process is still shutting down; stop it first"
-                        )
-                    time.sleep(0.05)
+            deadline = time.monotonic() + _CLOSING
+            while record.status == "died" and reader.lives(record.id):
+                if time.monotonic() > deadline:
+                    still = "was interrupted, and its process is still shutting down; stop it first"
+                    raise ResumeError(f"run {record.id} {still}")
+                time.sleep(0.05)
     until = None if at is None else _event_at(record, events, at)
     file = task if task is not None else _recorded_file(record.task_path, journal)
     started = next((event for event in events if event.event == "run_started"), None)
@@ -255,11 +211,7 @@ def plan_resume(
 
 
 def _recorded_file(recorded: str, journal: Path) -> Path:
-    """Return the task's file as recorded, from here or from the project's folder.
-
-    Raises:
-        ResumeError: it isn't there any more.
-    """
+    """Return the task's file as recorded, from here or from the project's folder."""
     path = Path(recorded)
     folder = journal.absolute().parent.parent if journal.parent.name == ".grip" else Path.cwd()
     for candidate in (path, folder / path, folder / "tasks" / path.name, folder / path.name):

@@ -7,10 +7,9 @@ parent holds the robot over a channel of its own and ends the process.
 
 from __future__ import annotations
 
-import errno
 import json
 import os
-import resource
+import re
 import select
 import signal
 import socket
@@ -54,8 +53,6 @@ class Supervisor:
     """Runs one task in a child process.
 
     Args:
-        task: the task's file.
-        options: how it is run.
         told: called with each event of the run, in a thread of the supervisor.
         silence: how long [s] the process may stand still before it is ended; None for ever.
         own_input: whether the child may read our standard input.
@@ -82,11 +79,7 @@ class Supervisor:
     # --- for whoever controls the run ---
 
     def start(self) -> None:
-        """Start the process.
-
-        Raises:
-            GripError: it can't be started; it says what the system refuses.
-        """
+        """Start the process. Raises GripError where it can't be; it says what the system refuses."""
         with ExitStack() as stack:  # of the child's ends
             try:
                 commands, self._command_end = os.pipe()
@@ -107,7 +100,8 @@ class Supervisor:
                     stdin=None if self._own_input else subprocess.DEVNULL,
                 )
             except OSError as error:
-                raise GripError(f"the run's process can't be started: {error.strerror}{_advice(error.errno)}") from None
+                why = f"{error.strerror}; `ulimit -a` and the room in {tempfile.gettempdir()} (TMPDIR) tell more"
+                raise GripError(f"the run's process can't be started: {why}") from None
         self._send(self._order)
         self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)
         self._reader.start()
@@ -116,6 +110,11 @@ class Supervisor:
     def pid(self) -> int:
         """The child's process id."""
         return self._process.pid
+
+    @property
+    def started(self) -> Mapping[str, Any] | None:
+        """The event `started`; None as long as nothing has begun."""
+        return self._run
 
     def send(self, command: Mapping[str, Any]) -> None:
         """Pass a command on; `stop` is seen to. From any thread."""
@@ -127,8 +126,7 @@ class Supervisor:
     def stop(self, lost: bool = False) -> None:
         """Stop the run, or its start; whatever the process does. May be called from a signal handler.
 
-        Args:
-            lost: nobody has asked for that, but whoever controls the run has gone: it can be resumed.
+        With `lost`, nobody has asked for that, but whoever controls the run has gone: it can be resumed.
         """
         with self._lock:
             if self._stopping:
@@ -272,10 +270,14 @@ class Supervisor:
         if self._run is None:
             message = "before the task began" if stopped else f"{message}, and before it began"
         elif not stopped:
-            others = [p for p in active if p != path]
-            message = f"{path}: {message}; last node entered: {last}"
-            message += f"; also active: {', '.join(others)}" if others else ""
-            message += f"; {_place(trace)}" if trace else ""
+            others = ", ".join(p for p in active if p != path)
+            said = (
+                f"{path}: {message}",
+                f"last node entered: {last}",
+                others and f"also active: {others}",
+                _place(trace),
+            )
+            message = "; ".join(filter(None, said))
         measured = {**self._held, **self._at_rest()}
         unconfirmed = {part: why for part, why in measured.items() if why}
         rest = str(Rest(tuple(part for part in measured if part not in unconfirmed), unconfirmed))
@@ -312,27 +314,10 @@ class Supervisor:
             sys.stderr.write(f"grip: {error}\n")
 
 
-def _advice(number: int | None) -> str:
-    folder, most = tempfile.gettempdir(), resource.getrlimit(resource.RLIMIT_FSIZE)[0]
-    known = {
-        errno.EFBIG: f"; files may have {most} bytes here, and {LARGEST} are needed: ulimit -f unlimited",
-        errno.EMFILE: "; too many files are open: ulimit -n says how many may be",
-        errno.ENOSPC: f"; make room in {folder}, or name another folder in TMPDIR",
-        errno.EDQUOT: f"; make room in {folder}, or name another folder in TMPDIR",
-        errno.EAGAIN: "; too many processes run: ulimit -u says how many may",
-    }
-    return known.get(number or 0, "")
-
-
 def _place(trace: str) -> str:
     """Return where the thread that died was, from a dump of faulthandler: innermost, outside Python's library."""
-    frames: list[str] = []
-    inside = False
-    for line in trace.splitlines():
-        if line.startswith(("Current thread", "Thread", "Extension modules")):
-            inside = line.startswith("Current thread")
-        elif inside and line.strip().startswith("File "):
-            frames.append(line.strip())
+    died = re.search(r"^Current thread.*\n((?:  .*\n?)*)", trace, re.MULTILINE)
+    frames = [] if died is None else [line.strip() for line in died[1].splitlines() if line.strip().startswith("File ")]
     library = f'File "{os.path.dirname(os.__file__)}/'
     ours = [f for f in frames if not f.startswith(library) or "site-packages" in f] or frames
     return f"at {ours[0]}" if ours else ""

@@ -9,6 +9,7 @@ world's own `judge` finds is told beside it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Failure
@@ -16,40 +17,29 @@ from grip_bt.nodes.node import Observer
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd
 from grip_sim.referee import ObjectTruth
+from grip_sim.specs import WorldSpec
 
-from ..project.judging import STATES, Counts, WorldCondition, counted
+from ..project.worlds import STATES, Counts, WorldCondition, counted
 from .execute import Session
 
 PLACE = "grip_bt.nodes.place:Place"
 
 
 class Verdict(Observer):
-    """Observes a run, and asks the referee in its end.
-
-    Args:
-        session: with a runner that wasn't begun; it is told of the observer.
-
-    Raises:
-        DocumentError: the project's goal for the task isn't a condition over what a referee says.
-    """
+    """Observes a run, and asks the referee in its end; see `WorldCondition` for goals that are wrong."""
 
     def __init__(self, session: Session):
         self._referee = session.resources.referee
-        spec = session.resources.world.spec if session.resources.world is not None else None
-        self._regions = tuple(region.name for region in spec.regions) if spec is not None else ()
-        measures = spec.measures if spec is not None else ()
-        text, where = session.project.file.goals.get(session.document.task.name, ""), session.document.task.name
-        file = str(session.project.folder / "grip.yaml")
-        self._goal = WorldCondition(text, self._regions, measures, f"goals/{where}", file) if text else None
-        judge = spec.judge if spec is not None else {}
+        spec = session.resources.world.spec if session.resources.world is not None else WorldSpec(regions=())
+        self._regions = tuple(region.name for region in spec.regions)
+        condition = partial(WorldCondition, regions=self._regions, measures=spec.measures)
+        name, file = session.document.task.name, str(session.project.folder / "grip.yaml")
+        goal = session.project.file.goals.get(name, "")
+        self._goal = condition(goal, where=f"goals/{name}", file=file) if goal else None
         world = f"world {session.project.file.world}"
-        self._judge = {
-            name: WorldCondition(text, self._regions, measures, f"judge/{name}", world) for name, text in judge.items()
-        }
-        leaves = session.runner.compiled.leaves.items()
-        self._places = {
-            path for path, leaf in leaves if leaf.manifest.implementation == PLACE and leaf.params["target"]
-        }
+        self._judge = {n: condition(text, where=f"judge/{n}", file=world) for n, text in spec.judge.items()}
+        there = session.runner.compiled.leaves.items()
+        self._places = {path for path, leaf in there if leaf.manifest.implementation == PLACE and leaf.params["target"]}
         self._placed = 0
         session.runner.observe(self)
 

@@ -107,7 +107,7 @@ def serve_world(
             stack.callback(TrajectoryActionServer(bus, actions[name], executor).close)
             progress("controller", f"{actions[name]}: {len(executor.joint_names)} joints of {name}")
         joints = project.file.ros.joint_states if project.file.ros is not None else JOINT_STATES
-        now = simulation.clock.simulated_now if simulated_time else time.time
+        now = (lambda: simulation.clock.simulated) if simulated_time else time.time
         measured = tuple(executors.values())
         stack.callback(JointStatePublisher(bus, joints, measured, now=now).close)
         progress("joints", joints)

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 from pydantic import ValidationError
 
-from grip_bt.app.project.components import Wish, components_folder, from_file, from_type, make_component
+from grip_bt.app.project.components import Wish, components_folder, from_file, make_component
 from grip_bt.base.errors import ContractError, DocumentError, GripError
 from grip_bt.base.yaml.models import check_model, diagnostic_of
 from grip_bt.base.yaml.tree import YamlMapping, parse
@@ -110,7 +110,7 @@ def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
     if not request.text.strip():
         own = f"*/interfaces/{name['package']}/{name['kind']}/{name['name']}.{name['kind']}"
         file = next(components_folder(folder.folder).glob(own), None)
-        yield from_type(request.type.strip()) if file is None else from_file(file)
+        yield Wish(read_interface(request.type.strip())) if file is None else from_file(file)
         return
     with TemporaryDirectory() as place:
         package = Path(place) / name["package"]

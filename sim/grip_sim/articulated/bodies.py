@@ -8,6 +8,7 @@ slide bears goes back to the turn as a torque, so that both move each other and 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import numpy as np
 
@@ -35,12 +36,7 @@ FRONT, METAL, RED, GLASS, BLUE = (186, 146, 100), (120, 122, 128), (196, 44, 40)
 
 
 class Articulated:
-    """An articulated object in a scene.
-
-    Attributes:
-        body: its links and joints.
-        links: what can be seen and touched, with its colour.
-    """
+    """An articulated object in a scene."""
 
     body: physx.PhysxArticulation
     links: Mapping[physx.PhysxRigidBodyComponent, Colour]
@@ -82,6 +78,13 @@ def moving(body: physx.PhysxRigidBodyComponent) -> Array:
     return np.array([*pose.p, *pose.q, *body.linear_velocity, *body.angular_velocity], float)
 
 
+def set_moving(body: physx.PhysxRigidDynamicComponent, state: Array) -> None:
+    """Have a body be where it was and move as it did; see `moving`."""
+    body.set_entity_pose(sapien.Pose(state[:3], state[3:7]))
+    body.set_linear_velocity(state[7:10])
+    body.set_angular_velocity(state[10:13])
+
+
 Replaced = Callable[[physx.PhysxRigidBodyComponent, physx.PhysxRigidBodyComponent], None]
 """Told of a link whose place another body takes."""
 
@@ -98,6 +101,7 @@ def make_articulated(scene: sapien.Scene, name: str, said: ArticulatedConfig, re
 
 
 Shape = Callable[[LinkBuilder], None]
+Builder: TypeAlias = "LinkBuilder | sapien.ActorBuilder"
 
 
 def _build(
@@ -132,7 +136,6 @@ def _build(
 
 
 def _light(mass: float) -> Shape:
-    """Return what makes a link of a mass [kg] without a shape."""
     return lambda link: link.set_mass_and_inertia(mass, sapien.Pose(), [mass * 1e-4] * 3)
 
 
@@ -141,22 +144,17 @@ class _Drawer(Articulated):
         depth, width, height = said.size
         inner, wide, high = depth - WALL, width - 2 * WALL - 2 * GAP, height - 2 * WALL - 2 * GAP
         thin = WALL / 2
+        side, level = (wide - thin) / 2, WALL + GAP + 0.3 * high
         plates = [
             ((thin, width, height), (-depth / 2 - thin / 2 - GAP, 0, height / 2)),
             ((inner, wide, thin), (-WALL / 2, 0, WALL + GAP + thin / 2)),
-            ((thin, wide, 0.6 * high), (inner / 2 - WALL, 0, WALL + GAP + 0.3 * high)),
-            *(
-                ((inner, thin, 0.6 * high), (-WALL / 2, y, WALL + GAP + 0.3 * high))
-                for y in ((wide - thin) / 2, (thin - wide) / 2)
-            ),
+            ((thin, wide, 0.6 * high), (inner / 2 - WALL, 0, level)),
+            *(((inner, thin, 0.6 * high), (-WALL / 2, y, level)) for y in (side, -side)),
         ]
-        front, middle = -depth / 2 - thin - GAP, height / 2
+        front, middle, end = -depth / 2 - thin - GAP, height / 2, BAR_LENGTH / 2
         handle = [
             ((said.bar, BAR_LENGTH, said.bar), (front - BAR_AT, 0, middle)),
-            *(
-                ((BAR_AT, said.bar, said.bar), (front - BAR_AT / 2, y, middle))
-                for y in (BAR_LENGTH / 2, -BAR_LENGTH / 2)
-            ),
+            *(((BAR_AT, said.bar, said.bar), (front - BAR_AT / 2, y, middle)) for y in (end, -end)),
         ]
 
         def shape(link: LinkBuilder) -> None:
@@ -237,6 +235,12 @@ class _Button(Articulated):
         self._pressed, self._count = bool(extra[0]), int(extra[1])
 
 
+def _add_cylinder(builder: Builder, radius: float, height: float, mass: float, middle: float) -> None:
+    """Add an upright cylinder of a mass [kg] whose middle is at a height [m]."""
+    place, density = sapien.Pose([0, 0, middle], ALONG_Z.q), mass / (np.pi * radius**2 * height)
+    builder.add_cylinder_collision(place, radius, height / 2, movable(GRIP), density=density)
+
+
 class _ScrewBottle(Articulated):
     """A bottle, a slide and a cap; when the thread lets go, a body of its own takes the cap's place."""
 
@@ -244,22 +248,15 @@ class _ScrewBottle(Articulated):
         self._scene, self._name, self._said, self._replaced = scene, name, said, replaced
         self._lift = said.pitch / (2 * np.pi)
         self._free: physx.PhysxRigidDynamicComponent | None = None
-        top, travel = said.height, said.pitch * said.turns
+        travel = said.pitch * said.turns
 
         def bottle(link: LinkBuilder) -> None:
-            density = said.mass / (np.pi * said.radius**2 * top)
-            middle = sapien.Pose([0, 0, top / 2], ALONG_Z.q)
-            link.add_cylinder_collision(middle, said.radius, top / 2, movable(GRIP), density=density)
-
-        def cap(link: LinkBuilder) -> None:
-            density = said.cap_mass / (np.pi * said.cap_radius**2 * said.cap_height)
-            middle = sapien.Pose([0, 0, top + said.cap_height / 2 + 0.001], ALONG_Z.q)
-            link.add_cylinder_collision(middle, said.cap_radius, said.cap_height / 2, movable(GRIP), density=density)
+            _add_cylinder(link, said.radius, said.height, said.mass, said.height / 2)
 
         links = {
             name: ("", (0.0, 0.0), sapien.Pose(), bottle),
             f"{name}_thread": ("prismatic", (0.0, travel + 0.001), UPWARDS, _light(0.002)),
-            f"{name}_cap": ("revolute_unwrapped", (-0.001, 2 * np.pi * said.turns + 1), UPWARDS, cap),
+            f"{name}_cap": ("revolute_unwrapped", (-0.001, 2 * np.pi * said.turns + 1), UPWARDS, self._shape_cap),
         }
         self.body = _build(scene, pose, links, said.held)
         self._cap = self.body.links[2]
@@ -270,6 +267,11 @@ class _ScrewBottle(Articulated):
         self._turn.set_armature(np.array([2e-6], np.float32))
         self._turn.set_drive_properties(0.0, 50.0, force_limit=said.friction, mode="force")
         self._turn.set_drive_velocity_target(0.0)
+
+    def _shape_cap(self, builder: Builder) -> None:
+        said = self._said
+        middle = said.height + said.cap_height / 2 + 0.001
+        _add_cylinder(builder, said.cap_radius, said.cap_height, said.cap_mass, middle)
 
     def before_step(self) -> None:
         """Couple the slide and the turn, both ways; let the cap go at the end of its thread."""
@@ -284,11 +286,8 @@ class _ScrewBottle(Articulated):
             self._let_go()
 
     def _let_go(self) -> None:
-        said = self._said
-        middle = sapien.Pose([0, 0, said.height + said.cap_height / 2 + 0.001], ALONG_Z.q)
         builder = self._scene.create_actor_builder()
-        density = said.cap_mass / (np.pi * said.cap_radius**2 * said.cap_height)
-        builder.add_cylinder_collision(middle, said.cap_radius, said.cap_height / 2, movable(GRIP), density=density)
+        self._shape_cap(builder)
         builder.set_initial_pose(self._cap.entity_pose)
         free = builder.build(name=f"{self._name}_cap").find_component_by_type(physx.PhysxRigidDynamicComponent)
         free.set_linear_velocity(self._cap.linear_velocity)
@@ -310,6 +309,4 @@ class _ScrewBottle(Articulated):
         if len(extra) and self._free is None:
             self._let_go()
         if self._free is not None:
-            self._free.set_entity_pose(sapien.Pose(extra[:3], extra[3:7]))
-            self._free.set_linear_velocity(extra[7:10])
-            self._free.set_angular_velocity(extra[10:])
+            set_moving(self._free, extra)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from grip_bt.base.yaml.models import Settings, exactly_one
+from grip_bt.base.yaml.models import Finite, Positive, Settings, exactly_one
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Vector = tuple[Finite, Finite, Finite]
 WALL = 0.012
 """Thickness of a cabinet's walls [m]."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import logging
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,25 +26,7 @@ ROUND = 48
 TURN = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
 
 
-@dataclass(frozen=True)
-class Visual:
-    """One `<visual>` of a link.
-
-    Attributes:
-        kind: `mesh`, `box`, `cylinder` or `sphere`.
-        pose: its matrix in the link, rows of 4.
-        size: scale of a mesh; edges; radius and length; radius [m].
-        file: of a mesh.
-        colour: that the description gives it; None where the mesh's own, or the body's, is to be taken.
-        texture: file of its picture; empty for the mesh's own.
-    """
-
-    kind: str
-    pose: tuple[tuple[float, ...], ...]
-    size: tuple[float, ...]
-    file: str = ""
-    colour: Colour | None = None
-    texture: str = ""
+Looks = Callable[[], Sequence[Look]]
 
 
 @dataclass(frozen=True)
@@ -53,119 +34,103 @@ class Target:
     """A body that a camera may see.
 
     Attributes:
-        body: its physical component.
         name: for the referee's segmentation.
         colour: red green blue, 0-255, of what has no colour of its own.
-        visuals: what it looks like; nothing for its collision shapes.
-        drawn: the same, as triangles.
+        visuals: reads what it looks like, in its own frame; None for its collision shapes.
     """
 
     body: physx.PhysxRigidBaseComponent
     name: str
     colour: Colour
-    visuals: tuple[Visual, ...] = ()
-    drawn: tuple[Look, ...] = ()
+    visuals: Looks | None = None
 
-    def looks(self, visual: bool = True) -> tuple[Look, ...]:
+    def looks(self, visual: bool = True) -> Sequence[Look]:
         """Return its triangles in its own frame; `visual` prefers visuals to collision shapes."""
+        found: Sequence[Look] = ()
         try:
-            found = tuple(look for v in self.visuals for look in look_of(v)) if visual else ()
+            found = self.visuals() if visual and self.visuals is not None else ()
         except (GripError, OSError, ValueError, ET.ParseError) as error:
             _log.warning("%s is drawn by its collision shapes: %s", self.name, error)
-            found = ()
-        return (
-            found or (self.drawn if visual else ()) or tuple(shape_look(shape) for shape in self.body.collision_shapes)
-        )
+        return found or [shape_look(shape) for shape in self.body.collision_shapes]
 
 
-def visuals_of(urdf: str) -> Mapping[str, tuple[Visual, ...]]:
-    """Return the visuals of each link that has some; mesh paths are absolute."""
+def visuals_of(urdf: str) -> Mapping[str, Looks]:
+    """Return what reads the visuals of each link that has some; mesh paths are absolute."""
     robot = ET.fromstring(urdf)
     known = {str(m.get("name")): m for m in robot.findall("material")}
-    return {
-        str(link.get("name")): tuple(v for each in link.findall("visual") if (v := _visual(each, known)) is not None)
-        for link in robot.findall("link")
-        if link.find("visual") is not None
-    }
+    links = {str(link.get("name")): link.findall("visual") for link in robot.findall("link")}
+    return {name: partial(_looks_of, visuals, known) for name, visuals in links.items() if visuals}
 
 
-def _visual(element: ET.Element, known: Mapping[str, ET.Element]) -> Visual | None:
-    body, origin = next(iter(element.findall("geometry/*")), None), element.find("origin")
-    sizes = {"mesh": ("scale",), "box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
-    if body is None or body.tag not in sizes:
-        return None
-    size = [n for key in sizes[body.tag] for n in _numbers(body.get(key), "1 1 1")]
+def _looks_of(visuals: Sequence[ET.Element], known: Mapping[str, ET.Element]) -> list[Look]:
+    return [look for visual in visuals for look in _look_of(visual, known)]
+
+
+def _look_of(visual: ET.Element, known: Mapping[str, ET.Element]) -> Iterator[Look]:
+    body, origin = visual.find("geometry/*"), visual.find("origin")
     place = {} if origin is None else origin.attrib
-    matrix = np.eye(4)
+    matrix, scale, parts = np.eye(4), np.ones(1), list[Look]()
     matrix[:3, :3] = Rotation.from_euler("xyz", _numbers(place.get("rpy"), "0 0 0")).as_matrix()
     matrix[:3, 3] = _numbers(place.get("xyz"), "0 0 0")
-    said = element.find("material")
+    match "" if body is None else body.tag, {} if body is None else body.attrib:
+        case "mesh", {"filename": file, **more}:
+            parts, scale = list(read_mesh(Path(_local(file)))), np.array(_numbers(more.get("scale"), "1 1 1"))
+        case "box", {"size": size}:
+            parts = [_box(np.array(_numbers(size)) / 2)]
+        case "cylinder", {"radius": radius, "length": length}:
+            parts = [hull_look(_cylinder(float(radius), float(length) / 2))]
+        case "sphere", {"radius": radius}:
+            parts = [hull_look(_ball(float(radius)))]
+    said = visual.find("material")
     material = said if said is None or len(said) else known.get(str(said.get("name")))
     colour, texture = (None, None) if material is None else (material.find("color"), material.find("texture"))
-    shade = None if colour is None else tuple(round(255 * n) for n in _numbers(colour.get("rgba"), "1 1 1 1")[:3])
-    picture = "" if texture is None else str(texture.get("filename")).removeprefix("file://")
-    file = str(body.get("filename", "")).removeprefix("file://")
-    rows = tuple(tuple(row) for row in matrix.tolist())
-    return Visual(body.tag, rows, tuple(size), file, shade, picture)  # type: ignore[arg-type]
+    shade = None
+    if colour is not None:
+        red, green, blue = (round(255 * n) for n in _numbers(colour.get("rgba"), "1 1 1 1")[:3])
+        shade = (red, green, blue)
+    picture = None if texture is None else read_texture(Path(_local(str(texture.get("filename")))))
+    for part in parts:
+        own = part.texture if picture is None else picture
+        # A colour of the description is for meshes that have none, as RViz has it.
+        yield replace(part.moved(matrix, scale), colour=part.colour or shade, texture=own)
 
 
-def _numbers(text: str | None, default: str) -> list[float]:
+def _local(name: str) -> str:
+    return name.removeprefix("file://")
+
+
+def _numbers(text: str | None, default: str = "") -> list[float]:
     return [float(word) for word in (text or default).split()]
 
 
-@lru_cache(maxsize=512)
-def look_of(visual: Visual) -> tuple[Look, ...]:
-    """Return the triangles of a visual in its link's frame.
-
-    Raises:
-        GripError, OSError, ValueError, ParseError: its mesh can't be read.
-    """
-    parts = read_mesh(Path(visual.file)) if visual.kind == "mesh" else (_solid_look(visual.kind, visual.size),)
-    scale = np.array(visual.size if visual.kind == "mesh" else (1.0,))
-    picture = read_texture(Path(visual.texture)) if visual.texture else None
-    found = (part.moved(np.array(visual.pose), scale) for part in parts)
-    # A colour of the description is for meshes that have none, as RViz has it.
-    return tuple(
-        replace(part, colour=part.colour or visual.colour, texture=part.texture if picture is None else picture)
-        for part in found
-    )
-
-
-def _solid_look(kind: str, size: tuple[float, ...]) -> Look:
-    if kind == "box":
-        return hull_look(box_corners(-np.array(size) / 2, np.array(size) / 2))
-    if kind == "sphere":
-        return hull_look(_ball(size[0]))
-    rim = np.stack([np.cos(TURN), np.sin(TURN), 0 * TURN], axis=1) * size[0]
-    end = np.array([0, 0, size[1] / 2])
-    return hull_look(np.concatenate([rim + end, rim - end]))
-
-
 def shape_look(shape: physx.PhysxCollisionShape) -> Look:
-    """Return the triangles of a collision shape in its body's frame.
-
-    Raises:
-        TypeError: it has no end, as a plane has none.
-    """
-    return _shape_look(shape).moved(shape.local_pose.to_transformation_matrix().astype(float))
-
-
-def _shape_look(shape: Any) -> Look:
-    end = np.array([[getattr(shape, "half_length", 0.0), 0, 0]])
+    """Return the triangles of a collision shape in its body's frame. Raises TypeError where it has no end."""
     match shape:
         case physx.PhysxCollisionShapeConvexMesh():
-            return hull_look(np.asarray(shape.vertices, float) * shape.scale)
+            look = hull_look(np.asarray(shape.vertices, float) * shape.scale)
         case physx.PhysxCollisionShapeTriangleMesh():
-            return Look(np.asarray(shape.vertices, float) * shape.scale, np.asarray(shape.triangles, np.int32))
+            look = Look(np.asarray(shape.vertices, float) * shape.scale, np.asarray(shape.triangles, np.int32))
         case physx.PhysxCollisionShapeBox():
-            return hull_look(box_corners(-shape.half_size, shape.half_size))
-        case physx.PhysxCollisionShapeSphere() | physx.PhysxCollisionShapeCapsule():
-            ball = _ball(shape.radius)
-            return hull_look(np.unique(np.concatenate([ball + end, ball - end]), axis=0))
-        case physx.PhysxCollisionShapeCylinder():  # along x
-            rim = np.stack([0 * TURN, np.cos(TURN), np.sin(TURN)], axis=1) * shape.radius
-            return hull_look(np.concatenate([rim + end, rim - end]))
-    raise TypeError(f"a camera can't draw a {type(shape).__name__}")
+            look = _box(shape.half_size)
+        case physx.PhysxCollisionShapeSphere():
+            look = hull_look(_ball(shape.radius))
+        case physx.PhysxCollisionShapeCapsule():  # along x, as cylinders
+            ball, end = _ball(shape.radius), np.array([shape.half_length, 0, 0])
+            look = hull_look(np.unique(np.concatenate([ball + end, ball - end]), axis=0))
+        case physx.PhysxCollisionShapeCylinder():
+            look = hull_look(np.roll(_cylinder(shape.radius, shape.half_length), 1, axis=1))
+        case _:
+            raise TypeError(f"a camera can't draw a {type(shape).__name__}")
+    return look.moved(shape.local_pose.to_transformation_matrix().astype(float))
+
+
+def _box(half: Array) -> Look:
+    return hull_look(box_corners(-half, half))
+
+
+def _cylinder(radius: float, half: float) -> Array:
+    rim, end = np.stack([np.cos(TURN), np.sin(TURN), 0 * TURN], axis=1) * radius, np.array([0, 0, half])
+    return np.concatenate([rim + end, rim - end])
 
 
 def _ball(radius: float) -> Array:

@@ -58,8 +58,7 @@ def read_texture(file: Path) -> NDArray[np.uint8] | None:
 def read_mesh(file: Path) -> tuple[Look, ...]:
     """Return the parts of a mesh file, one for each object, material and place of use; lengths as the file has them.
 
-    Raises:
-        DocumentError: it isn't there, or no mesh.
+    Raises DocumentError where it isn't there, or no mesh.
     """
     if file.suffix.lower() not in FORMATS:
         raise DocumentError(f"a mesh is a file of one of the formats {', '.join(f[1:] for f in FORMATS)}", str(file))

@@ -17,21 +17,17 @@ from numpy.typing import NDArray
 
 from grip_bt.base.arrays import Array, Mask
 from grip_bt.base.values import CameraInfo, Pose
-from grip_sim.cameras.frame import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
+from grip_sim.cameras import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
 from grip_sim.cameras.looks import Target, box_corners
 from grip_sim.cameras.mesh_files import Look
 
 FLIP = np.array([1, -1, -1], np.float32)
 """OpenCV draws along -z, y up."""
-ROUNDING = 0.02
-"""How far corners may be off in an image [px]."""
 MOST = 1 << 24
 """Whole numbers that a float32 holds."""
 
 
 class _Body(NamedTuple):
-    """Which points and which triangles are a body's."""
-
     points: slice
     triangles: slice
 
@@ -51,7 +47,6 @@ class RasterRenderer:
     Args:
         info: the camera, with its principal point in the middle.
         far: nothing is seen beyond [m].
-        targets: the bodies.
         visual: whether their visuals are drawn where they have some, not their collision shapes.
     """
 
@@ -87,7 +82,6 @@ class RasterRenderer:
         self._settings.setCullingMode(cv2.RASTERIZE_CULLING_NONE)  # it was done before
 
     def _fill(self, looks: Sequence[Look]) -> None:
-        """Put all triangles one behind the other."""
         starts = np.cumsum([0, *(len(look.points) for look in looks)])
         parts = [look.triangles + start for look, start in zip(looks, starts, strict=False)]
         colours = [np.tile(np.array(look.colour, np.float32), (len(look.triangles), 1)) for look in looks]
@@ -118,11 +112,7 @@ class RasterRenderer:
     def _may_be_seen(
         self, rotations: Array, shifts: Array, local: NDArray[np.float32]
     ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-        """Return the corners of triangles that may have a pixel, one after the other, and the number of each.
-
-        Args:
-            local: is filled with points in the camera's frame, of bodies in view.
-        """
+        """Return the corners and the numbers of triangles that may have a pixel; fill `local` with points in view."""
         far, near = [np.empty(0, np.int32)], [np.empty(0, np.int32)]
         boxes = self._boxes @ rotations.transpose(0, 2, 1) + shifts[:, None]
         crossing = boxes[:, :, 2].min(axis=1) < 2 * NEAR
@@ -134,7 +124,6 @@ class RasterRenderer:
             facing = np.flatnonzero(self._coarse[body.triangles] @ eye > -1e-6).astype(np.int32)
             (near if crossing[row] else far).append(facing + body.triangles.start)
         rows, cut = np.concatenate(far), np.concatenate(near)
-        rows = self._with_pixels(rows, local)
         whole = local.take(self._triangles.take(rows, axis=0).ravel(), axis=0)
         clipped, which = _clipped(local[self._triangles[cut]])
         return np.concatenate([whole, clipped]), np.concatenate([rows, cut[which]])
@@ -144,27 +133,6 @@ class RasterRenderer:
         (x, y, z), (right, down) = boxes.transpose(2, 0, 1), self._slope
         sides = (x > right * z, x < -right * z, y > down * z, y < -down * z, z < NEAR, z > self._far)
         return self._filled & ~np.any([side.all(axis=1) for side in sides], axis=0)
-
-    def _with_pixels(self, rows: NDArray[np.int32], local: NDArray[np.float32]) -> NDArray[np.int32]:
-        """Return those of some triangles before the camera that may hold the middle of a pixel; few small ones do."""
-        triangles = self._triangles.take(rows, axis=0)
-        found, single = np.ones(len(rows), bool), np.ones(len(rows), bool)
-        corners = []
-        with np.errstate(all="ignore"):  # what isn't in view wasn't filled
-            inverse = 1 / local[:, 2]
-            for axis, size in enumerate((self._info.width, self._info.height)):
-                at = local[:, axis] * (inverse * np.float32(self._info.matrix[axis, axis])) + np.float32(size / 2 - 0.5)
-                one, two, three = (at.take(triangles[:, corner]) for corner in range(3))
-                low = np.ceil(np.minimum(np.minimum(one, two), three) - ROUNDING)
-                high = np.maximum(np.maximum(one, two), three) + ROUNDING
-                found &= (low <= high) & (high >= 0) & (low <= size - 1)
-                single &= high < low + 1
-                corners.append((one - low, two - low, three - low))
-        few = np.flatnonzero(found & single)  # these hold the middle of one pixel at most: at the origin, here
-        (ax, bx, cx), (ay, by, cy) = (tuple(c[few] for c in axis) for axis in corners)
-        turns = np.stack([ax * by - ay * bx, bx * cy - by * cx, cx * ay - cy * ax])
-        found[few] = (turns > -ROUNDING).all(axis=0) | (turns < ROUNDING).all(axis=0)
-        return rows[found]
 
     def _shaded(
         self, number: NDArray[np.int32], rotations: Array, shifts: Array, pose: Pose, local: NDArray[np.float32]
@@ -196,14 +164,8 @@ class RasterRenderer:
         image[hit] = np.clip(self._colours[seen] * light[:, None], 0, 255).astype(np.uint8).take(row, axis=0)
         for texture in self._textures:
             self._put_on(texture, image, hit, of, found, light.take(row), rotations, shifts)
-        return Frame(
-            image.reshape(*shape, 3),
-            depth.reshape(shape),
-            labels.reshape(shape),
-            self._names,
-            facing.reshape(*shape, 3),
-            pose,
-        )
+        colours, seen_normals = image.reshape(*shape, 3), facing.reshape(*shape, 3)
+        return Frame(colours, depth.reshape(shape), labels.reshape(shape), self._names, seen_normals, pose)
 
     def _put_on(
         self,

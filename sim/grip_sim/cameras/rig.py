@@ -1,38 +1,29 @@
-"""The cameras of a world: where they are, which renderer draws for them, what their sensors add, and how late."""
+"""The cameras of a world: where they are, who draws for them, what their sensors add, and how late; films of it."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from zlib import crc32
 
+import cv2
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Pose
-from grip_sim.cameras.frame import Frame, Places, Renderer
+from grip_sim.cameras import Frame, Places, Renderer, vulkan_works
 from grip_sim.cameras.looks import Target
 from grip_sim.cameras.raster import RasterRenderer
 from grip_sim.faults import Faults, darkened
 from grip_sim.physics import physx
-from grip_sim.render_support import vulkan_works
 from grip_sim.specs import CameraSpec, WorldSpec
 
 
 class Rig:
-    """Takes frames of bodies.
-
-    Args:
-        spec: of the world, with its cameras.
-        targets: all that can be seen.
-        links: what cameras may be mounted on.
-        faults: of the world.
-
-    Raises:
-        UnknownNameError: a camera is mounted on a link that the robot doesn't have.
-    """
+    """Takes frames of bodies. Raises UnknownNameError where a camera is on a link that the robot doesn't have."""
 
     def __init__(
         self,
@@ -69,11 +60,7 @@ class Rig:
             self._past.append((time, self._now()))
 
     def look(self, name: str) -> Frame:
-        """Take a frame with a camera, as its sensor gives it.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Take a frame with a camera, as its sensor gives it. Raises UnknownNameError where there is no such camera."""
         spec = self._spec(name)
         if self._faults.of_camera("freeze", name) and name in self._last:
             return replace(self._last[name], time=self._time)
@@ -98,19 +85,11 @@ class Rig:
         return replace(frame, depth=depth, image=noise.on_image(frame.image, seed))
 
     def view(self, camera: str | CameraSpec) -> Frame:
-        """Show what is there now by a camera, or one that isn't among them, without its sensor's faults.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Show what is there now by a camera, or one that isn't among them, without its sensor's faults; see `look`."""
         return self._drawn(self._spec(camera) if isinstance(camera, str) else camera, self._time, self._now())
 
     def pose(self, name: str) -> Pose:
-        """Return the optical frame of a camera in world, as it is now.
-
-        Raises:
-            UnknownNameError: there is no such camera.
-        """
+        """Return the optical frame of a camera in world, as it is now; see `look`."""
         return self._pose(self._spec(name), self._now())
 
     def _spec(self, name: str) -> CameraSpec:
@@ -137,14 +116,10 @@ class Rig:
         return Pose(carrier[:3], carrier[3:]) @ pose
 
     def _drawn(self, spec: CameraSpec, time: float, rows: Array) -> Frame:
-        renderer = self._renderer(spec)
-        return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self._targets)])), time=time)
-
-    def _renderer(self, spec: CameraSpec) -> Renderer:
-        """Return who draws for a camera; made when it is first asked for, since meshes take their time to read."""
-        if spec not in self._renderers:
+        if spec not in self._renderers:  # made when it is first asked for, since meshes take their time to read
             self._renderers[spec] = make_renderer(spec, self._targets)
-        return self._renderers[spec]
+        renderer = self._renderers[spec]
+        return replace(renderer.draw(self._pose(spec, rows), Places.of(rows[: len(self._targets)])), time=time)
 
 
 def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:
@@ -155,3 +130,47 @@ def make_renderer(spec: CameraSpec, targets: Sequence[Target]) -> Renderer:
 
         return SapienRenderer(spec.info(), spec.far, targets, visual)
     return RasterRenderer(spec.info(), spec.far, targets, visual)
+
+
+RATE = 25
+"""Frames a second of simulated time."""
+
+
+class Film:
+    """Is filled while the world goes on from `start` [s]; frames are without a sensor's faults, and change nothing.
+
+    Raises:
+        UnknownNameError: there is no such camera.
+        GripError: the video (MPEG-4) or the last picture can't be written.
+    """
+
+    def __init__(self, cameras: Rig, camera: str | CameraSpec, start: float, video: Path | None, picture: Path | None):
+        self._cameras, self._camera, self._picture = cameras, camera, picture
+        self._start, self._taken = start, 0
+        if picture is not None and not (cv2.haveImageWriter(str(picture)) and picture.parent.is_dir()):
+            raise GripError(f"{picture}: a picture can't be written there; its name must end in .png or .jpg")
+        height, width = cameras.view(camera).depth.shape
+        self._writer: cv2.VideoWriter | None = None
+        if video is not None:
+            self._writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"mp4v"), RATE, (width, height))
+            if not self._writer.isOpened():
+                raise GripError(f"{video}: a video can't be written there; its name must end in .mp4")
+        self.stepped(start)
+
+    def stepped(self, time: float) -> None:
+        """Take the frames that are due at a time of the world [s]."""
+        while self._writer is not None and time >= self._start + self._taken / RATE - 1e-9:
+            self._writer.write(self._frame())
+            self._taken += 1
+
+    def close(self) -> None:
+        """End the film and take the last picture, unless that was done. Raises GripError where it can't be written."""
+        if self._writer is not None:
+            self._writer.release()
+            self._writer = None
+        picture, self._picture = self._picture, None
+        if picture is not None and not cv2.imwrite(str(picture), self._frame()):
+            raise GripError(f"{picture}: a picture can't be written there")
+
+    def _frame(self) -> np.ndarray:
+        return np.ascontiguousarray(self._cameras.view(self._camera).image[:, :, ::-1])

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import CameraInfo, Pose
-from grip_sim.cameras.frame import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
+from grip_sim.cameras import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
 from grip_sim.cameras.looks import Target
 from grip_sim.cameras.mesh_files import Look
 from grip_sim.physics import sapien
@@ -36,11 +36,7 @@ _TO_SAPIEN = Pose([0, 0, 0], [0.5, 0.5, -0.5, 0.5])
 
 @lru_cache(maxsize=1)
 def _system() -> Any:
-    """Return the process's one render system, kept alive: a new one would set everything up again.
-
-    Raises:
-        GripError: Vulkan doesn't work here.
-    """
+    """Return the process's one render system, kept alive: a new one would set everything up again."""
     try:
         system = sapien.render.RenderSystem()
     except RuntimeError as error:
@@ -70,11 +66,7 @@ def _shaders() -> Path:
 
 
 class SapienRenderer:
-    """Draws bodies by their triangles; as `RasterRenderer`.
-
-    Raises:
-        GripError: Vulkan doesn't work here.
-    """
+    """Draws bodies by their triangles; as `RasterRenderer`. Raises GripError where Vulkan doesn't work here."""
 
     def __init__(self, info: CameraInfo, far: float, targets: Sequence[Target], visual: bool = True):
         _system()

@@ -6,6 +6,7 @@ it. Nothing here imports SAPIEN.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,34 +25,32 @@ BUILTIN = tuple(sorted(file.stem for file in HERE.glob("*.yaml")))
 FOLDER = "objects"
 
 
-def object_files(project: Path | None = None) -> dict[str, Path]:
-    """Return every object's file by name; a project's own come first, and hide built-in ones of the same name."""
-    own = {file.stem: file for file in sorted((project / FOLDER).glob("*.yaml"))} if project is not None else {}
-    return own | {name: HERE / f"{name}.yaml" for name in BUILTIN if name not in own}
+def files_by_name(builtin: Path, own: Path | None) -> dict[str, Path]:
+    """Return the YAML files of two folders by name; those of a project's own come first, and hide others."""
+    mine = {file.stem: file for file in sorted(own.glob("*.yaml"))} if own is not None else {}
+    return mine | {file.stem: file for file in sorted(builtin.glob("*.yaml")) if file.stem not in mine}
 
 
-def object_file(name: str, project: Path | None = None) -> Path:
-    """Return the path of an object's file.
-
-    Args:
-        name: of an object of the project or of the library, or a path that ends in `.yaml`.
-
-    Raises:
-        UnknownNameError: there is no such object.
-    """
-    files = object_files(project)
+def file_named(kind: str, name: str, files: Mapping[str, Path]) -> Path:
+    """Return the file of a name, or the path itself of one that ends in `.yaml`. Raises UnknownNameError."""
     path = Path(name) if name.endswith((".yaml", ".yml")) else files.get(name)
     if path is None:
-        raise UnknownNameError("object", name, files)
+        raise UnknownNameError(kind, name, files)
     return path
 
 
-def load_object(path: Path) -> ObjectModel:
-    """Return what a file describes.
+def object_files(project: Path | None = None) -> dict[str, Path]:
+    """Return every object's file by name."""
+    return files_by_name(HERE, project and project / FOLDER)
 
-    Raises:
-        DocumentError: it, or a mesh that it names, is missing or wrong.
-    """
+
+def object_file(name: str, project: Path | None = None) -> Path:
+    """Return the path of the file of an object of the project or of the library; see `file_named`."""
+    return file_named("object", name, object_files(project))
+
+
+def load_object(path: Path) -> ObjectModel:
+    """Return what a file describes. Raises DocumentError where it, or a mesh that it names, is missing or wrong."""
     note(path)
     file = _read(path, _written(path))
     meshes = (_written(path.parent / mesh) for mesh in (file.mesh, file.parts) if mesh)

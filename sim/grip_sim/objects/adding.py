@@ -25,13 +25,7 @@ SIZES = (0.005, 1.0)
 """Least and greatest length of something that a hand may grasp [m]."""
 THRESHOLD, PARTS = 0.05, 32
 """CoACD's: how far, relatively, parts may be from the mesh; and how many there may be."""
-_QUICK = {
-    "preprocess_resolution": 30,
-    "resolution": 1000,
-    "mcts_iterations": 40,
-    "decimate": True,
-    "max_ch_vertex": 64,
-}
+_QUICK = dict(preprocess_resolution=30, resolution=1000, mcts_iterations=40, decimate=True, max_ch_vertex=64)
 """A third of the time that CoACD takes by default."""
 CONVEX = 0.98
 """A mesh that fills this share of its hull is taken as convex."""
@@ -43,15 +37,7 @@ _COMPANIONS = (".mtl", ".png", ".jpg", ".jpeg", ".bin")
 
 @dataclass(frozen=True)
 class Found:
-    """What somebody's file says of an object.
-
-    Attributes:
-        mesh: its visual mesh.
-        collision: the mesh that it collides by; None for the same.
-        scale: factor of lengths.
-        mass: [kg]; None where nothing is said.
-        friction: coefficient; None where nothing is said.
-    """
+    """What somebody's file says of an object, with the mesh that it collides by if that is another; mass in kg."""
 
     mesh: Path
     collision: Path | None = None
@@ -61,28 +47,23 @@ class Found:
 
 
 def find_object(path: Path) -> Found:
-    """Return what a file or a folder holds.
-
-    Raises:
-        DocumentError: it is no object, or names a mesh that isn't there.
-    """
+    """Return what a file or a folder holds. Raises DocumentError where it is no object, or its mesh isn't there."""
     if path.is_dir():
         inside = [path / each for each in _FOLDERS if (path / each).is_file()]
         inside += sorted(f for f in path.iterdir() if f.suffix.lower() in (".urdf", ".sdf", *FORMATS))
         if not inside:
-            raise DocumentError(
-                f"there is no object in it: none of {', '.join(_FOLDERS)}, no mesh, URDF or SDF", str(path)
-            )
+            what = f"there is no object in it: none of {', '.join(_FOLDERS)}, no mesh, URDF or SDF"
+            raise DocumentError(what, str(path))
         return find_object(inside[0])
     if not path.is_file():
         raise DocumentError("there is no such file or folder", str(path))
-    match path.suffix.lower():
-        case ".urdf" | ".sdf":
-            return _described(path)
-        case suffix if suffix in FORMATS:
-            return Found(path)
-    known = ", ".join(("urdf", "sdf", *(each[1:] for each in FORMATS)))
-    raise DocumentError(f"an object is a folder, or a file of one of the formats {known}", str(path))
+    suffix = path.suffix.lower()
+    if suffix in (".urdf", ".sdf"):
+        return _described(path)
+    if suffix not in FORMATS:
+        known = ", ".join(("urdf", "sdf", *(each[1:] for each in FORMATS)))
+        raise DocumentError(f"an object is a folder, or a file of one of the formats {known}", str(path))
+    return Found(path)
 
 
 def _described(path: Path) -> Found:
@@ -116,18 +97,13 @@ def _mesh(element: ET.Element | None, path: Path) -> tuple[Path, float] | None:
     name = element.get("filename") or element.findtext("uri") or ""
     scale = {_number(word, path) for word in (element.get("scale") or element.findtext("scale") or "1").split()}
     if len(scale) > 1:
-        raise DocumentError(
-            f"its mesh is scaled differently along its axes, {sorted(scale)}: scale the mesh itself", str(path)
-        )
-    local = name.partition("://")[2] or name
-    tries = [
-        path.parent / local,
-        path.parent / Path(*Path(local).parts[1:]) if len(Path(local).parts) > 1 else Path(local),
-    ]
-    found = next((file for file in tries if file.is_file()), None)
-    if found is None:
-        raise DocumentError(f"its mesh {name!r} isn't there: looked for {tries[0]}", str(path))
-    return found, scale.pop()
+        what = f"its mesh is scaled differently along its axes, {sorted(scale)}: scale the mesh itself"
+        raise DocumentError(what, str(path))
+    local = Path(name.partition("://")[2] or name)
+    for file in (path.parent / local, path.parent.joinpath(*local.parts[1:])):
+        if file.is_file():
+            return file, scale.pop()
+    raise DocumentError(f"its mesh {name!r} isn't there: looked for {path.parent / local}", str(path))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,13 +127,10 @@ def check_mesh(found: Found, scale: float | None, parts: int, progress: Callable
     """Return a mesh's convex parts and size, and what is remarkable about them.
 
     Args:
-        found: the object.
         scale: factor of lengths; None for that of its file, or a guess where a mesh alone can't be in metres.
         parts: most convex parts; 1 for its hull.
-        progress: told what takes time.
 
-    Raises:
-        DocumentError: it has no volume, or a size that no hand can hold.
+    Raises DocumentError where it has no volume, or a size that no hand can hold.
     """
     whole = joined(read_mesh(found.collision or found.mesh))
     remarks = []
@@ -197,22 +170,19 @@ def _decomposed(whole: trimesh.Trimesh, most: int) -> list[Array]:
 def write_object(
     name: str, found: Found, checked: Checked, folder: Path, *, mass: float | None, friction: float | None, source: str
 ) -> Path:
-    """Write an object's file, with the mesh and its parts in a folder beside it, and return the file.
-
-    Raises:
-        GripError: there is an object of this name.
-    """
+    """Write an object's file, with mesh and parts beside it, and return it. Raises GripError where there is one."""
     file, own = folder / f"{name}.yaml", folder / name
     if file.exists() or own.exists():
         raise GripError(f"{file} is there already and was left alone: choose another `--name`")
     own.mkdir(parents=True)
-    mesh = _copy(found.mesh, own)
+    for each in {found.mesh, *_companions(found.mesh)}:
+        shutil.copyfile(each, own / each.name)
     scene = trimesh.Scene({f"part_{k}": trimesh.convex.convex_hull(p) for k, p in enumerate(checked.parts)})
     (own / "parts.obj").write_text(trimesh.exchange.obj.export_obj(scene, include_color=False, include_texture=False))
     weight = mass or found.mass or max(DENSITY * checked.volume, 1e-3)
     lines = [
         "grip: 1",
-        f"mesh: {name}/{mesh}",
+        f"mesh: {name}/{found.mesh.name}",
         f"parts: {name}/parts.obj",
         f"scale: {checked.scale:g}",
         f"mass: {weight:.4g}" + ("" if mass or found.mass else f"  # its volume at {DENSITY:g} kg/m^3: weigh it"),
@@ -223,24 +193,13 @@ def write_object(
     return file
 
 
-def _copy(mesh: Path, folder: Path) -> str:
-    """Copy a mesh with the materials and pictures that it names, and return its name."""
-    for each in {mesh, *_companions(mesh)}:
-        shutil.copyfile(each, folder / each.name)
-    return mesh.name
-
-
 def _companions(mesh: Path) -> set[Path]:
     """Return the files beside a mesh, or in its set's folder of textures, that its text names."""
     places = (mesh.parent, mesh.parent.parent / "materials" / "textures")
     beside = [f for place in places if place.is_dir() for f in place.iterdir() if f.is_file() and f != mesh]
     named, text = set[Path](), mesh.read_bytes()
     for _ in range(2):  # a mesh names its materials, and they name pictures
-        new = {
-            f
-            for f in beside
-            if f.suffix.lower() in (".mtl", ".png", ".jpg", ".jpeg", ".bin") and f.name.encode() in text
-        }
+        new = {f for f in beside if f.suffix.lower() in _COMPANIONS and f.name.encode() in text}
         text += b"".join(f.read_bytes() for f in new if f.suffix == ".mtl")
         named |= new
     return named

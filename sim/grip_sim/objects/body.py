@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError
 from grip_sim.cameras.mesh_files import Look, joined, read_mesh
-from grip_sim.specs import Colour
 
-from .model import ObjectFile
-from .solids import parts_of
+from .model import ObjectFile, SolidConfig
 
 EYE = np.eye(4)
 THIN = 1e-5
@@ -26,10 +27,7 @@ class ObjectModel:
     """An object whose frame has its origin in the middle of its bounding box, z up when it stands.
 
     Attributes:
-        name: of its file.
-        doc: what it is.
         parts: corners of its convex parts, each of shape (n, 3) [m].
-        looks: what cameras see.
         size: of its bounding box [m].
         mass: [kg].
         centre: its centre of mass [m].
@@ -54,16 +52,15 @@ class ObjectModel:
 
 
 def build(file: ObjectFile, path: Path) -> ObjectModel:
-    """Return what a file describes; what it lacks of inertia comes of an even density.
-
-    Raises:
-        DocumentError: a mesh is missing or wrong, or has no volume.
-    """
+    """Return what a file describes, by an even density. Raises DocumentError where a mesh is missing, wrong or flat."""
     if file.solids:
         shaded = [(points, solid.colour or file.colour) for solid in file.solids for points in parts_of(solid)]
         parts = [points * file.scale for points, _ in shaded]
         hulls = [_hull(points, path) for points in parts]
-        looks = [_look(hull, colour) for hull, (_, colour) in zip(hulls, shaded, strict=True)]
+        looks = [
+            Look(np.array(hull.vertices, float), np.array(hull.faces, np.int32), colour)
+            for hull, (_, colour) in zip(hulls, shaded, strict=True)
+        ]
         surface = hulls
     else:
         looks = [look.moved(EYE, file.scale) for look in read_mesh(path.parent / str(file.mesh))]
@@ -75,29 +72,19 @@ def build(file: ObjectFile, path: Path) -> ObjectModel:
             parts = [np.array(whole.vertices)]
         hulls = [_hull(points, path) for points in parts]
         surface = [whole] if whole.is_volume else hulls
-    return _in_the_middle(file, path.stem, [np.array(hull.vertices) for hull in hulls], looks, surface)
-
-
-def _in_the_middle(
-    file: ObjectFile,
-    name: str,
-    parts: list[Array],
-    looks: list[Look],
-    surface: list[trimesh.Trimesh],
-) -> ObjectModel:
-    low = np.min([points.min(axis=0) for points in parts], axis=0)
-    high = np.max([points.max(axis=0) for points in parts], axis=0)
+    corners = [np.array(hull.vertices) for hull in hulls]
+    low = np.min([points.min(axis=0) for points in corners], axis=0)
+    high = np.max([points.max(axis=0) for points in corners], axis=0)
     back = EYE.copy()
-    back[:3, 3] = -(low + high) / 2
-    volume = sum(float(each.volume) for each in surface)
-    centre, inertia = _mass_properties(surface, file.mass / volume)
+    back[:3, 3] = -(low + high) / 2  # so that the origin is in the middle
+    centre, inertia = _mass_properties(surface, file.mass / sum(float(each.volume) for each in surface))
     if file.centre_of_mass is not None:
         centre = np.array(file.centre_of_mass)
     x, y, z = (float(edge) for edge in high - low)
     return ObjectModel(
-        name=name,
+        name=path.stem,
         doc=file.doc,
-        parts=tuple(points + back[:3, 3] for points in parts),
+        parts=tuple(points + back[:3, 3] for points in corners),
         looks=tuple(look.moved(back) for look in looks),
         size=(x, y, z),
         mass=file.mass,
@@ -124,5 +111,76 @@ def _hull(points: Array, path: Path) -> trimesh.Trimesh:
     return trimesh.convex.convex_hull(points)
 
 
-def _look(hull: trimesh.Trimesh, colour: Colour | None) -> Look:
-    return Look(np.array(hull.vertices, float), np.array(hull.faces, np.int32), colour)
+ROUND = 24
+"""Corners of a circle: the surface of a mug of 4 cm radius is 0.35 mm off at most."""
+WEDGES = 16
+"""Convex parts in a ring of a hollow piece's wall."""
+
+
+def parts_of(solid: SolidConfig) -> Iterator[Array]:
+    """Yield the corners of a piece's convex parts, each of shape (n, 3) [m], where the piece is put."""
+    turn = Rotation.from_euler("xyz", solid.turn)
+    for points in _parts(solid):
+        yield turn.apply(points) + solid.at
+
+
+def _parts(solid: SolidConfig) -> Iterator[Array]:
+    if solid.box is not None:
+        yield np.array(np.meshgrid(*((-edge / 2, edge / 2) for edge in solid.box))).reshape(3, -1).T
+    elif solid.ball is not None:
+        heights = np.linspace(-np.pi / 2, np.pi / 2, ROUND // 2 + 1)
+        yield np.vstack([_ring(solid.ball * np.cos(a), solid.ball * np.sin(a)) for a in heights])
+    elif solid.turned is not None and solid.wall is not None:
+        yield from _hollow(solid.turned, solid.wall)
+    elif solid.turned is not None:
+        yield from (np.vstack([_ring(r, z) for r, z in piece]) for piece in _convex_pieces(solid.turned))
+    elif solid.bent is not None:
+        yield from _rod(np.array(solid.bent), np.broadcast_to(np.array(solid.radius), len(solid.bent)))
+    elif solid.prism is not None:
+        foot = np.array(solid.prism)
+        yield np.vstack([np.column_stack([foot, np.full(len(foot), z)]) for z in (0.0, solid.height)])
+
+
+def _ring(radius: float, height: float, start: float = 0.0, end: float = 2 * np.pi, corners: int = ROUND) -> Array:
+    if radius < 1e-9:
+        return np.array([[0.0, 0.0, height]])
+    angles = np.linspace(start, end, corners, endpoint=end < 2 * np.pi)
+    return np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), height)])
+
+
+def _convex_pieces(profile: Sequence[tuple[float, float]]) -> Iterator[Sequence[tuple[float, float]]]:
+    """Yield the longest stretches of an outline that bulge outwards: each is turned into a convex body."""
+    first = 0
+    for last in range(2, len(profile)):
+        (r0, z0), (r1, z1), (r2, z2) = profile[last - 2 : last + 1]
+        if (r1 - r0) * (z2 - z1) < (r2 - r1) * (z1 - z0) - 1e-12:  # it bends inwards at the one before
+            yield profile[first:last]
+            first = last - 1
+    yield profile[first:]
+
+
+def _hollow(outer: Sequence[tuple[float, float]], wall: float) -> Iterator[Array]:
+    """Yield the bottom and the wedges of the wall of a solid of revolution that is open at the top."""
+    bottom = outer[0][1] + wall
+    inside = [(max(r - wall, 0.0), max(z, bottom)) for r, z in outer]
+    yield np.vstack([_ring(max(outer[0][0] - wall / 2, wall), z) for z in (outer[0][1], bottom)])
+    edges = np.linspace(0, 2 * np.pi, WEDGES + 1)
+    for (low, high), (low_in, high_in) in zip(pairwise(outer), pairwise(inside), strict=True):
+        if low[0] > 1e-9 or high[0] > 1e-9:
+            for start, end in pairwise(edges):
+                corners = [_ring(r, z, start, end * (1 - 1e-12), 2) for r, z in (low, high, low_in, high_in)]
+                yield np.vstack(corners)
+
+
+def _rod(line: Array, radii: Array) -> Iterator[Array]:
+    """Yield a part between each two points of a rod's middle line, shape (n, 3); what bends is mitred."""
+    along = np.gradient(line, axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    side = np.cross(along[0], np.eye(3)[np.argmin(np.abs(along[0]))])
+    rings = []
+    for point, direction, radius in zip(line, along, radii, strict=True):
+        side -= direction * (side @ direction)  # carried along, so that rings don't twist
+        side /= np.linalg.norm(side)
+        angles = np.linspace(0, 2 * np.pi, ROUND // 2, endpoint=False)[:, None]
+        rings.append(point + radius * (np.cos(angles) * side + np.sin(angles) * np.cross(direction, side)))
+    yield from (np.vstack(pair) for pair in pairwise(rings))

@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
 
-from grip_bt.base.yaml.models import Settings, exactly_one
-from grip_sim.specs import Colour, Finite, NotNegative, Positive, Size, Vector
+from grip_bt.base.yaml.models import Finite, NotNegative, Positive, Settings, exactly_one
+from grip_sim.articulated.model import Size, Vector
+from grip_sim.specs import Colour
 
 
 def _rising(profile: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from grip_bt.base.yaml.models import Settings, exactly_one
+from grip_bt.base.yaml.models import Finite, NotNegative, Positive, Settings, exactly_one
 from grip_bt.commanders.description.config import RobotConfig
-from grip_sim.articulated.model import ArticulatedConfig
+from grip_sim.articulated.model import ArticulatedConfig, Size, Vector
 from grip_sim.faults import Fault, rising
 from grip_sim.noise import Noise
-from grip_sim.specs import Colour, Finite, NotNegative, Positive, Size, Vector
+from grip_sim.specs import Colour
 
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
 
