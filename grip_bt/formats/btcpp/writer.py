@@ -138,6 +138,8 @@ def _compared(node: model.AnyNode, field: str) -> object:
         return list(value)
     if field in ("precondition", "on_value") and value:
         return ast.unparse(parse_expression(value).tree)
+    if field == "with_" and isinstance(node, model.Leaf) and node.node == "flow/compute":
+        return {**value, "expression": ast.unparse(parse_expression(value["expression"]).tree)}
     return value
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.nodes.btcpp.script import Run
+from grip_bt.nodes.btcpp.script import EPSILON, Run, text_of
 from grip_bt.nodes.control import SKIPPED, Child, Control
 
 ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": SKIPPED, "RUNNING": "running"}
@@ -247,17 +247,13 @@ class Switch(Control):
 
 def same_text(value: object, case: object) -> bool:
     """Tell whether two texts are the same, or numbers that are."""
-    one, other = (_text(each) for each in (value, case))
+    one, other = text_of(value), text_of(case)
     if one == other:
         return True
     try:
-        return abs(float(one) - float(other)) <= 1.1920928955078125e-07
+        return abs(float(one) - float(other)) <= EPSILON
     except ValueError:
         return False
-
-
-def _text(value: object) -> str:
-    return str(int(value)) if isinstance(value, bool) else f"{value:f}" if isinstance(value, float) else str(value)
 
 
 class IfThenElse(Control):

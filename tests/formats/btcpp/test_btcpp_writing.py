@@ -219,7 +219,7 @@ def test_ports_keys_and_switches_come_back() -> None:
                 "memory": False,
                 "children": {name: {"node": "test/work", "in": {"goal": "n"}} for name in "abc"},
             },
-            "if": {"node": "test/work", "precondition": "n > 1 and not word == 'no'"},
+            "if": {"node": "test/work", "precondition": "n > 1 and (not word == 'no')"},
         },
     }
     before = task(root, data={"n": "int", "word": "str"})
@@ -241,7 +241,7 @@ def test_computed_values_are_scripts_and_come_back() -> None:
         "children": {
             "first": {"node": "flow/set", "with": {"value": 2}, "out": {"value": "n"}},
             "more": compute("a * (a + 1)", "n", a="n"),
-            "both": compute("a > 1 and not a == 3", "good", a="n"),
+            "both": compute("a > 1 and (not a == 3)", "good", a="n"),
             "copy": compute("a", "other", a="n"),
         },
     }
