@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grip_bt.formats.btcpp.drafts import key_of
 
-from .controls import Reader
+from .controls import Reader, by_its_rules
 from .drafts import (
     FAIL,
     SUCCEED,
@@ -50,28 +50,14 @@ def _unskipped(here: ElementReader) -> NodeDraft:
     return child
 
 
-def _counted(here: ElementReader, port: str) -> tuple[int, NodeDraft]:
-    child = _unskipped(here)
-    times = here.number(port)
-    if times == 0 or times < -1:
-        here.refuse(f"`{port}` is {times}; write 1 or more, or -1 for ever")
-    return times, child
+def _again(kind: str, port: str) -> Reader:
+    def read(here: ElementReader) -> NodeDraft:
+        child, times = _unskipped(here), here.number(port)
+        if times == 0 or times < -1:
+            here.refuse(f"`{port}` is {times}; write 1 or more, or -1 for ever")
+        return decorator(kind, child, here.meaning, **({} if times == -1 else {"times": times}))
 
-
-def _repeat(here: ElementReader) -> NodeDraft:
-    times, child = _counted(here, "num_cycles")
-    return decorator("repeat", child, here.meaning, **({} if times == -1 else {"times": times}))
-
-
-def _retry(here: ElementReader) -> NodeDraft:
-    times, child = _counted(here, "num_attempts")
-    if times > 0:
-        return decorator("retry", child, here.meaning, times=times)
-    failing = decorator("invert", child, here.meaning)
-    failing.name = "fails"
-    again = decorator("repeat", failing, here.meaning)
-    again.name = "until it succeeds"
-    return decorator("invert", again, here.meaning)
+    return read
 
 
 def _timeout(here: ElementReader) -> NodeDraft:
@@ -140,18 +126,13 @@ def _loop(type_name: str) -> Reader:
     return read
 
 
-def _by_its_rules(here: ElementReader) -> NodeDraft:
-    here.unequal("")
-
-
 DECORATORS: dict[str, tuple[Reader, tuple[str, ...]]] = {
-    "SkipUnlessUpdated": (_by_its_rules, ("entry",)),
-    "WaitValueUpdate": (_by_its_rules, ("entry",)),
+    **dict.fromkeys(("SkipUnlessUpdated", "WaitValueUpdate"), (by_its_rules, ("entry",))),
     "Inverter": (_around("invert"), ()),
     "ForceSuccess": (_around("force", **{"as": "success"}), ()),
     "ForceFailure": (_around("force", **{"as": "failure"}), ()),
-    "Repeat": (_repeat, ("num_cycles",)),
-    "RetryUntilSuccessful": (_retry, ("num_attempts",)),
+    "Repeat": (_again("repeat", "num_cycles"), ("num_cycles",)),
+    "RetryUntilSuccessful": (_again("retry", "num_attempts"), ("num_attempts",)),
     "KeepRunningUntilFailure": (lambda here: decorator("repeat", _unskipped(here), here.meaning), ()),
     "Timeout": (_timeout, ("msec",)),
     "Delay": (_delay, ("delay_msec",)),

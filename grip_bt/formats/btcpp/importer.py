@@ -34,7 +34,7 @@ from .leaves import Leaves, value_of_text
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
 _MOST_READINGS = 5
-_LATE = ("RetryUntilSuccessful", "Repeat", "AsyncSequence", "AsyncFallback")
+_LATE = ("RetryUntilSuccessful", "Repeat")
 _ASKS_AGAIN = ("ReactiveSequence", "ReactiveFallback", "WhileDoElse", "Parallel", "ParallelAll", "PipelineSequence")
 _FAMILY = {"SequenceStar": "SequenceWithMemory", **{f"Switch{n}": "Switch" for n in range(2, 7)}}
 """Tag -> the control node that follows its rules, where that is called otherwise."""

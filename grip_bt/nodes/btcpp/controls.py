@@ -73,9 +73,10 @@ class ParallelAll(_Counting):
 
 
 class Series(Control):
-    """`AsyncSequence`, `AsyncFallback`: a tick of the rest of the tree between two children.
+    """The children in order, until one doesn't end `onward`; what sets its kinds apart are their settings.
 
-    `SequenceWithMemory` goes on where it was, after a failure and after a halt.
+    `waits`: a tick of the rest of the tree between two children. `keeps`: it goes on where it was, after a failure and
+    after a halt. `reactive`: from the first child on every tick.
     """
 
     at = 0
@@ -86,21 +87,23 @@ class Series(Control):
             self.at = 0
 
     def decide(self) -> str:
-        onward = self.manifest.settings["onward"]
+        onward, waits = str(self.manifest.settings["onward"]), self.manifest.settings["waits"]
+        if self.manifest.settings["reactive"]:
+            self.at = self.skips = 0
         while self.at < len(self.below):
             child = self.below[self.at]
             began = not child.running
             end = child.tick()
-            if end == "running":
-                return end
             if end not in (onward, SKIPPED):
+                for other in self.below[self.at + 1 :]:
+                    other.halt()
                 return end
             self.at, self.skips = self.at + 1, self.skips + (end == SKIPPED)
-            if began and end == onward and self.at < len(self.below):
+            if waits and began and end == onward and self.at < len(self.below):
                 self.context.wake()
                 return "running"
         self.at = 0
-        return SKIPPED if self.skips == len(self.below) else str(onward)
+        return SKIPPED if self.skips == len(self.below) else onward
 
 
 class Repeat(_Counting):
