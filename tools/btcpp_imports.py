@@ -15,9 +15,9 @@ from pathlib import Path
 
 from grip_bt.base.errors import GripError
 from grip_bt.formats.btcpp.importer import Importer
-from grip_bt.formats.btcpp.leaves import Document, Leaves
+from grip_bt.formats.btcpp.leaves import Leaves
 from grip_bt.formats.imported import ImportRefusedError
-from grip_bt.formats.xml_trees import Library
+from grip_bt.formats.xml_trees import Document, Library
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
 

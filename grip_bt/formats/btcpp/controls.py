@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.formats.btcpp.drafts import key_of
+from grip_bt.formats.blackboard import key_of
 
-from .drafts import Keys, NodeDraft, container, failing, named, sequence_of, switch
-from .element import ElementReader
+from .drafts import ElementReader, Keys, NodeDraft, container, failing, named, sequence_of, switch
 
 Reader = Callable[[ElementReader], NodeDraft]
 

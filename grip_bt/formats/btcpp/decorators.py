@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from grip_bt.formats.btcpp.drafts import key_of
+from grip_bt.formats.blackboard import key_of, value_of_text
 
 from .controls import Reader, by_its_rules
 from .drafts import (
     FAIL,
     SUCCEED,
+    ElementReader,
     NodeDraft,
     container,
     decorator,
@@ -17,9 +18,7 @@ from .drafts import (
     skip,
     switch,
 )
-from .element import ElementReader
 from .expressions import Scripts, after
-from .leaves import value_of_text
 
 _ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": "skipped"}
 
@@ -35,6 +34,10 @@ def end(status: str) -> NodeDraft:
     if status == "SKIPPED":
         return skip()
     return NodeDraft(dict(SUCCEED if status == "SUCCESS" else FAIL), instant=True)
+
+
+def _scripts(here: ElementReader) -> Scripts:
+    return Scripts(here.board, lambda text: here.note("changed", text))
 
 
 def _around(kind: str, **settings: str) -> Reader:
@@ -77,7 +80,7 @@ def _delay(here: ElementReader) -> NodeDraft:
 
 def _precondition(here: ElementReader) -> NodeDraft:
     child = here.only()
-    asked = here.exact(lambda: here.scripts.condition(here.literal("if")))
+    asked = here.exact(lambda: _scripts(here).condition(here.literal("if")))
     if here.literal("else", "FAILURE") == "RUNNING":
         wait = asked.before(NodeDraft({**SUCCEED, "precondition": asked.text}, instant=True), "success")
         again = decorator("invert", NodeDraft(wait.keys, name="holds"), "")
@@ -175,7 +178,7 @@ def with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
     BT.CPP looks at `_failureIf`, `_successIf`, `_skipIf` and `_while` in this order when the node begins, and at
     `_while` on every tick; the scripts also run when a condition has decided.
     """
-    said, scripts = here.attributes, here.scripts
+    said, scripts = here.attributes, _scripts(here)
 
     def read() -> NodeDraft:
         made = node
@@ -212,12 +215,12 @@ def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, m
 
 
 def _script(here: ElementReader) -> NodeDraft:
-    made = here.exact(lambda: here.scripts.assignments(here.literal("code")))
+    made = here.exact(lambda: _scripts(here).assignments(here.literal("code")))
     return NodeDraft(sequence_of(made, "script").keys if made else dict(SUCCEED), instant=True)
 
 
 def _script_condition(here: ElementReader) -> NodeDraft:
-    asked = here.exact(lambda: here.scripts.condition(here.literal("code")))
+    asked = here.exact(lambda: _scripts(here).condition(here.literal("code")))
     return asked.before(NodeDraft({**SUCCEED, "precondition": asked.text}, instant=True), here.meaning)
 
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from grip_bt.formats.btcpp.drafts import Board
+from grip_bt.formats.blackboard import Board
 from grip_bt.nodes.btcpp.script import EPSILON, SIGNS, names_of, parse_script, parts_of, renamed
 
 from .drafts import NodeDraft, container, controlled, failing, named, sequence_of, set_variable, switch
@@ -243,7 +243,7 @@ class Scripts:
         letters = dict(zip(names, _INPUTS, strict=False))
         bound = {letters[name]: self._read(name) for name in names}
         for name in assigned:
-            self.board.variables.every[self.board.variable(name)].written.append("Any")
+            self.board.entry(name).written.append("Any")
         keys = {"node": node, "with": {"code": renamed(text, letters)}}
         keys["in"] = {letters[name]: bound[letters[name]] for name in names if name in read}
         keys["out"] = {**{letters[n]: bound[letters[n]] for n in assigned}, **({"value": holds} if holds else {})}
@@ -255,8 +255,7 @@ class Scripts:
         return self._assignment(statement.target.id, statement.value)
 
     def _assignment(self, key: str, value: ast.expr) -> NodeDraft:
-        variable = self.board.variable(key)
-        entry = self.board.variables.every[variable]
+        variable, entry = self.board.variable(key), self.board.entry(key)
         match value:
             case ast.IfExp(test=test, body=then, orelse=otherwise):
                 asked = self._translated(lambda translator: translator.condition(test)).text
@@ -308,9 +307,8 @@ class Scripts:
         return value
 
     def _read(self, key: str) -> str:
-        variable = self.board.variable(key)
-        self.board.variables.every[variable].read.append("Any")
-        return variable
+        self.board.entry(key).read.append("Any")
+        return self.board.variable(key)
 
 
 def after(node: NodeDraft, on_success: list[NodeDraft], on_failure: list[NodeDraft], meaning: str) -> NodeDraft:

@@ -14,11 +14,10 @@ from pydantic import ValidationError
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.formats.btcpp.drafts import Board, Variables, key_of
-from grip_bt.formats.btcpp.leaves import Document, Model
+from grip_bt.formats.blackboard import Board, Variables
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import MOST_NODES, Element
+from grip_bt.formats.xml_trees import MOST_NODES, Document, Element, Model
 from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
@@ -27,9 +26,8 @@ from grip_bt.task.validation.dataflow import DataFlow
 
 from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
-from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft, controlled
-from .element import ElementReader, Reading, Refused, Unequal
-from .leaves import Leaves, value_of_text
+from .drafts import SKIPPED, SUCCEED, ElementReader, Keys, NodeDraft, Reading, Refused, Unequal, controlled
+from .leaves import Leaves, leaf_keys
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
@@ -171,7 +169,7 @@ class Importer:
         if str(why):
             here.note("changed", f"{why}; it became a `control` that follows BehaviorTree.CPP's own rules")
         children = list(here.read) or here.children()
-        keys = here.exact(lambda: self.leaves.made(self.leaves.catalog.get(id_), _ports(here), here.board))
+        keys = here.exact(lambda: leaf_keys(self.leaves.catalog.get(id_), _ports(here), here.board))
         skips = "SKIPPED" in here.attributes.get("if_empty", "") or name == "SkipUnlessUpdated"
         return controlled(NodeDraft(keys, skips), children, here.meaning)
 
@@ -184,16 +182,9 @@ class Importer:
             here.refuse(f"the tree {name!r} contains itself ({' > '.join(inside)})")
         self.used.add(name)
         auto = here.attributes.get("_autoremap", "false") in ("true", "1", "True")
-        board = Board(self.variables, here.attributes.get("name") or name, here.board, auto)
-        model_of = self.document.models.get(name)
-        defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
-        for key, text in {**defaults, **_ports(here)}.items():
-            outer = key_of(text, key)
-            if outer is not None:
-                board.names[key] = here.board.variable(outer)
-            else:
-                board.names[key] = self.variables.new(f"{board.space}_{key}")
-                self.variables.every[board.names[key]].initial = text
+        said = self.document.models.get(name, Model(""))
+        given = {key: port.default for key, port in said.ports.items() if port.default is not None} | _ports(here)
+        board = here.board.inner(here.attributes.get("name") or name, given, auto)
         return self._root(here.at(trees[name], board=board, inside=inside))
 
     # --- the task ---
@@ -205,7 +196,10 @@ class Importer:
             DocumentError: its task can't be written as a file.
         """
         made, tree = self.made, self.name
-        inputs, data = self._declared(_mentioned(made.keys))
+        try:
+            inputs, data = self.variables.declared(_mentioned(made.keys))
+        except ValueError as error:
+            raise DocumentError(str(error), self.document.source) from error
         task: dict[str, Any] = {"grip": model.FORMAT_VERSION, "name": node_name(tree)}
         if made.skips:
             task["outcomes"] = {"success": "success", "failure": "failure", SKIPPED: "success"}
@@ -236,31 +230,6 @@ class Importer:
                 text = f"no <TreeNodesModel> declares the direction of {listing(map(repr, unknown))}"
                 issues.add("incomplete", face.name, f"{text}; treated as input and output")
         return Imported({read.name: read}, tuple(issues), manifests=manifests)
-
-    def _declared(self, mentioned: set[str]) -> tuple[dict[str, object], dict[str, object]]:
-        inputs: dict[str, object] = {}
-        data: dict[str, object] = {}
-        for name, entry in self.variables.every.items():
-            if name not in mentioned:
-                continue  # a literal of a sub-tree that became part of a node
-            if entry.has_initial:
-                value = entry.initial
-                kind = entry.type
-                if isinstance(value, str):
-                    kind = "str" if kind == "Any" else kind
-                    try:
-                        value = value_of_text(value, kind)
-                    except ValueError as error:
-                        message = f"the entry {name!r} holds {value!r}: {error}"
-                        raise DocumentError(message, self.document.source) from error
-                data[name] = {"type": kind, "value": value}
-            elif not entry.known:
-                data[name] = {"type": "Any", "value": None}
-            elif entry.written or entry.texts:
-                data[name] = entry.type
-            else:
-                inputs[name] = entry.type
-        return inputs, data
 
 
 def _ports(here: ElementReader) -> dict[str, str]:

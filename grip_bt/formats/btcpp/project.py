@@ -11,13 +11,13 @@ from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.formats.imported import Imported, Issues, Item, Request, generated_by
 from grip_bt.formats.names import free
-from grip_bt.formats.xml_trees import Library, subtrees_of, workspace_of, xml_files
+from grip_bt.formats.xml_trees import Document, Library, subtrees_of, workspace_of, xml_files
 from grip_bt.task import Task
 from grip_bt.task.catalog import Manifest
 from grip_bt.task.catalog.manifest import manifest_text
 
 from .importer import Importer
-from .leaves import Document, Leaves
+from .leaves import Leaves
 
 _MOST_READINGS = 5
 _HEADER = f"""\

@@ -1,45 +1,12 @@
-"""Values and expressions of a task as texts of BT.CPP that mean the same."""
+"""Expressions of a task as scripts of BT.CPP that mean the same."""
 
 from __future__ import annotations
 
 import ast
-import json
-import re
 from collections.abc import Callable, Mapping
 
 from grip_bt.base.expression import CONSTANTS, parse_expression
-from grip_bt.formats.btcpp.drafts import key_of
-
-from .leaves import value_of_text
-
-_WRONG = re.compile("[^\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What isn't a character of XML, or comes back from an attribute as a blank."""
-_COMPARISONS: dict[type[ast.cmpop], str] = dict(
-    zip((ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE), ("==", "!=", "<", "<=", ">", ">="), strict=True)
-)
-_ARITHMETIC: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
-
-
-def attribute_text(value: object, type_name: str) -> str:
-    """Return the text that BT.CPP's attributes hold for a value of this type.
-
-    Raises:
-        ValueError: no text is read as this value.
-    """
-    if isinstance(value, bool):
-        text = "true" if value else "false"
-    elif value is None:
-        text = "null"
-    elif isinstance(value, str):
-        text = value
-    elif isinstance(value, int | float):
-        text = repr(value)
-    else:
-        text = "json:" + json.dumps(value)
-    back = value_of_text(text, type_name)
-    if back != value or type(back) is not type(value) or key_of(text, "") is not None or _WRONG.search(text):
-        raise ValueError(f"{value!r} has no text that is read as {type_name}")
-    return text
+from grip_bt.nodes.btcpp.script import SIGNS
 
 
 def script_of(
@@ -80,10 +47,10 @@ class _Writer:
                 return f"-{self.inside(operand)}"
             case ast.BoolOp(op=op, values=values):
                 return (" && " if isinstance(op, ast.And) else " || ").join(self.operand(v) for v in values)
-            case ast.BinOp(left=left, op=op, right=right) if type(op) in _ARITHMETIC:
-                return f"{self.inside(left)} {_ARITHMETIC[type(op)]} {self.inside(right)}"
-            case ast.Compare(left=left, ops=ops, comparators=others) if all(type(op) in _COMPARISONS for op in ops):
-                return self.comparison([left, *others], [_COMPARISONS[type(op)] for op in ops])
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in SIGNS:
+                return f"{self.inside(left)} {SIGNS[type(op)]} {self.inside(right)}"
+            case ast.Compare(left=left, ops=ops, comparators=others) if all(type(op) in SIGNS for op in ops):
+                return self.comparison([left, *others], [SIGNS[type(op)] for op in ops])
         raise ValueError(f"`{ast.unparse(node)}` has no equivalent")
 
     def comparison(self, operands: list[ast.expr], signs: list[str]) -> str:

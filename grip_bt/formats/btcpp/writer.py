@@ -7,24 +7,25 @@ has to give the same task: what wouldn't is refused by name.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from contextlib import suppress
 from typing import NoReturn
-from xml.sax.saxutils import escape, quoteattr
 
 from grip_bt.base.errors import DocumentError, NotExpressibleError
 from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import Part, Resolved, resolve
+from grip_bt.formats.blackboard import text_of_value
 from grip_bt.formats.expressible import require_expressible
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
+from grip_bt.formats.xml_trees import comment, leaf_attributes, xml_element, xml_text
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import from_xml
-from .lowered import TARGET, lines, milliseconds, tag_of, tells
-from .lowering import document
-from .script_text import attribute_text, script_of
+from .lowered import TARGET, Xml, milliseconds, tag_of, tells, xml
+from .lowering import Lowering
+from .script_text import script_of
 
 _CPP = {"int": "int", "float": "double", "bool": "bool", "str": "std::string", "Any": "BT::AnyTypeAllowed"}
 _TOLD = {"outcome": "the label of the end", "code": "why it failed; empty where it didn't"}
@@ -60,15 +61,16 @@ def to_xml(task: model.Task, catalog: Catalog) -> str:
         return _as_it_is(resolved, catalog)
     except NotExpressibleError:
         used: dict[str, Manifest] = {}
-        body = list(lines(document(resolved, used), 2))
-        return _file(task, body, used, lowered=True)
+        return _file(task, Lowering(used).document(resolved), used, lowered=True)
 
 
-def _file(task: model.Task, body: list[str], used: dict[str, Manifest], lowered: bool = False) -> str:
-    name = quoteattr(task.name)
-    head = ['<?xml version="1.0" encoding="UTF-8"?>', f'<root BTCPP_format="4" main_tree_to_execute={name}>']
-    tree = [*comment(task.doc, 1), f"  <BehaviorTree ID={name}>", *body, "  </BehaviorTree>"]
-    return "\n".join([*head, *tree, *_models(used, lowered), "</root>"]) + "\n"
+def _file(task: model.Task, body: Xml, used: dict[str, Manifest], lowered: bool = False) -> str:
+    root = xml("root", *comment(task.doc), BTCPP_format="4", main_tree_to_execute=task.name)
+    root.append(xml("BehaviorTree", body, ID=task.name))
+    if used:
+        faces = (_face(manifest, lowered) for manifest in sorted(used.values(), key=lambda m: m.id))
+        root.append(xml("TreeNodesModel", *faces))
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + xml_text(root)
 
 
 def _as_it_is(resolved: Resolved, catalog: Catalog) -> str:
@@ -76,7 +78,7 @@ def _as_it_is(resolved: Resolved, catalog: Catalog) -> str:
     task = resolved.task
     _check_task(resolved)
     used: dict[str, Manifest] = {}
-    text = _file(task, list(element_lines(resolved.root, 2, lambda part: _described(part, used))), used)
+    text = _file(task, xml_element(resolved.root, lambda part: _described(part, used)), used)
     try:
         back = from_xml(text, catalog, "the file that was written").task
     except (DocumentError, ImportRefusedError) as error:
@@ -257,7 +259,7 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
     if node.node == "flow/compute" and (code := _computed(part, node)) is not None:
         return "Script", {"code": code}
     used[manifest.id] = manifest
-    said = leaf_attributes(part, node, attribute_text, TARGET)
+    said = leaf_attributes(part, node, text_of_value, TARGET)
     both = set(manifest.inputs) & set(manifest.outputs)
     for port in both & set(said):
         if (port in node.in_) != (port in node.out):
@@ -265,31 +267,26 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
     return tag_of(manifest), said
 
 
-def _models(used: dict[str, Manifest], lowered: bool) -> Iterator[str]:
-    if not used:
-        return
-    yield "  <TreeNodesModel>"
-    for manifest in sorted(used.values(), key=lambda m: m.id):
-        yield f"    <Action ID={quoteattr(tag_of(manifest))}>"
-        for name, parameter in manifest.parameters.items():
-            default = ""
-            if not parameter.required:
-                try:
-                    default = f" default={quoteattr(attribute_text(parameter.default, parameter.type))}"
-                except ValueError:
-                    pass  # the default isn't a text; the port is optional all the same
-            yield _port("input_port", name, parameter.type, parameter.doc, default)
-        for name, port in manifest.inputs.items():
-            yield _port("inout_port" if name in manifest.outputs else "input_port", name, port.type, port.doc)
-        for name, output in manifest.outputs.items():
-            if name not in manifest.inputs:
-                yield _port("output_port", name, output.type, output.doc)
-        for name in ("outcome", "code") if lowered and tells(manifest) else ():
-            yield _port("output_port", name, "str", _TOLD[name])
-        yield "    </Action>"
-    yield "  </TreeNodesModel>"
+def _face(manifest: Manifest, lowered: bool) -> Xml:
+    """Return what a TreeNodesModel says of a leaf."""
+    made = xml("Action", ID=tag_of(manifest))
+    for name, parameter in manifest.parameters.items():
+        default = {}
+        if not parameter.required:
+            with suppress(ValueError):  # where the default isn't a text, the port is optional all the same
+                default["default"] = text_of_value(parameter.default, parameter.type)
+        made.append(_port("input_port", name, parameter.type, parameter.doc, **default))
+    for name, port in manifest.inputs.items():
+        made.append(_port("inout_port" if name in manifest.outputs else "input_port", name, port.type, port.doc))
+    for name, output in manifest.outputs.items():
+        if name not in manifest.inputs:
+            made.append(_port("output_port", name, output.type, output.doc))
+    for name in ("outcome", "code") if lowered and tells(manifest) else ():
+        made.append(_port("output_port", name, "str", _TOLD[name]))
+    return made
 
 
-def _port(tag: str, name: str, type_name: str, doc: str, more: str = "") -> str:
-    cpp = quoteattr(_CPP.get(type_name, type_name))
-    return f"      <{tag} name={quoteattr(name)} type={cpp}{more}>{escape(doc)}</{tag}>"
+def _port(tag: str, name: str, type_name: str, doc: str, **more: str) -> Xml:
+    made = xml(tag, name=name, type=_CPP.get(type_name, type_name), **more)
+    made.text = doc
+    return made

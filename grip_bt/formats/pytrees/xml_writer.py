@@ -5,18 +5,20 @@ py_trees builds the tree of such a file when it is given a class for each of the
 
 from __future__ import annotations
 
-from xml.sax.saxutils import quoteattr
+import xml.etree.ElementTree as ET
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part, Resolved, resolve
+from grip_bt.formats.blackboard import text_of_value
 from grip_bt.formats.expressible import require_expressible
-from grip_bt.formats.pytrees.xml_values import to_text
-from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
+from grip_bt.formats.xml_trees import comment, leaf_attributes, xml_element, xml_text
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
 _TARGET = "py_trees' XML"
 _PLAIN = {"success": "success", "failure": "failure"}
+_HIDDEN = "__DOT__"
+"""What py_trees writes for a dot in a constant; a text that holds it would come back changed."""
 _COMMON = {"doc", "on", "x", "kind", "children", "child", "exits"}
 _KEYS: dict[type, set[str]] = {
     model.Leaf: {"node", "with_", "in_", "out"},
@@ -45,16 +47,25 @@ def to_xml(task: model.Task, catalog: Catalog) -> str:
     """
     resolved = resolve(task, catalog)
     _check_task(resolved)
-    lines = [f"<root main_tree_to_execute={quoteattr(task.name)}>", f"  <BehaviorTree ID={quoteattr(task.name)}>"]
-    lines[1:1] = comment(task.doc, 1)
-    lines += [*element_lines(resolved.root, 2, _element, comments=True), "  </BehaviorTree>", "</root>"]
-    return "\n".join(lines) + "\n"
+    root = ET.Element("root", main_tree_to_execute=task.name)
+    root.extend(comment(task.doc))
+    tree = ET.SubElement(root, "BehaviorTree", ID=task.name)
+    tree.extend(comment(task.root.doc))
+    tree.append(xml_element(resolved.root, _element, comments=True))
+    return xml_text(root)
+
+
+def _text(value: object, type_name: str) -> str:
+    text = text_of_value(value, type_name, as_json=False)
+    if _HIDDEN in text or "{" in text or "}" in text:
+        raise ValueError(f"{value!r} would come back as something else")
+    return text
 
 
 def _check_task(resolved: Resolved) -> None:
     task = resolved.task
     try:
-        to_text(task.name, "str")
+        _text(task.name, "str")
     except ValueError as error:
         raise NotExpressibleError("/", f"the task's name ({error})", _TARGET) from error
     if dict(task.outcomes) != _PLAIN or any(target != label for (_, label, _), target in resolved.ends):
@@ -79,7 +90,7 @@ def _tag_of(part: Part) -> tuple[str, dict[str, str]]:
             if both := node.in_.keys() & node.out.keys():
                 what = f"{min(both)!r}, which is more than one port or parameter,"
                 raise NotExpressibleError(part.path, what, _TARGET)
-            return node.node.replace("/", "."), leaf_attributes(part, node, to_text, _TARGET)
+            return node.node.replace("/", "."), leaf_attributes(part, node, _text, _TARGET)
         case model.Sequence(memory=memory):
             return "Sequence", {"memory": str(memory).lower()}
         case model.Fallback(memory=memory):

@@ -226,8 +226,8 @@ def test_ports_keys_and_switches_come_back() -> None:
     written = to_xml(before, CATALOG)
     check_against_model(written)
     assert dumps(from_xml(written, CATALOG).task) == dumps(before)
-    assert '<test__tell name="tell" word="{word}" count="{n}"/>' in written
-    assert '<inout_port name="count" type="int"></inout_port>' in written
+    assert '<test__tell name="tell" word="{word}" count="{n}" />' in written
+    assert '<inout_port name="count" type="int" />' in written
     assert '<input_port name="speed" type="double" default="1.0">how fast</input_port>' in written
     assert "_failureIf=\"!(n &gt; 1 &amp;&amp; !(word == 'no'))\"" in written
 
