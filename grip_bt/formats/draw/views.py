@@ -7,18 +7,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from grip_bt.formats.draw.layered import Edge, Item, Placed, place
 from grip_bt.formats.draw.layout import (
     NAME_SIZE,
     TEXT_SIZE,
     Box,
+    Edge,
     Figure,
+    Item,
     Line,
     Pill,
+    Placed,
     Point,
     TreeItem,
     is_long,
-    is_tall,
+    place,
     place_tree,
     rows_figure,
     shortened,
@@ -115,24 +117,19 @@ def tree_figure(task: Task, catalog: Catalog) -> Figure:
             items[_parent(path)].below.append(items[path])
             depth[path] = depth[_parent(path)] + 1
         columns[depth[path]] = max(columns[depth[path]], box.width)
-    place_tree(items["/"], _ROW_GAP)
+    height = place_tree(items["/"], _ROW_GAP, _MARGIN) + _MARGIN
     left = [_MARGIN]
     for column in range(len(columns)):
         left.append(left[-1] + columns[column] + _COLUMN_GAP)
-    up = min(t.y - t.height / 2 for t in items.values()) - _MARGIN
-    figure = Figure(left[-1] - _COLUMN_GAP + _MARGIN, max(t.y + t.height / 2 for t in items.values()) - up + _MARGIN)
+    figure = Figure(left[-1] - _COLUMN_GAP + _MARGIN, height)
     for path, box in boxes.items():
-        x, y = left[depth[path]], items[path].y - up
+        x, y = left[depth[path]], items[path].y
         figure.boxes.append(replace(box, x=x, y=y - box.height / 2, path=path))
         if path != "/":
             parent = _parent(path)
-            start, from_y = left[depth[path] - 1] + boxes[parent].width, items[parent].y - up
-            bend = max(start, left[depth[path]] - _COLUMN_GAP)  # every line of a column curves in the same place
-            points: tuple[Point, ...] = ((start, from_y), (bend, from_y), (x, y))
-            if is_tall(items[parent]):  # curves as long as that would lie over each other
-                trunk = (bend + x) / 2
-                points = ((start, from_y), (trunk, from_y), (trunk, y), (x, y))
-            figure.lines.append(Line(points, arrow=False, axis="x"))
+            start, from_y = left[depth[path] - 1] + boxes[parent].width, items[parent].y
+            trunk = x - _COLUMN_GAP / 2
+            figure.lines.append(Line(((start, from_y), (trunk, from_y), (trunk, y), (x, y)), arrow=False, axis="x"))
     return figure
 
 
