@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from py_trees.behaviour import Behaviour
 from py_trees.trees import BehaviourTree
@@ -141,7 +142,7 @@ def _told(error: BaseException) -> str:
 
 def _made(place: Place, node: Callable[[], object] | None) -> Any:
     """Return what the name means, called if it can be."""
-    with _replaced(sys, argv=[place.module]):
+    with mock.patch.object(sys, "argv", [place.module]):
         module = _module(place)
         if place.name == PROGRAM:
             return next((each for name in _HOLDERS if (each := vars(module).get(name)) is not None), None)
@@ -171,20 +172,12 @@ def _module(place: Place) -> Any:
         raise ModuleNotFoundError(f"No module named {name!r}")
     module = importlib.util.module_from_spec(spec)
     module.__name__ = PROGRAM
-    with _replaced_module(PROGRAM, module):
-        exec(loader.get_code(name), vars(module))
-    return module
-
-
-@contextmanager
-def _replaced_module(name: str, module: Any) -> Iterator[None]:
-    before = sys.modules.get(name)
-    sys.modules[name] = module
+    before, sys.modules[PROGRAM] = sys.modules[PROGRAM], module
     try:
-        yield
+        exec(loader.get_code(name), vars(module))
     finally:
-        if before is not None:
-            sys.modules[name] = before
+        sys.modules[PROGRAM] = before
+    return module
 
 
 def _arguments(function: Any, place: Place, node: Callable[[], object] | None) -> dict[str, Any]:
@@ -236,19 +229,6 @@ class _Watched:
 
 
 @contextmanager
-def _replaced(owner: Any, **new: Any) -> Iterator[None]:
-    """Have attributes of a class or a module be others for a while."""
-    old = {name: vars(owner)[name] for name in new}
-    try:
-        for name, value in new.items():
-            setattr(owner, name, value)
-        yield
-    finally:
-        for name, value in old.items():
-            setattr(owner, name, value)
-
-
-@contextmanager
 def _watching(watched: _Watched) -> Iterator[None]:
     """Note which trees are made and set up, and stop at the first tick; nothing is shut down on the way out."""
     make, setup = BehaviourTree.__init__, BehaviourTree.setup
@@ -278,8 +258,14 @@ def _watching(watched: _Watched) -> Iterator[None]:
         raise _TickedError(next((each for each in watched.made if each.root is tree.root), tree))
 
     original = BehaviourTree.tick_tock
-    replaced = {"__init__": made, "setup": set_up, "tick": tick, "tick_tock": tick_tock, "shutdown": lambda self: None}
-    with _replaced(BehaviourTree, **replaced), _replaced(Behaviour, tick_once=tick_once):
+    replaced: dict[str, Any] = {
+        "__init__": made,
+        "setup": set_up,
+        "tick": tick,
+        "tick_tock": tick_tock,
+        "shutdown": lambda self: None,
+    }
+    with mock.patch.multiple(BehaviourTree, **replaced), mock.patch.object(Behaviour, "tick_once", tick_once):
         yield
 
 

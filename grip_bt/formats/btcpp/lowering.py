@@ -26,8 +26,21 @@ from grip_bt.task.kinds.control import Control
 from grip_bt.task.kinds.round_robin import RoundRobin
 
 from .leaves import GROUP
-from .lowered import TARGET, Xml, any_of, chosen, holds, leads, milliseconds, parallel, script, tag_of, tells, xml
-from .script_text import script_of
+from .lowered import (
+    TARGET,
+    Xml,
+    any_of,
+    chosen,
+    holds,
+    leads,
+    milliseconds,
+    parallel,
+    script,
+    script_of,
+    tag_of,
+    tells,
+    xml,
+)
 
 _UNWRITTEN = -(2**52)
 _LOOPS = (model.StateMachine, model.Retry, model.Repeat, model.Loop)

@@ -15,17 +15,15 @@ from grip_bt.base.errors import DocumentError, NotExpressibleError
 from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.formats.blackboard import text_of_value
-from grip_bt.formats.expressible import require_expressible
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import comment, leaf_attributes, xml_element, xml_text
+from grip_bt.formats.xml_trees import comment, leaf_attributes, require_expressible, xml_element, xml_text
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import from_xml
-from .lowered import TARGET, Xml, milliseconds, tag_of, tells, xml
+from .lowered import TARGET, Xml, milliseconds, script_of, tag_of, tells, xml
 from .lowering import Lowering
-from .script_text import script_of
 
 _CPP = {"int": "int", "float": "double", "bool": "bool", "str": "std::string", "Any": "BT::AnyTypeAllowed"}
 _TOLD = {"outcome": "the label of the end", "code": "why it failed; empty where it didn't"}

@@ -10,8 +10,7 @@ import xml.etree.ElementTree as ET
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.formats.blackboard import text_of_value
-from grip_bt.formats.expressible import require_expressible
-from grip_bt.formats.xml_trees import comment, leaf_attributes, xml_element, xml_text
+from grip_bt.formats.xml_trees import comment, leaf_attributes, require_expressible, xml_element, xml_text
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
