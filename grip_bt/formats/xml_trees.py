@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -415,28 +415,25 @@ def xml_text(root: ET.Element[str]) -> str:
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def require_expressible(
-    path: str, node: model.AnyNode, known: Mapping[type, Collection[str]], target: str, common: Collection[str] = ()
-) -> None:
+def require_expressible(path: str, node: model.AnyNode, fields: Collection[str] | None, target: str) -> None:
     """Refuse a node whose kind has no equivalent, or that says more than the format can.
 
     Args:
-        known: class of a node -> the fields that the format can say.
-        common: fields that it can say of every node.
+        fields: what the format can say of such a node; None where it has no equivalent.
 
     Raises:
         NotExpressibleError: it names the node and the field.
     """
     kind = getattr(node, "kind", "leaf")
-    fields = known.get(type(node))
     if fields is None:
         raise NotExpressibleError(path, f"a {kind}", target)
     for name, info in type(node).model_fields.items():
-        if name in fields or name in common:
-            continue
-        if getattr(node, name) != info.get_default(call_default_factory=True):
+        if name not in (*fields, *_COMMON) and getattr(node, name) != info.get_default(call_default_factory=True):
             said = name if info.alias in (None, "*") else info.alias  # `*`: free data, whatever it is called
             raise NotExpressibleError(path, f"`{said}` of a {kind}", target)
+
+
+_COMMON = ("doc", "kind", "children", "child")
 
 
 def leaf_attributes(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -16,7 +15,7 @@ LARGEST = 2**53
 
 
 class Inexact(ValueError):
-    """An expression has no exact equivalent; the message says which part, and what to do."""
+    """An expression has no exact equivalent: it is computed as the script that it is."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class Translator:
         """
         value = self.value(script)
         if value.type == "str":
-            raise Inexact(f"the text {value.text} as a condition; compare it with something")
+            raise Inexact("a text as a condition")
         if value.type == "bool":
             return value
         return Value(ast.Compare(value.tree, [ast.NotEq()], [ast.Constant(0)]), "bool")
@@ -66,7 +65,7 @@ class Translator:
                 kind = self.type_of(name)
                 return Value(ast.Name(self.name_of(name)), kind if kind in ("bool", "int", "float", "str") else "Any")
             case ast.UnaryOp(op=ast.USub(), operand=operand):
-                found = self._number(operand, "-")
+                found = self._number(operand)
                 return Value(ast.UnaryOp(ast.USub(), found.tree), found.type)
             case ast.UnaryOp(op=ast.Not(), operand=ast.UnaryOp(op=ast.Not(), operand=operand)):
                 return self.condition(operand)
@@ -81,19 +80,12 @@ class Translator:
             case ast.IfExp(test=test, body=body, orelse=orelse):
                 asked, then, other = self.condition(test), self.value(body), self.value(orelse)
                 if (then.type, other.type) != ("bool", "bool"):
-                    raise Inexact("`?:` inside of an expression; assign it to a variable of its own")
+                    raise Inexact("`?:` inside of an expression")
                 ways = [
                     ast.BoolOp(ast.And(), [one, two.tree]) for one, two in ((asked.tree, then), (_not(asked), other))
                 ]
                 return Value(ast.BoolOp(ast.Or(), list[ast.expr](ways)), "bool")
-            case ast.NamedExpr(target=target):
-                raise Inexact(
-                    f"the assignment to {target.id!r} inside of an expression; make it a statement of its own"
-                )
-            case ast.UnaryOp(op=sign) | ast.BinOp(op=sign):
-                what = f"the bit operator `{SIGNS[type(sign)]}`"
-                raise Inexact(f"{what}, which expressions of a task don't have; use a leaf of your own")
-        raise AssertionError(f"{script} comes from no script")
+        raise Inexact("bits, or an assignment inside of an expression")
 
     def _arithmetic(self, script: ast.BinOp) -> Value:
         sign = SIGNS[type(script.op)]
@@ -101,11 +93,11 @@ class Translator:
             match script.left, script.right:
                 case ast.Constant(value=str(one)), ast.Constant(value=str(other)):
                     return literal(ast.Constant(one + other))
-            raise Inexact("joining texts, which expressions of a task don't do; use a leaf of your own")
-        left, right = self._number(script.left, sign), self._number(script.right, sign)
+            raise Inexact("joined texts")
+        left, right = self._number(script.left), self._number(script.right)
         if sign == "/" and isinstance(right.tree, ast.Constant):
             if right.tree.value == 0:
-                raise Inexact("a division by zero, which is infinity in BT.CPP and an error here")
+                raise Inexact("infinity")
         elif sign == "/":
             what = f"a division by `{right.text}`"
             self.notes.append(f"{what}: where that is 0 the run ends as an error, not at infinity")
@@ -113,11 +105,10 @@ class Translator:
         kind = "float" if sign == "/" or "float" in types else "int" if types == {"int"} else "Any"
         return Value(ast.BinOp(left.tree, script.op, right.tree), kind)
 
-    def _number(self, script: ast.expr, sign: str) -> Value:
+    def _number(self, script: ast.expr) -> Value:
         value = self.value(script)
         if value.type in ("bool", "str"):
-            what = "truth value" if value.type == "bool" else "text"
-            raise Inexact(f"the {what} {value.text} as an operand of `{sign}`, which is for numbers here")
+            raise Inexact("no number")
         return value
 
     def _comparison(self, script: ast.Compare) -> Value:
@@ -132,13 +123,13 @@ class Translator:
     def _pair(self, left: Value, op: ast.cmpop, right: Value) -> ast.Compare:
         types = {left.type, right.type}
         if "str" in types and not types <= {"str", "Any"}:
-            raise Inexact(f"comparing {left.text} with {right.text}: one is a text, the other a number")
+            raise Inexact("a text compared with a number")
         plain = ast.Compare(left.tree, [op], [right.tree])
         if not isinstance(op, ast.Eq | ast.NotEq) or types <= {"bool", "int", "str"}:
             return plain
         if "float" in types:
             if "bool" in types:
-                raise Inexact(f"comparing {left.text} with {right.text}: one is a truth value, the other a number")
+                raise Inexact("a truth value compared with a fraction")
             apart = ast.Call(ast.Name("abs"), [ast.BinOp(left.tree, ast.Sub(), right.tree)], [])
             near = ast.LtE() if isinstance(op, ast.Eq) else ast.Gt()
             return ast.Compare(apart, [near], [ast.Constant(EPSILON)])
@@ -159,15 +150,14 @@ def literal(said: ast.Constant) -> Value:
     Raises:
         Inexact: expressions can't hold it.
     """
-    value = said.value
-    if isinstance(value, bool):
-        return Value(ast.Name("true" if value else "false"), "bool")
-    if isinstance(value, str):
-        if any(c in value for c in "\\#\n\r\0") or {"'", '"'} <= set(value):
-            raise Inexact(f"the text {value!r}, which an expression can't hold")
-    elif not isinstance(value, int | float) or abs(value) > LARGEST or not math.isfinite(value):
-        raise Inexact(f"the number {value!r}, beyond 2**53, of which BT.CPP keeps the nearest double")
-    return Value(said, type(value).__name__)
+    match said.value:
+        case bool(truth):
+            return Value(ast.Name(str(truth).lower()), "bool")
+        case str(text) if not any(c in text for c in "\\#\n\r\0") and not {"'", '"'} <= set(text):
+            return Value(said, "str")
+        case int() | float() as number if abs(number) <= LARGEST:
+            return Value(said, type(number).__name__)
+    raise Inexact("a text that an expression can't hold, or a number of which BT.CPP keeps the nearest double")
 
 
 _INPUTS = "abcdefgh"
@@ -265,27 +255,25 @@ class Scripts:
                 return made
             case ast.Constant(value=bool() | int() | float() | str() as said):
                 entry.written.append(type(said).__name__)
-                return set_variable(variable, self._fitted(key, said, entry.type))
+                return set_variable(variable, self._fitted(said, entry.type))
         inputs: dict[str, str] = {}
         computed = self._computed(value, inputs)
         entry.written.append(computed.type)
         if (entry.type == "int" and computed.type == "float") or (
             "bool" in (entry.type, computed.type) and {"int", "float", "str"} & {entry.type, computed.type}
         ):
-            raise Inexact(f"{key!r} is of type {entry.type} and is given a {computed.type}")
+            raise Inexact("a value of another type")
         keys = {"node": "flow/compute", "with": {"expression": computed.text}}
         bound = {letter: name for name, letter in inputs.items()}
         return NodeDraft({**keys, "in": bound, "out": {"value": variable}}, name=f"compute {variable}", instant=True)
 
-    def _fitted(self, key: str, value: bool | int | float | str, kind: str) -> bool | int | float | str:
+    def _fitted(self, value: bool | int | float | str, kind: str) -> bool | int | float | str:
         if isinstance(value, bool) and kind in ("int", "float"):
             return int(value)
-        if kind == "bool" and not isinstance(value, bool):
-            if value in (0, 1):
-                return bool(value)
-            raise Inexact(f"{key!r} is a truth value and is given {value!r}")
-        if kind == "int" and isinstance(value, float):
-            raise Inexact(f"{key!r} is a whole number and is given {value!r}")
+        if kind == "bool" and value in (0, 1):
+            return bool(value)
+        if (kind == "bool" and not isinstance(value, bool)) or (kind == "int" and isinstance(value, float)):
+            raise Inexact("a value of another type")
         return value
 
     def _computed(self, value: ast.expr, inputs: dict[str, str]) -> Value:
@@ -293,7 +281,7 @@ class Scripts:
             variable = self._read(key)
             if variable not in inputs:
                 if len(inputs) == len(_INPUTS):
-                    raise Inexact(f"more than {len(_INPUTS)} variables in one expression; compute a part of it before")
+                    raise Inexact("too many variables")
                 inputs[variable] = _INPUTS[len(inputs)]
             return inputs[variable]
 

@@ -17,19 +17,15 @@ from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Catalog
 from grip_bt.task.parts import Edges
 
-_FOREVER = -1
-"""What py_trees' Repeat takes for a number without limit."""
-_COMMON = {"doc", "precondition", "on", "x", "kind", "data", "outcomes", "children", "child"}
-_OWN: dict[type, set[str]] = {
-    model.Sequence: {"memory"},
-    model.Fallback: {"memory"},
-    model.Parallel: {"retick", "order"},
-    model.Retry: {"times"},
-    model.Repeat: {"times"},
-    model.Timeout: {"seconds", "child_first"},
-    model.Guard: {"if_"},
-    model.Invert: set(),
-    model.Force: {"as_"},
+_COMMON = ("precondition", "on", "x", "data", "outcomes")
+_OWN: dict[type, tuple[str, ...]] = {
+    **dict.fromkeys((model.Sequence, model.Fallback), ("memory",)),
+    model.Parallel: ("retick", "order"),
+    **dict.fromkeys((model.Retry, model.Repeat), ("times",)),
+    model.Timeout: ("seconds", "child_first"),
+    model.Guard: ("if_",),
+    model.Invert: (),
+    model.Force: ("as_",),
 }
 """Kinds that py_trees has too, and what its classes can say of them."""
 
@@ -74,35 +70,34 @@ def container(part: Part, children: list[str], builder: ModuleBuilder) -> Bracke
 
 def _of_py_trees(part: Part, builder: ModuleBuilder) -> tuple[str, dict[str, object]] | None:
     """Return class and arguments of py_trees' own class that does the same; None where there is none."""
+    node = part.node
     try:
-        require_expressible(part.path, part.node, _OWN, TARGET, _COMMON)
+        require_expressible(part.path, node, (*_OWN.get(type(node), ()), *_COMMON), TARGET)
     except NotExpressibleError:
         return None
-    match part.node:
-        case model.Sequence(memory=memory):
-            return "py_trees.composites.Sequence", {"memory": memory}
-        case model.Fallback(memory=memory):
-            return "py_trees.composites.Selector", {"memory": memory}
+    found: tuple[str, dict[str, object]] | None = None
+    match node:
+        case model.Sequence() | model.Fallback():
+            found = "composites.Selector" if node.kind == "fallback" else "composites.Sequence", {"memory": node.memory}
         case model.Parallel(retick=retick):
             again = "synchronise=False" if retick else ""
             policy = Raw(f"py_trees.common.ParallelPolicy.SuccessOnAll({again})")
-            return "py_trees.composites.Parallel", {"policy": policy}
+            found = "composites.Parallel", {"policy": policy}
         case model.Retry(times=None):
-            return "py_trees.decorators.FailureIsRunning", {}
+            found = "decorators.FailureIsRunning", {}
         case model.Retry(times=times):
-            return "py_trees.decorators.Retry", {"num_failures": times}
+            found = "decorators.Retry", {"num_failures": times}
         case model.Repeat(times=times):
-            return "py_trees.decorators.Repeat", {"num_success": _FOREVER if times is None else times}
+            found = "decorators.Repeat", {"num_success": times or -1}
         case model.Timeout(seconds=seconds, child_first=True) if not builder.grip:
-            return "py_trees.decorators.Timeout", {"duration": seconds}
+            found = "decorators.Timeout", {"duration": seconds}
         case model.Guard(if_=text) if not builder.codes:
-            return "py_trees.decorators.EternalGuard", {"condition": function_of(text, part, builder)}
+            found = "decorators.EternalGuard", {"condition": function_of(text, part, builder)}
         case model.Invert():
-            return "py_trees.decorators.Inverter", {}
+            found = "decorators.Inverter", {}
         case model.Force(as_=forced):
-            name = "FailureIsSuccess" if forced == "success" else "SuccessIsFailure"
-            return f"py_trees.decorators.{name}", {}
-    return None
+            found = "decorators." + ("FailureIsSuccess" if forced == "success" else "SuccessIsFailure"), {}
+    return found and (f"py_trees.{found[0]}", found[1])
 
 
 def wrapped(part: Part, made: Bracketed, inner: str, builder: ModuleBuilder) -> list[tuple[str, Bracketed]]:
