@@ -172,7 +172,6 @@ def _task_text(task: Task, args: argparse.Namespace) -> str:
 
 
 def _write(imported: Imported, importer: _Importer, args: argparse.Namespace) -> bool:
-    """Write everything, and check the tasks; return whether one of them has errors."""
     output = args.output
     folder, files = _folder(output), dict(imported.files)
     one = folder != output

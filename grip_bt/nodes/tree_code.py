@@ -158,7 +158,6 @@ def _made(place: Place, node: Callable[[], object] | None) -> Any:
 
 
 def _module(place: Place) -> Any:
-    """Return the module, imported, or run as a program."""
     file, (folder, name) = place.file, place.found_at()
     if file is not None and not file.is_file():
         raise TreeCodeError(f"{file}: there is no such file; {_ADVICE}")
@@ -198,7 +197,6 @@ def _arguments(function: Any, place: Place, node: Callable[[], object] | None) -
 
 
 def _tree_in(value: Any, deeper: bool = True) -> BehaviourTree | None:
-    """Return the tree that a value is or holds."""
     if isinstance(value, BehaviourTree):
         return value
     if isinstance(value, Behaviour):
@@ -217,8 +215,6 @@ class _TickedError(BaseException):
 
 
 class _Watched:
-    """What was seen of trees while somebody's code ran."""
-
     def __init__(self) -> None:
         self.made: list[BehaviourTree] = []
         self.ready: list[BehaviourTree] = []

@@ -225,7 +225,6 @@ class Scripts:
         return controlled(self._as_it_is(text, node="btcpp/OnHalted"), [node], meaning)
 
     def _as_it_is(self, text: str, holds: str = "", node: str = "btcpp/Script") -> NodeDraft:
-        """Return a leaf that runs a script by BT.CPP's own rules."""
         parse_script(text)
         names, assigned, read = names_of(text)
         if len(names) > len(_INPUTS):

@@ -240,7 +240,6 @@ def _ports(here: ElementReader) -> dict[str, str]:
 
 
 def _mentioned(root: Keys) -> set[str]:
-    """Return the variables that a node, or one below it, reads or writes."""
     names: set[str] = set()
     for _, node in model.walk(model.Task.model_validate({"grip": 1, "name": "t", "root": root}).root):
         if isinstance(node, model.Leaf):

@@ -54,7 +54,6 @@ class UnknownNodeType:
         return f"{GROUP}/{_WRONG.sub('_', self.name)}"
 
     def __post_init__(self) -> None:
-        """Begin with the ports of its model."""
         self.declared = self.model.ports if self.model is not None else {}
 
     def use(self, port: str, *, bound: bool) -> None:

@@ -145,7 +145,6 @@ def parallel(work: Lowering, part: Part, node: model.Parallel) -> Xml:
 
 
 def _way(work: Lowering, node: model.Parallel, branch: _Branch, decide: list[str], done: str) -> Xml:
-    """Return a child that waits when it has ended."""
     note = script(f"{branch.ended} := 1", f"{branch.label} := outcome", f"{branch.code} := code")
     run, idle = xml("ForceSuccess", work.node(branch.child)), xml("KeepRunningUntilFailure", xml("AlwaysSuccess"))
     if node.retick:
@@ -157,7 +156,6 @@ def _way(work: Lowering, node: model.Parallel, branch: _Branch, decide: list[str
 
 
 def _decision(part: Part, node: model.Parallel, done: str, code: str, branches: list[_Branch]) -> list[str]:
-    """Return assignments that note how a parallel ends, and why it fails."""
     by_name = {each.child.name: each for each in branches}
     every = all_of(f"{each.ended} == 1" for each in branches)
     number = " + ".join(each.ended for each in branches)

@@ -123,7 +123,6 @@ class Lowering:
             raise self.refuse(part, f"`{expression}` ({error})") from error
 
     def _begin(self, part: Part, cells: Iterable[Cell] = ()) -> list[str]:
-        """Return assignments that give the variables of a part their initial values."""
         found = list(cells or (part.scope.cells.values() if part.declares else ()))
         return [f"{self._name_of(cell)} := {self._value(part, cell.initial)}" for cell in found if _has_initial(cell)]
 
@@ -178,7 +177,6 @@ class Lowering:
         return xml(name, name=part.path, **given, _onSuccess=_WELL, _onFailure=f"{_FAILED}'foreign'")
 
     def _control(self, part: Part) -> Xml:
-        """Return a control node under its own name, with the ports of the leaf that decides."""
         decides, *others = part.children
         if decides.manifest is None or part.exits or decides.manifest.id in ("btcpp/OnHalted", "btcpp/Switch"):
             raise self.refuse(part, "a control whose ends are labelled, or whose leaf has no element")
@@ -189,7 +187,6 @@ class Lowering:
     # --- containers ---
 
     def _container(self, part: Part) -> Xml:
-        """Return a container with its variables begun anew."""
         node = part.node
         match node:
             case model.Sequence() | model.Fallback():
@@ -237,7 +234,6 @@ class Lowering:
         return [xml("ForceSuccess", self.node(child)), note]
 
     def _finish(self, part: Part, done: str, body: Xml, first: Sequence[str] = ()) -> Xml:
-        """Return a body that notes an end, and the end that it has noted."""
         start = [script(*first)] if first else []
         end = [script(f"outcome := {done}"), self.verdict(done, part.meaning)]
         return xml("Sequence", *start, xml("ForceSuccess", body), *end)
@@ -276,7 +272,6 @@ class Lowering:
         return xml(f"Switch{len(first)}", *first, rest, variable=f"{{{entry}}}", **cases)
 
     def _switch(self, part: Part, node: model.Switch) -> Xml:
-        """Return a switch; which child it is stands in an entry."""
         at, names = self.entry("at"), [child.name for child in part.children]
         ways = []
         for child, literal in node.literals():
@@ -296,7 +291,6 @@ class Lowering:
         return xml("Sequence", pick, self._chosen_child(at, [self._ending(part, c) for c in part.children]))
 
     def _timeout(self, part: Part, seconds: float) -> Xml:
-        """Return a timeout; an entry says whether the child has ended."""
         over, inner = self.entry("over"), self._ending(part, part.children[0])
         inner.set("_post", f"{over} := 1")
         late = f"outcome := ({over} == 1 ? outcome : 'failure'); code := ({over} == 1 ? code : 'time_out')"
@@ -304,7 +298,6 @@ class Lowering:
         return xml("Sequence", script(f"{over} := 0"), limit)
 
     def _each(self, part: Part, node: model.ForEach) -> Xml:
-        """Return a loop over a literal list that nobody writes."""
         cell = part.scope.cell(node.items)
         if not isinstance(cell.initial, list) or not all(type(item) is int for item in cell.initial):
             raise self.refuse(part, "a for_each over anything but a literal list of whole numbers")
@@ -347,7 +340,6 @@ class Lowering:
         return self._finish(part, done, loop, [f"{done} := ''", first])
 
     def _step(self, part: Part, child: Part, done: str, at: str, names: list[str]) -> Xml:
-        """Return a state, and what notes where its end leads."""
         ways = leads(part.edges, child.name, "")
         to_state = [(asked, str(names.index(label) + 1)) for asked, label in ways if label in names]
         to_end = [(asked, f"'{label}'" if label not in names else "''") for asked, label in ways]
@@ -355,7 +347,6 @@ class Lowering:
         return xml("Sequence", xml("ForceSuccess", self.node(child)), note)
 
     def _subtask(self, part: Part, node: model.Subtask) -> Xml:
-        """Return the root of another file in its place."""
         task, outside, done = part.scope.cells, part.outside, self.entry("done")
         assert outside is not None, "of subtasks"
         others = [cell for name, cell in task.items() if name not in node.with_ and name not in node.in_]

@@ -188,7 +188,6 @@ class Project:
 
 
 def _mock(manifest: Manifest) -> str:
-    """Return a script that succeeds, with an empty value for each output."""
     empty = {"int": "0", "float": "0.0", "bool": "false", "str": '""'}
     outputs = ", ".join(f"{port}: {empty.get(out.type, 'null')}" for port, out in manifest.outputs.items())
     return f"{{outcome: success, outputs: {{{outputs}}}}}" if outputs else "success"

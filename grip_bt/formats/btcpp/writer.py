@@ -211,7 +211,6 @@ _ELEMENTS: dict[type, tuple[set[str], _Element]] = {
 
 
 def _face(manifest: Manifest, lowered: bool) -> Xml:
-    """Return what a TreeNodesModel says of a leaf."""
     made = xml("Action", ID=tag_of(manifest))
     for name, parameter in manifest.parameters.items():
         default = {}

@@ -57,7 +57,6 @@ def to_svg(task: Task, catalog: Catalog, view: View = "tree", paths: bool = Fals
 
 
 def _svg(figure: Figure, name: str, paths: bool = False) -> str:
-    """Return the figure as an SVG document with an accessible title; `paths`: groups of nodes say their `data-path`."""
     width, height = round(figure.width), round(figure.height)
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
@@ -185,7 +184,6 @@ def _words(name: str, node: AnyNode) -> str:
 
 
 def _tree(task: Task) -> Iterator[tuple[str, str, list[str]]]:
-    """Yield the path, the words and the children's paths of each node."""
     for path, node in walk(task.root):
         name = task.name if path == "/" else path.rpartition("/")[2]
         words = "\n".join([_words(name, node), *details(node)])

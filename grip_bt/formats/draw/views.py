@@ -174,7 +174,6 @@ def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figur
 
 
 def _inside(children: dict[str, Figure], outcomes: dict[str, str], links: list[Link]) -> Figure:
-    """Lay out what is in one frame."""
     loops = {link.source: link for link in links if link.source == link.target and not link.to_outcome}
     items: dict[str, Item] = {}
     if any(not link.source for link in links):

@@ -84,7 +84,6 @@ def import_grip(path: Path) -> Imported:
 
 
 def _settings_file(file: Path, found: Configuration, issues: Issues) -> list[GripContainer]:
-    """Return the task of a file of settings; a robot's are added to the configuration."""
     settings = read_settings(file)
     if any(key[-1] == "container" for key in settings):
         root = graph_task(settings, file.name, issues)
@@ -110,7 +109,6 @@ def _task_data(file: Path) -> Mapping[str, object] | None:
 
 
 def _nodes(unknown: Mapping[str, GripState]) -> dict[str, str]:
-    """Return a manifest and a class for each state that has to be filled in."""
     manifests, classes = [], []
     for id_, state in unknown.items():
         cls = "".join(word.capitalize() for word in id_.partition("/")[2].split("_"))

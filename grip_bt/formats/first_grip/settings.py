@@ -42,8 +42,6 @@ _CODES = [ord(getattr(pickle, name)) for name in _OPCODES]
 
 
 class _Opcodes(dict):  # type: ignore[type-arg]
-    """The opcodes that only make data; any other is refused."""
-
     def __missing__(self, code: int) -> NoReturn:
         names = [opcode.name for opcode in pickletools.opcodes if opcode.code == chr(code)]
         raise RefusedPickleError(f"it uses the opcode {names[0]}" if names else f"it is no pickle (opcode {code})")
@@ -152,8 +150,6 @@ def read_settings(path: Path) -> dict[Key, object]:
 
 
 def _key(text: str) -> Key:
-    """Return the parts of a key."""
-
     def character(found: re.Match[str]) -> str:
         wide, narrow = found.groups()
         return chr(int(wide or narrow, 16))

@@ -188,7 +188,6 @@ def _wait_for(steps: StepBuilder) -> dict[str, str]:
 
 
 def _wait_for_signal(steps: StepBuilder) -> dict[str, str]:
-    """Wait for a truth value, which has to be true."""
     ends = _wait_for(steps)
     if ends is PLAIN:
         signal = steps.context.variable(f"signal_of_{steps.state.name}", "bool")
@@ -229,7 +228,6 @@ def _select_in_turn(steps: StepBuilder, store: str, names: list[str], target: di
 
 
 def _grasp(steps: StepBuilder) -> dict[str, str]:
-    """Take the fingers to what a grasp says of them before it, and in it."""
     name = steps.slot("grasp_name")
     produced = "selected_grasp" in steps.state.reads
     variable = steps.value("selected_grasp", "", "the grasp") if produced else steps.value(name, "grasp", "the grasp")

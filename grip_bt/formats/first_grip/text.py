@@ -71,14 +71,12 @@ class _Said:
         return scope[name]
 
     def names(self, key: str) -> list[str]:
-        """Return a list of names; an empty one where nothing is said."""
         found = self.parameters.get(key) or []
         if not isinstance(found, list) or not all(isinstance(each, str | int) for each in found):
             raise BrokenTaskError(f"{self.place}: `{key}` is a list of names")
         return [str(each) for each in found]
 
     def mapping(self, key: str, what: str) -> Mapping[str, Any]:
-        """Return a mapping; an empty one where nothing is said."""
         found = self.parameters.get(key) or {}
         if not isinstance(found, Mapping):
             raise BrokenTaskError(f"{self.place}: `{key}` is {what}")

@@ -160,19 +160,16 @@ class _Watched:
             self.observer.message(self.path, message)
 
     def stop(self, new_status: Status = Status.INVALID) -> None:
-        """Stop; an interruption is told."""
         self._stop(new_status)
         if new_status is Status.INVALID:
             self.interrupt()
 
     def interrupt(self) -> None:
-        """Tell that it was interrupted, if it was active."""
         if self._active:
             self._active = False
             self.observer.interrupted(self.path)
 
     def leave(self) -> None:
-        """Give the behaviour its methods back."""
         for name in ("tick", "stop"):
             vars(self.behaviour).pop(name, None)
 

@@ -208,7 +208,6 @@ class _Drawer(Reader):
         self.places: dict[str, Behaviour] = {}
 
     def equal(self, behaviour: Behaviour, path: str) -> NodeSettings:
-        """Return how it is drawn; there is always a way."""
         self.places[path] = behaviour
         if behaviour.children and not isinstance(behaviour, Node):
             with suppress(NoEquivalentError):
@@ -243,7 +242,6 @@ def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[in
 
 
 def _ends(behaviour: Behaviour, keys: Mapping[str, Any]) -> Mapping[str, str]:
-    """Return each outcome of a node and what it means."""
     if isinstance(behaviour, Node):
         return behaviour.meaning
     return _PLAIN if "precondition" in keys else ENDS.get(keys.get("node", ""), _PLAIN)

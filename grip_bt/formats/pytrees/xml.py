@@ -96,7 +96,6 @@ class _Reader:
         self.variables = Variables()
 
     def node(self, element: Element, board: Board, path: str, inside: tuple[str, ...]) -> dict[str, Any]:
-        """Return the keys of a node and of all below it."""
         while element.tag.lower() in ("subtree", "subtreeplus"):
             element, board, inside = self.sub_tree(element, board, inside)
         self.nodes += 1
@@ -130,7 +129,6 @@ class _Reader:
     def sub_tree(
         self, element: Element, board: Board, inside: tuple[str, ...]
     ) -> tuple[Element, Board, tuple[str, ...]]:
-        """Return the root of a sub-tree, its blackboard, and the trees around it."""
         name = element.attributes.get("ID", "")
         if name not in self.trees:
             raise element.error(f"there is no tree {name!r}{nearest(name, self.trees)}")
@@ -200,7 +198,6 @@ class _Reader:
             raise element.error(str(error)) from None
 
     def manifest(self, element: Element) -> Manifest:
-        """Return the node that a tag means."""
         id = element.tag.replace(".", "/")
         if id in self.catalog:
             return self.catalog.get(id)

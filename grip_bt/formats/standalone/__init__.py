@@ -170,7 +170,6 @@ def export(task: model.Task, catalog: Catalog, folder: Path | None = None) -> st
 
 
 def _nodes(resolved: Resolved, builder: ModuleBuilder, code: AllowedImports) -> str:
-    """Write the nodes, children first; return the root's name."""
     builtin = Catalog.builtin()
     names: dict[str, str] = {}
     order, stack = list[Part](), [resolved.root]
@@ -198,7 +197,6 @@ def _nodes(resolved: Resolved, builder: ModuleBuilder, code: AllowedImports) -> 
 def _template_values(
     resolved: Resolved, catalog: Catalog, builder: ModuleBuilder, root: str, folder: Path | None
 ) -> dict[str, object]:
-    """Return what the template fills in."""
     others = [(catalog.get(id), name) for id, name in builder.manifests.items()]
     manifests = [manifest_text(manifest, name, folder) for manifest, name in others]
     if any(is_file(manifest) for manifest, _ in others):

@@ -202,7 +202,6 @@ class _Reading(ast.NodeTransformer):
         self.variables = variables
 
     def visit_Call(self, node: ast.Call) -> ast.Call:
-        """Go on with the arguments; the function isn't a variable."""
         node.args = [self.visit(argument) for argument in node.args]
         return node
 
@@ -216,13 +215,11 @@ class _Reading(ast.NodeTransformer):
         return node
 
     def visit_Compare(self, node: ast.Compare) -> ast.Compare:
-        """Go on with the operands."""
         node.left = self.visit(node.left)
         node.comparators = [self.visit(other) for other in node.comparators]
         return node
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Read a variable."""
         if node.id in CONSTANTS:
             return ast.Constant(CONSTANTS[node.id])
         return ast.Call(ast.Attribute(ast.Name(self.variables[node.id]), "get"), [], [])

@@ -17,7 +17,6 @@ ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": SKIPPED, "RUNNING
 
 class _Counting(Control):
     def number(self, port: str) -> int:
-        """Return a whole number, which may come as a text."""
         return int(self.get(port))
 
     def threshold(self, port: str) -> int:
