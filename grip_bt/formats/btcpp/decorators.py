@@ -107,24 +107,12 @@ def _run_once(here: ElementReader) -> NodeDraft:
 
 def _loop(type_name: str) -> Reader:
     def read(here: ElementReader) -> NodeDraft:
-        child = _unskipped(here)
         text = here.literal("queue", "")
-        key = key_of(here.attributes.get("value", "{=}"), "value")
-        if key is None:
+        if key_of(here.attributes.get("value", "{=}"), "value") is None:
             here.refuse("`value` has to be a key in braces")
-        items = here.exact(lambda: [value_of_text(part, type_name) for part in text.split(";")] if text else [])
-        empty = here.exact(lambda: end(here.literal("if_empty", "SUCCESS")))
-        queue = here.variable(f"{here.attributes.get('name', 'loop')}_queue", f"list[{type_name}]", items)
-        item = here.board.variables.new(f"{key}_item")
-        target = here.board.variable(key)
-        here.board.variables.every[target].written.append(type_name)
-        take = {"node": "flow/compute", "with": {"expression": "a"}, "in": {"a": item}, "out": {"value": target}}
-        each = container("sequence", {"take": NodeDraft(take, instant=True), "do": child})
-        keys = {"kind": "for_each", "items": queue, "item": item, "child": {"each": each.keys}}
-        del here.board.variables.every[item]
-        if empty.keys == SUCCEED:
-            return NodeDraft(keys)
-        return container("sequence", {"loop": NodeDraft(keys), "empty": empty}, here.meaning)
+        here.exact(lambda: [value_of_text(part, type_name) for part in text.split(";")] if text else [])
+        here.exact(lambda: end(here.literal("if_empty", "SUCCESS")))
+        here.unequal("")
 
     return read
 

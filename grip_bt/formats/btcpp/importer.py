@@ -58,8 +58,19 @@ def from_xml(
     document = Document(source, folder, bound)
     main = document.load(text) if not tree else document.wanted(document.take_text(text), tree)
     importer = Importer(document, Leaves(catalog, document.models), main)
-    importer.settle()
+    settle([importer])
+    importer.reading.issues.raise_if_refused(source or "<text>")
     return importer.result()
+
+
+def settle(importers: list[Importer]) -> None:
+    """Read the trees until nothing new is learned."""
+    for _ in range(_MOST_READINGS):
+        before = [importer.state() for importer in importers]
+        for importer in importers:
+            importer.read()
+        if [importer.state() for importer in importers] == before:
+            break
 
 
 class Importer:
@@ -76,19 +87,6 @@ class Importer:
         """Return what a further reading may come to other results by."""
         types = {name: (v.type, v.has_initial, v.constant) for name, v in self.variables.every.items()}
         return types, dict(self.leaves.settled)
-
-    def settle(self) -> None:
-        """Read the tree until nothing new is learned.
-
-        Raises:
-            ImportRefusedError: parts of it have no exact equivalent.
-        """
-        for _ in range(_MOST_READINGS):
-            before = self.state()
-            self.read()
-            if self.state() == before:
-                break
-        self.reading.issues.raise_if_refused(self.document.source or "<text>")
 
     def read(self) -> None:
         """Read the tree once, with what was learned before."""
