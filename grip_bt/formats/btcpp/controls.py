@@ -76,11 +76,11 @@ def _if_then_else(here: ElementReader) -> NodeDraft:
     inner = container("sequence", parts, here.meaning)
     if len(children) == 2:
         return inner
-    if then.can_fail:
+    if then.may("failure"):
         inner.keys["outcomes"] = {**inner.keys.get("outcomes", {}), "then_failed": "failure"}
         inner.keys["exits"] = {**inner.keys.get("exits", {}), f"{list(parts)[1]}.failure": "then_failed"}
     made = container("fallback", {"then": inner, "else": children[2]}, here.meaning)
-    if then.can_fail:
+    if then.may("failure"):
         made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
     return made
 

@@ -141,14 +141,8 @@ _DECIDED = {"_failureIf": ("fails", "FAILURE"), "_successIf": ("succeeds", "SUCC
 _CONDITIONS = (*_DECIDED, "_while")
 _SCRIPTS = ("_onSuccess", "_onFailure", "_post", "_onHalted")
 _NO_MATTER = (
-    "_uid",
-    "_fullpath",
-    "_autoremap",
-    "_description",
-    "_collapsed",
-    "_favorite",
-    "_subtreeOnly",
-    "_hardcoded",
+    *("_uid", "_fullpath", "_autoremap", "_description"),
+    *("_collapsed", "_favorite", "_subtreeOnly", "_hardcoded"),
 )
 """Editors' own notes, and what sub-trees read."""
 

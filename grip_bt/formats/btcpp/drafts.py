@@ -6,6 +6,7 @@ both go on to the next child; every other container hands it up by `exits`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -33,11 +34,6 @@ class NodeDraft:
     name: str = ""
     instant: bool = False
     label: str = SKIPPED
-
-    @property
-    def can_fail(self) -> bool:
-        """Whether it has the outcome `failure`."""
-        return self.may("failure")
 
     def may(self, outcome: str) -> bool:
         """Tell whether it has an outcome of BT.CPP's: each does but for some leaves of GRIP's own."""
@@ -118,25 +114,17 @@ def sequence_of(children: list[NodeDraft], name: str) -> NodeDraft:
     return made
 
 
-_INTEGERS = (
-    *("int", "unsigned", "unsigned int", "long", "short", "int8_t", "int16_t", "int32_t", "int64_t", "uint8_t"),
-    *("uint16_t", "uint32_t", "uint64_t", "size_t", "unsigned short", "unsigned long", "long long", "unsigned char"),
-    "signed char",
-)
-_TYPES = {
-    **dict.fromkeys(_INTEGERS, "int"),
-    **dict.fromkeys(("double", "float"), "float"),
-    "bool": "bool",
-    **dict.fromkeys(("string", "std::string", "BT::StringView", "std::string_view"), "str"),
-}
+_TYPES = {"bool": "bool", "double": "float", "float": "float", "string": "str"}
+_TYPES |= {"BT::StringView": "str", "string_view": "str"}
+_INTEGER = re.compile("((un)?signed )?(int|long|short|char|long int|long long)|unsigned|u?int(8|16|32|64)_t|size_t")
 
 
 def type_named(cpp: str) -> str:
     """Return the type that a port's C++ type is here; `Any` for every other."""
-    text = cpp.strip().removeprefix("const ").rstrip("& ").removeprefix("std::__cxx11::")
-    text = "std::string" if text.startswith(("basic_string", "std::basic_string")) else text
-    text = text if text in _TYPES else text.removeprefix("std::")
-    return _TYPES.get(text, "Any")
+    text = cpp.strip().removeprefix("const ").rstrip("& ").removeprefix("std::").removeprefix("__cxx11::")
+    if _INTEGER.fullmatch(text) and text != "char":
+        return "int"
+    return _TYPES.get("string" if text.startswith("basic_string") else text, "Any")
 
 
 Value = TypeVar("Value")
@@ -200,21 +188,13 @@ class ElementReader:
         """Return the reader of another element in the same place."""
         return replace(self, element=element, read=[], **more)
 
-    def refuse(self, why: str, element: Element | None = None) -> NoReturn:
-        """Refuse this element or one below, and end the reading of this one.
+    def refuse(self, why: str) -> NoReturn:
+        """Refuse this element, and end the reading of it."""
+        raise Refused(why, self.element)
 
-        Raises:
-            Refused: always.
-        """
-        raise Refused(why, element or self.element)
-
-    def unequal(self, why: str, element: Element | None = None) -> NoReturn:
-        """Say that no kind is equal to this element.
-
-        Raises:
-            Unequal: always.
-        """
-        raise Unequal(why, element or self.element)
+    def unequal(self, why: str) -> NoReturn:
+        """Say that no kind is equal to this element."""
+        raise Unequal(why, self.element)
 
     def note(self, code: str, text: str, element: Element | None = None) -> None:
         """Note what to know about it, or about one below."""

@@ -52,7 +52,7 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "", built_by: str = "") 
         made = model.Task.model_validate({**task, "root": keys, **({"name": name} if name else {})})
         return Imported({made.name: made}, tuple(reader.issues))
     reader = _OtherReader(tree, built_by)
-    return _imported(reader, tree, name)
+    return imported(reader, tree, name)
 
 
 def drawn(root: Behaviour, source: str) -> tuple[model.Task, dict[str, Behaviour], Keys]:
@@ -62,11 +62,16 @@ def drawn(root: Behaviour, source: str) -> tuple[model.Task, dict[str, Behaviour
         source: where the tree comes from; it stands in the task, `x-tree`.
     """
     reader = _Drawer(root)
-    task = _imported(reader, root, "", {DRAWN: source}).task
+    task = imported(reader, root, "", {DRAWN: source}).task
     return task, reader.places, reader.keys
 
 
-def _imported(reader: Reader, root: Behaviour, name: str, more: Mapping[str, Any] | None = None) -> Imported:
+def imported(reader: Reader, root: Behaviour, name: str, more: Mapping[str, Any] | None = None) -> Imported:
+    """Return the task of what a reader reads; `more`: further keys of the document.
+
+    Raises:
+        ImportRefusedError: behaviours have no equivalent.
+    """
     keys = reader.node(root, "/")
     reader.issues.raise_if_refused("the tree")
     task = {"grip": model.FORMAT_VERSION, "name": name or node_name(root.name) or "tree", **(more or {})}
@@ -242,9 +247,8 @@ def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[in
 
 
 def _ends(behaviour: Behaviour, keys: Mapping[str, Any]) -> Mapping[str, str]:
-    if isinstance(behaviour, Node):
-        return behaviour.meaning
-    return _PLAIN if "precondition" in keys else ENDS.get(keys.get("node", ""), _PLAIN)
+    known: Mapping[str, str] | None = getattr(behaviour, "meaning" if isinstance(behaviour, Node) else "ends", None)
+    return known or (_PLAIN if "precondition" in keys else ENDS.get(keys.get("node", ""), _PLAIN))
 
 
 _OF_A_RUN = {

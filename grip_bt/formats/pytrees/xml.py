@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.formats.blackboard import Board, Variables, key_of, text_of_value, value_of_text
 from grip_bt.formats.btcpp.leaves import leaf_keys
 from grip_bt.formats.imported import Imported
-from grip_bt.formats.names import distinct, node_name
+from grip_bt.formats.names import node_name
 from grip_bt.formats.xml_trees import (
     DEEPEST,
     MOST_NODES,
@@ -36,8 +37,8 @@ from grip_bt.formats.xml_trees import (
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
-from .classes import convert_behaviour
-from .keys import NoEquivalentError
+from .classes import NodeSettings, convert_behaviour
+from .tree import Reader, imported
 
 _POLICIES: dict[str, Callable[[], ParallelPolicy.Base]] = {
     "success_on_all": ParallelPolicy.SuccessOnAll,
@@ -72,102 +73,72 @@ def from_xml(text: str, catalog: Catalog, source: str = "", folder: Path | None 
     """
     files = Document(source, folder, btcpp=False)
     main = files.trees[files.load(text)]
-    reader = _Reader(catalog, files)
-    board = Board(reader.variables).inner("", _given(main))
-    keys = reader.node(main.only_child(), board, "/", (main.attributes["ID"],))
+    builder, variables = _Builder(catalog, files.trees), Variables()
+    board = Board(variables).inner("", _given(main))
+    root = builder.built(main.only_child(), board, (main.attributes["ID"],), 0)
     try:
-        inputs, data = reader.variables.declared([*reader.variables.every])
+        inputs, data = variables.declared([*variables.every])
     except ValueError as error:
         raise DocumentError(str(error), source) from None
-    task = {"grip": model.FORMAT_VERSION, "name": node_name(main.attributes["ID"]), "root": keys}
-    task |= {"data": inputs | data} if inputs or data else {}
-    made = model.Task.model_validate(task)
-    return Imported({made.name: made}, tuple(files.issues))
+    declared = {"data": inputs | data} if inputs or data else {}
+    made = imported(_Reader(whole=False), root, node_name(main.attributes["ID"]), declared)
+    return replace(made, issues=(*files.issues, *made.issues))
 
 
 def _given(element: Element) -> dict[str, str]:
     return {name: text for name, text in element.attributes.items() if name not in ("ID", "name")}
 
 
-class _Reader:
-    def __init__(self, catalog: Catalog, files: Document):
-        self.catalog, self.trees, self.issues = catalog, files.trees, files.issues
-        self.nodes = 0
-        self.variables = Variables()
+class _Reader(Reader):
+    def other(self, behaviour: Any, path: str) -> NodeSettings:
+        return NodeSettings(behaviour.keys) if hasattr(behaviour, "keys") else convert_behaviour(behaviour)
 
-    def node(self, element: Element, board: Board, path: str, inside: tuple[str, ...]) -> dict[str, Any]:
+
+class _Builder:
+    """Makes the tree of a file as py_trees does."""
+
+    def __init__(self, catalog: Catalog, trees: dict[str, Element]):
+        self.catalog, self.trees = catalog, trees
+        self.nodes = 0
+
+    def built(self, element: Element, board: Board, inside: tuple[str, ...], depth: int) -> Behaviour:
+        name = element.attributes.get("name", element.tag)
         while element.tag.lower() in ("subtree", "subtreeplus"):
-            element, board, inside = self.sub_tree(element, board, inside)
+            wanted = element.attributes.get("ID", "")
+            if wanted not in self.trees:
+                raise element.error(f"there is no tree {wanted!r}{nearest(wanted, self.trees)}")
+            if wanted in inside:
+                raise element.error(f"the tree {wanted!r} holds itself")
+            tree, space = self.trees[wanted], element.attributes.get("name", wanted)
+            board, inside = board.inner(space, {**_given(tree), **_given(element)}), (*inside, wanted)
+            element = tree.only_child()
         self.nodes += 1
-        if self.nodes > MOST_NODES or path.count("/") >= DEEPEST:
+        if self.nodes > MOST_NODES or depth > DEEPEST:
             raise element.error(f"more than {MOST_NODES} nodes, or {DEEPEST} levels, with all sub-trees")
         for text in element.attributes.values():
             if key_of(text, "") is None and ("{" in text or "}" in text):
                 raise element.error(f"{text!r} isn't a key; write {{key}} and nothing else")
         tag = element.tag.lower()
         if tag not in ("sequence", "selector", "fallback", "parallel") and tag not in _OTHERS:
-            return self.leaf(element, board)
-        try:
-            equal = convert_behaviour(self.behaviour(element, board))
-        except NoEquivalentError as why:
-            raise element.error(str(why)) from None
-        if equal.remark:
-            self.issues.add("changed", path, equal.remark)
-        children, keys = self.children(element, board, path, inside), dict(equal.settings)
-        if equal.failures:
-            leaves = {name: child["node"] for name, child in children.items() if "node" in child}
-            ends = {name: self.catalog.get(id).outcomes for name, id in leaves.items()}
-            keys["exits"] = {
-                f"{name}.{label}": "failure"
-                for name in children
-                for label, means in ends.get(name, {"failure": "failure"}).items()
-                if means == "failure"
-            }
-        composite = keys["kind"] in ("sequence", "fallback", "parallel")
-        return {**keys, "children" if composite else "child": children}
-
-    def sub_tree(
-        self, element: Element, board: Board, inside: tuple[str, ...]
-    ) -> tuple[Element, Board, tuple[str, ...]]:
-        name = element.attributes.get("ID", "")
-        if name not in self.trees:
-            raise element.error(f"there is no tree {name!r}{nearest(name, self.trees)}")
-        if name in inside:
-            raise element.error(f"the tree {name!r} holds itself")
-        tree, space = self.trees[name], element.attributes.get("name", name)
-        return tree.only_child(), board.inner(space, {**_given(tree), **_given(element)}), (*inside, name)
-
-    def children(self, element: Element, board: Board, path: str, inside: tuple[str, ...]) -> dict[str, dict[str, Any]]:
-        result = {}
-        wanted = [child.attributes.get("name", child.tag) for child in element.children]
-        for name, given, child in zip(distinct(wanted), wanted, element.children, strict=True):
-            below = model.join(path, name)
-            if name != given:
-                self.issues.add("renamed", below, f"was called {given!r}")
-            result[name] = self.node(child, board, below, inside)
-        return result
-
-    def behaviour(self, element: Element, board: Board) -> Behaviour:
-        """Return what py_trees makes of a composite or decorator, without its children."""
-        tag = element.tag.lower()
+            return self.leaf(element, board, name)
+        children = [self.built(child, board, inside, depth + 1) for child in element.children]
         if tag in _OTHERS:
             if tag not in _DECORATORS:
-                raise NoEquivalentError(f"{_OTHERS[tag].__name__}: a task read from XML has none")
+                raise element.error(f"{_OTHERS[tag].__name__}: a task read from XML has none")
             given = self.settings(element, board, _DECORATORS[tag])
             element.only_child()
             try:
-                return _OTHERS[tag](name="", child=Success(""), **given)
+                return _OTHERS[tag](name=name, child=children[0], **given)
             except TypeError:
                 raise element.error(f"needs {listing(_DECORATORS[tag])}") from None
         if tag == "parallel":
             policy = self.settings(element, board, {"policy": "str"}).get("policy", "success_on_one")
             if policy not in _POLICIES:
-                raise NoEquivalentError(
-                    f"the policy {policy!r}{nearest(policy, _POLICIES)} (available: {listing(_POLICIES)})"
-                )
-            return composites.Parallel("", _POLICIES[policy]())
+                near = f"{nearest(policy, _POLICIES)} (available: {listing(_POLICIES)})"
+                raise element.error(f"the policy {policy!r}{near}")
+            return composites.Parallel(name, _POLICIES[policy](), children)
         memory = self.settings(element, board, {"memory": "bool"}).get("memory", True)
-        return (composites.Sequence if tag == "sequence" else composites.Selector)("", memory)
+        return (composites.Sequence if tag == "sequence" else composites.Selector)(name, memory, children)
 
     def settings(self, element: Element, board: Board, types: dict[str, str]) -> dict[str, Any]:
         """Return the attributes of a composite or decorator; py_trees ignores unknown ones, here they are errors."""
@@ -188,14 +159,17 @@ class _Reader:
                 raise element.error(f"{name}: {error}") from None
         return found
 
-    def leaf(self, element: Element, board: Board) -> dict[str, Any]:
+    def leaf(self, element: Element, board: Board, name: str) -> Behaviour:
         manifest = self.manifest(element)
         if element.children:
             raise element.error(f"{manifest.id} is a leaf and can't hold other nodes")
         try:
-            return leaf_keys(manifest, {k: v for k, v in element.attributes.items() if k != "name"}, board)
+            keys = leaf_keys(manifest, {k: v for k, v in element.attributes.items() if k != "name"}, board)
         except ValueError as error:
             raise element.error(str(error)) from None
+        made: Any = Success(name)  # it holds the place of the leaf
+        made.keys, made.ends = keys, manifest.outcomes
+        return made
 
     def manifest(self, element: Element) -> Manifest:
         id = element.tag.replace(".", "/")

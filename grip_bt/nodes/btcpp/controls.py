@@ -5,6 +5,7 @@ Each follows the rules of the node of its name, status in and status out, tick b
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from py_trees.common import Status
@@ -35,38 +36,35 @@ class Parallel(_Counting):
 
     def decide(self) -> str:
         successes, failures, skipped = self.threshold("success_count"), self.threshold("failure_count"), 0
-        for i, child in enumerate(self.below):
-            if i not in self.done:
-                end = child.tick()
-                skipped += end == SKIPPED
-                if end in ("success", "failure"):
-                    self.done[i] = end
+        for _ in self.ticked():
             ends = list(self.done.values())
-            well, badly = ends.count("success"), ends.count("failure")
+            well, badly, skipped = ends.count("success"), ends.count("failure"), self.skipped
             if well + (skipped if self.number("success_count") < 0 else 0) >= successes:
                 return "success"
             if len(self.below) - badly < successes or badly == failures:
                 return "failure"
         return SKIPPED if skipped == len(self.below) else "running"
 
-
-class ParallelAll(_Counting):
-    """All children to their ends."""
-
-    def initialise(self) -> None:
-        self.done: dict[int, str] = {}
-
-    def decide(self) -> str:
-        failures, skipped = self.threshold("max_failures"), 0
+    def ticked(self) -> Iterator[int]:
+        """Tick those that haven't ended, and yield after each child."""
+        self.skipped = 0
         for i, child in enumerate(self.below):
             if i not in self.done:
                 end = child.tick()
-                skipped += end == SKIPPED
+                self.skipped += end == SKIPPED
                 if end in ("success", "failure"):
                     self.done[i] = end
-        if skipped == len(self.below):
+            yield i
+
+
+class ParallelAll(Parallel):
+    """All children to their ends."""
+
+    def decide(self) -> str:
+        failures, count = self.threshold("max_failures"), len([*self.ticked()])
+        if self.skipped == count:
             return SKIPPED
-        if skipped + len(self.done) < len(self.below):
+        if self.skipped + len(self.done) < count:
             return "running"
         return "failure" if list(self.done.values()).count("failure") >= failures else "success"
 
