@@ -22,7 +22,7 @@ _WRONG = re.compile(r"[^A-Za-z0-9_]")
 
 
 @dataclass
-class PortUse:
+class _PortUse:
     """How one port of an unknown node type is used in the whole file; without a model it may be in and out."""
 
     port: Port
@@ -33,39 +33,33 @@ class PortUse:
 
 
 @dataclass
-class UnknownNodeType:
-    """An unknown node type: what the model says of it and how it is used.
-
-    Attributes:
-        there: its manifest of an earlier import, to which only what it lacks is added.
-        controls: whether it has children.
-    """
+class _Unknown:
+    """An unknown node type: what its model says, its manifest of an earlier import, which only grows, and its use."""
 
     name: str
     model: Model | None
     there: Manifest | None = None
     controls: bool = False
-    uses: dict[str, PortUse] = field(default_factory=dict)
+    uses: dict[str, _PortUse] = field(default_factory=dict)
     times: int = 0
 
     @property
     def id(self) -> str:
-        """Its id in the catalogue."""
         return f"{GROUP}/{_WRONG.sub('_', self.name)}"
 
-    def __post_init__(self) -> None:
-        self.declared = self.model.ports if self.model is not None else {}
+    @property
+    def declared(self) -> dict[str, Port]:
+        return self.model.ports if self.model is not None else {}
 
     def use(self, port: str, *, bound: bool) -> None:
-        """Note how a port is used."""
-        use = self.uses.setdefault(port, PortUse(self.declared.get(port, Port("inout")), port in self.declared))
+        use = self.uses.setdefault(port, _PortUse(self.declared.get(port, Port("inout")), port in self.declared))
         use.bound, use.literal, use.times = use.bound or bound, use.literal or not bound, use.times + 1
 
     def manifest(self) -> Manifest:
         """Return its manifest: a port that only has literals is a parameter."""
         if self.there is None:
             for port, said in self.declared.items():
-                self.uses.setdefault(port, PortUse(said, True))
+                self.uses.setdefault(port, _PortUse(said, True))
         parameters: dict[str, Parameter] = {}
         inputs: dict[str, InputPort] = {}
         outputs: dict[str, OutputPort] = {}
@@ -80,7 +74,7 @@ class UnknownNodeType:
             if direction != "in":
                 outputs[port] = OutputPort(type=kind, doc=doc, on=tuple(_OUTCOMES) if self.controls else ())
         if self.there is not None:
-            return self._widened(parameters, inputs, outputs)
+            return self._widened(self.there, parameters, inputs, outputs)
         return Manifest(
             id=self.id,
             doc=f"{self.name} of BehaviorTree.CPP; its code has to be written.",
@@ -91,10 +85,8 @@ class UnknownNodeType:
             **({"outcomes": FrozenDict(_OUTCOMES), "moves": False} if self.controls else {}),
         )
 
-    def _widened(self, parameters: Ports, inputs: Ports, outputs: Ports) -> Manifest:
+    def _widened(self, there: Manifest, parameters: Ports, inputs: Ports, outputs: Ports) -> Manifest:
         """Return the manifest that was there with the ports that it lacks; tasks that it fits still fit."""
-        there = self.there
-        assert there is not None, "only of one that was there"
         known = {**there.parameters, **there.inputs, **there.outputs}
         bound = {port for port, use in self.uses.items() if use.bound}
         more_inputs = {port: p for port, p in inputs.items() if port not in known or port in there.parameters}
@@ -138,7 +130,7 @@ class Leaves:
 
     def __init__(self, catalog: Catalog, models: dict[str, Model]):
         self.catalog, self.models = catalog, models
-        self.faces: dict[str, UnknownNodeType] = {}
+        self.faces: dict[str, _Unknown] = {}
         self.settled: dict[str, Manifest] = {}
 
     def settle(self) -> None:
@@ -160,7 +152,7 @@ class Leaves:
             return leaf_keys(known, said, board)
         face = self.faces.get(name)
         if face is None:
-            face = self.faces[name] = UnknownNodeType(name, self.models.get(name), known)
+            face = self.faces[name] = _Unknown(name, self.models.get(name), known)
         face.times, face.controls = face.times + 1, face.controls or controls
         if face.model is not None:
             said = {**{p: d.default for p, d in face.model.ports.items() if d.default is not None}, **said}

@@ -16,7 +16,7 @@ from grip_bt.task import FrozenDict, Meaning, Task
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 from grip_bt.task.model import Leaf, walk
 
-from .project import MARK, MESSAGES, Configuration, add_files, outcome_count, project_texts, read_configuration
+from .project import MARK, MESSAGES, Configuration, outcome_count, project_texts, read_configuration, take_file
 from .settings import read_settings
 from .states import STATES, ImportContext, node_of
 from .tasks import GripContainer, GripState, graph_task, is_hand, name_of, outcome_meanings
@@ -56,7 +56,9 @@ def import_grip(path: Path) -> Imported:
         else:
             loose.append(file)
     seen = {name for names in found.sources.values() for name in names}
-    add_files(found, [file for file in loose if file.name not in seen])
+    for file in loose:
+        if file.name not in seen:
+            take_file(found, file)
     if not originals and not found.parts:
         said = "".join(f"\n  {issue}" for issue in found.issues)
         raise GripError(f"{path}: there is no task and no configuration of the first GRIP in it{said}")

@@ -205,19 +205,13 @@ class _Reading(ast.NodeTransformer):
         node.args = [self.visit(argument) for argument in node.args]
         return node
 
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
         """Write `not a in b` as `a not in b`, as people do."""
         match node:
             case ast.UnaryOp(ast.Not(), ast.Compare(ops=[ast.In() | ast.Is() as way]) as inner):
                 inner.ops = [ast.NotIn() if isinstance(way, ast.In) else ast.IsNot()]
-                return self.visit_Compare(inner)
-        node.operand = self.visit(node.operand)
-        return node
-
-    def visit_Compare(self, node: ast.Compare) -> ast.Compare:
-        node.left = self.visit(node.left)
-        node.comparators = [self.visit(other) for other in node.comparators]
-        return node
+                return self.generic_visit(inner)
+        return self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         if node.id in CONSTANTS:
