@@ -83,10 +83,8 @@ def _precondition(here: ElementReader) -> NodeDraft:
     asked = here.exact(lambda: _scripts(here).condition(here.literal("if")))
     if here.literal("else", "FAILURE") == "RUNNING":
         wait = asked.before(NodeDraft({**SUCCEED, "precondition": asked.text}, instant=True), "success")
-        again = decorator("invert", NodeDraft(wait.keys, name="holds"), "")
-        until = decorator("repeat", NodeDraft(again.keys, name="not yet"), "")
-        waited = decorator("invert", NodeDraft(until.keys, name="until"), "")
-        return container("sequence", {"wait": waited, "do": child}, here.meaning)
+        until = decorator("retry", NodeDraft(wait.keys, name="until it holds"), "")
+        return container("sequence", {"wait": until, "do": child}, here.meaning)
     other = here.exact(lambda: end(here.literal("else", "FAILURE")))
     made = switch(asked.text, {"do": True}, {"do": child, "else": other}, here.meaning, default="else")
     return asked.before(made, here.meaning)

@@ -1,10 +1,9 @@
-"""Boxes and lines of a drawing with their places; how they are laid out: as trees, rows like words, and layers."""
+"""Boxes and lines of a drawing with their places; how they are laid out: as trees, and in layers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import sqrt
 from typing import Literal
 
 Point = tuple[float, float]
@@ -118,51 +117,6 @@ def place_tree(item: TreeItem, gap: float, top: float = 0.0) -> float:
     for child in item.below:
         bottom = place_tree(child, gap, bottom + gap)
     return max(bottom, item.y + item.height / 2)
-
-
-_CHILD_GAP, _ROW_GAP = 34.0, 30.0
-_LONGEST_COLUMN = 4
-"""Up to so many children stand one below the other."""
-_ASPECT = 1.5
-
-
-def is_long(children: Sequence[Figure]) -> bool:
-    """Tell whether one column would be too long."""
-    return len(children) > _LONGEST_COLUMN and sum(child.height + _ROW_GAP for child in children) > 700
-
-
-def rows_figure(children: Sequence[Figure], label: str) -> Figure:
-    """Lay out children in rows; `label` stands at each link."""
-    gap = _CHILD_GAP + (text_width(label, TEXT_SIZE) if label else 0.0)
-    area = sum((c.width + gap) * (c.height + _ROW_GAP) for c in children)
-    widest = max(sqrt(area * _ASPECT), *(c.width for c in children))
-    figure = Figure()
-    x = y = tallest = 0.0
-    before: tuple[float, float, Figure] | None = None
-    for child in children:
-        if x > 0 and x + child.width > widest:
-            x, y, tallest = 0.0, y + tallest + _ROW_GAP, 0.0
-        if before is not None:
-            figure.lines.append(_link(before, (x, y, child), label))
-        figure.add(child, x, y)
-        before = (x, y, child)
-        tallest = max(tallest, child.height)
-        figure.width = max(figure.width, x + child.width)
-        x += child.width + gap
-    figure.height = y + tallest
-    return figure
-
-
-def _link(one: tuple[float, float, Figure], other: tuple[float, float, Figure], label: str) -> Line:
-    (x, y, left), (to_x, to_y, right) = one, other
-    if y == to_y:
-        level = y + min(left.height, right.height, 56.0) / 2
-        ends = ((x + left.width, level), (to_x, level))
-        return Line(ends, label, ((ends[0][0] + to_x) / 2, level), axis="x")
-    from_x, middle = x + left.width / 2, to_y - _ROW_GAP / 2
-    down_x = to_x + min(right.width / 2, 40.0)
-    points = ((from_x, y + left.height), (from_x, middle), (down_x, middle), (down_x, to_y))
-    return Line(points, label, ((from_x + down_x) / 2, middle))
 
 
 # Nodes in layers, edges downwards: how the children of one container are placed in the flow view.

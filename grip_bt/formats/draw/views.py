@@ -19,14 +19,12 @@ from grip_bt.formats.draw.layout import (
     Placed,
     Point,
     TreeItem,
-    is_long,
     place,
     place_tree,
-    rows_figure,
     shortened,
     text_width,
 )
-from grip_bt.task import KINDS, AnyNode, Container, Fallback, Leaf, Sequence, Task, children_of, join, outcomes_of, walk
+from grip_bt.task import KINDS, AnyNode, Container, Leaf, Task, children_of, join, outcomes_of, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.kind_analysis import links
 
@@ -158,11 +156,7 @@ def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figur
         box = replace(box_of(name, node, catalog, lines), path=path)
         return Figure(box.width, box.height, [box])
     children = {n: _node_figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
-    outcomes, links, parts = outcomes_shown(node), links_of(node), list(children.values())
-    if isinstance(node, Sequence | Fallback) and not outcomes and is_long(parts):
-        inside = rows_figure(parts, links[0].label)
-    else:
-        inside = _inside(children, outcomes, links)
+    inside = _inside(children, outcomes_shown(node), links_of(node))
     words = describe(node) + (f", only if {node.precondition}" if node.precondition else "")
     header = ICON + text_width(name, NAME_SIZE, bold=True) + 10 + text_width(words, TEXT_SIZE)
     width = max(inside.width, header) + 2 * _FRAME_PAD

@@ -101,13 +101,6 @@ def test_every_edge_of_a_state_machine_is_drawn_with_its_label():
     }
 
 
-def test_a_long_sequence_is_wrapped_into_rows():
-    children = {f"step{i}": Leaf(node="flow/wait") for i in range(60)}
-    figure = flow_figure(Task(grip=1, name="t", root=Sequence(kind="sequence", children=children)), CATALOG)
-    assert 0.5 < figure.width / figure.height < 3
-    assert len(figure.lines) == 59
-
-
 def twigs():
     return st.recursive(
         st.builds(TreeItem, st.floats(10, 80)),
