@@ -126,9 +126,8 @@ def _curve(line: Line) -> str:
         if abs(to_x - x) < 0.5 or abs(to_y - y) < 0.5:
             commands.append(f"L{_number(to_x)} {_number(to_y)}")
         else:
-            dx, dy = (0.0, (to_y - y) / 2) if line.axis == "y" else ((to_x - x) / 2, 0.0)
-            way = ((x + dx, y + dy), (to_x - dx, to_y - dy), (to_x, to_y))
-            points = " ".join(f"{_number(px)} {_number(py)}" for px, py in way)
+            middle = (y + to_y) / 2
+            points = " ".join(f"{_number(px)} {_number(py)}" for px, py in ((x, middle), (to_x, middle), (to_x, to_y)))
             commands.append(f"C{points}")
         x, y = to_x, to_y
     return "".join(commands)

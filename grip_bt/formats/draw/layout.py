@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 Point = tuple[float, float]
 NAME_SIZE, TEXT_SIZE = 13.0, 11.0
@@ -47,13 +46,12 @@ class Pill:
 
 @dataclass(frozen=True)
 class Line:
-    """A line through points; curved where they aren't one below the other, along `axis` where it leaves them."""
+    """A line through points; curved where they are neither beside nor below one another."""
 
     points: tuple[Point, ...]
     label: str = ""
     label_at: Point = (0.0, 0.0)
     arrow: bool = True
-    axis: Literal["x", "y"] = "y"
 
 
 @dataclass

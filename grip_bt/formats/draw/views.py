@@ -127,7 +127,7 @@ def tree_figure(task: Task, catalog: Catalog) -> Figure:
             parent = _parent(path)
             start, from_y = left[depth[path] - 1] + boxes[parent].width, items[parent].y
             trunk = x - _COLUMN_GAP / 2
-            figure.lines.append(Line(((start, from_y), (trunk, from_y), (trunk, y), (x, y)), arrow=False, axis="x"))
+            figure.lines.append(Line(((start, from_y), (trunk, from_y), (trunk, y), (x, y)), arrow=False))
     return figure
 
 
@@ -250,4 +250,4 @@ def _loop(link: Link, x: float, top: float, height: float) -> Line:
     low, high = top + min(height, 60) * 0.7, top + min(height, 60) * 0.3
     out = x + _LOOP - 8
     at = (out + 6 + text_width(link.label, TEXT_SIZE) / 2, (low + high) / 2)
-    return Line(((x, low), (out, low), (out, high), (x, high)), link.label, at, axis="x")
+    return Line(((x, low), (out, low), (out, high), (x, high)), link.label, at)

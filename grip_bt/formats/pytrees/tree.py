@@ -102,10 +102,7 @@ class Reader:
             if not isinstance(behaviour.document, model.Foreign) or not behaviour.document.children:
                 return keys
             behaviour = behaviour.decorated
-        inner = path
-        for n in range(len(equal.around)):
-            inner = model.join(inner, _inside(n))
-        children = self.children(behaviour, inner)
+        children = self.children(behaviour, model.join(path, _INSIDE) if equal.inverted else path)
         if equal.failures:
             keys["exits"] = {
                 f"{name}.{label}": "failure"
@@ -117,8 +114,8 @@ class Reader:
             keys["rules"] = _rules(behaviour, children, equal.selected)
         if keys["kind"] == "parallel" and self.keys.names:
             keys["order"] = "declared"  # what one writes the next one reads, in the same tick
-        for n, around in reversed([*enumerate(equal.around)]):
-            children = {_inside(n): {**around, "child": children}}
+        if equal.inverted:
+            children = {_INSIDE: {"kind": "invert", "child": children}}
         if keys["kind"] == "foreign" and not children:
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
@@ -172,6 +169,7 @@ class Reader:
         return result
 
 
+_INSIDE = "inside"
 _LISTED = "kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml"
 
 
@@ -217,7 +215,7 @@ class _Drawer(Reader):
         if behaviour.children and not isinstance(behaviour, Node):
             with suppress(NoEquivalentError):
                 equal = convert_behaviour(behaviour)
-                if not equal.around:
+                if not equal.inverted:
                     return NodeSettings(equal.settings)
         words = {"args": _literals_of(behaviour)}
         words["in"], words["out"] = (
@@ -227,10 +225,6 @@ class _Drawer(Reader):
         return NodeSettings(
             {"kind": "foreign", "behaviour": _readable(behaviour)} | {k: v for k, v in words.items() if v}
         )
-
-
-def _inside(n: int) -> str:
-    return f"inside_{n + 1}" if n else "inside"
 
 
 def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[int, ...]) -> list[dict[str, Any]]:
