@@ -33,18 +33,18 @@ class Value:
 
 @dataclass
 class Translator:
-    """Writes scripts as expressions, given what they call a blackboard key, and its type; notes what to know."""
+    """Writes scripts as expressions, given what they call a blackboard key, and its type; notes what to know.
+
+    Raises:
+        Inexact: from every method, where there is none.
+    """
 
     name_of: Callable[[str], str]
     type_of: Callable[[str], str]
     notes: list[str] = field(default_factory=list)
 
     def condition(self, script: ast.expr) -> Value:
-        """Return the expression that is true where BT.CPP casts the script's value to true.
-
-        Raises:
-            Inexact: there is none.
-        """
+        """Return the expression that is true where BT.CPP casts the script's value to true."""
         value = self.value(script)
         if value.type == "str":
             raise Inexact("a text as a condition")
@@ -53,11 +53,7 @@ class Translator:
         return Value(ast.Compare(value.tree, [ast.NotEq()], [ast.Constant(0)]), "bool")
 
     def value(self, script: ast.expr) -> Value:
-        """Return the expression that comes to the script's value.
-
-        Raises:
-            Inexact: there is none.
-        """
+        """Return the expression that comes to the script's value."""
         match script:
             case ast.Constant():
                 return literal(script)
@@ -181,17 +177,17 @@ class Asked:
 
 
 class Scripts:
-    """The scripts of one sub-tree; `note` takes what to know about one."""
+    """The scripts of one sub-tree; `note` takes what to know about one.
+
+    Raises:
+        ScriptError: from every method, where a text isn't a script.
+    """
 
     def __init__(self, board: Board, note: Callable[[str], None]):
         self.board, self.note = board, note
 
     def condition(self, text: str, negated: bool = False) -> Asked:
-        """Return what holds where a script's last value does, or where it doesn't.
-
-        Raises:
-            ScriptError: it isn't a script.
-        """
+        """Return what holds where a script's last value does, or where it doesn't."""
         *first, last = parse_script(text) or [ast.Constant(False)]
         try:
             made = [self._statement(statement) for statement in first]
@@ -203,11 +199,7 @@ class Scripts:
             return Asked([self._as_it_is(text, holds)], f"not {holds}" if negated else holds, negated)
 
     def assignments(self, text: str) -> list[NodeDraft]:
-        """Return a node for each assignment of a script, in order, or one for all.
-
-        Raises:
-            ScriptError: it isn't a script.
-        """
+        """Return a node for each assignment of a script, in order, or one for all."""
         made = []
         for part, statement in zip(parts_of(text), parse_script(text), strict=True):
             try:
@@ -217,11 +209,7 @@ class Scripts:
         return made
 
     def on_halted(self, text: str, node: NodeDraft, meaning: str) -> NodeDraft:
-        """Return a node after whose interruption a script is run.
-
-        Raises:
-            ScriptError: it isn't a script.
-        """
+        """Return a node after whose interruption a script is run."""
         return controlled(self._as_it_is(text, node="btcpp/OnHalted"), [node], meaning)
 
     def _as_it_is(self, text: str, holds: str = "", node: str = "btcpp/Script") -> NodeDraft:

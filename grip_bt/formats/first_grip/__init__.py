@@ -16,10 +16,10 @@ from grip_bt.task import FrozenDict, Meaning, Task
 from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 from grip_bt.task.model import Leaf, walk
 
-from .project import MARK, MESSAGES, Configuration, outcome_count, project_texts, read_configuration, take_file
+from .project import MARK, Configuration, project_texts, read_configuration, take_file
 from .settings import read_settings
 from .states import STATES, ImportContext, node_of
-from .tasks import GripContainer, GripState, graph_task, is_hand, name_of, outcome_meanings
+from .tasks import GripContainer, GripState, graph_task, name_of, outcome_meanings
 from .text import text_task
 
 
@@ -66,15 +66,7 @@ def import_grip(path: Path) -> Imported:
     tasks: dict[str, Task] = {}
     unknown: dict[str, GripState] = {}
     for root in originals:
-        context = ImportContext(
-            arms={group: key_of(group) for group in found.part("planners") if not is_hand(group)},
-            sensors={name: key_of(name) for name in found.part("sensors")},
-            components={n: (key_of(n), outcome_count(said)) for n, said in found.part("components").items()},
-            messages={kind: set(found.part(kind)) for kind in MESSAGES} if found.parts else {},
-            unknown=unknown,
-            hand=next((key_of(group) for group in found.part("planners") if is_hand(group)), "hand"),
-            issues=issues,
-        )
+        context = ImportContext(found, unknown, issues)
         task = _task(root, context)
         tasks[free(key_of(task.name), tasks)] = task
     used = {n.node.partition("/")[0] for task in tasks.values() for _, n in walk(task.root) if isinstance(n, Leaf)}

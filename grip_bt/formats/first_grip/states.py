@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from grip_bt.formats.imported import Issues
 from grip_bt.formats.names import key_of
 
+from .project import MESSAGES, Configuration, outcome_count
 from .tasks import GripState, is_hand, name_of
 
 STORES = {
@@ -31,21 +32,21 @@ Converted = tuple[dict[str, Any], dict[str, str]]
 
 @dataclass
 class ImportContext:
-    """What a task's states stand in and need: names -> keys of the project, and what was collected on the way.
+    """What a task's states stand in: the robot's configuration, and what was collected on the way.
 
-    `components`: (key, number of outcomes). `messages`: names in the project's stores. `hand`: for states that name no
-    group. `produced`: userdata that some state writes. `unknown`: states without an equal, by the name of their node.
+    `produced`: userdata that some state writes. `unknown`: states without an equal, by the name of their node.
     """
 
-    arms: Mapping[str, str] = field(default_factory=dict)
-    sensors: Mapping[str, str] = field(default_factory=dict)
-    components: Mapping[str, tuple[str, int]] = field(default_factory=dict)
-    messages: Mapping[str, Collection[str]] = field(default_factory=dict)
-    hand: str = "*"
+    found: Configuration
+    unknown: dict[str, GripState]
+    issues: Issues
     produced: set[str] = field(default_factory=set)
     variables: dict[str, object] = field(default_factory=dict)
-    unknown: dict[str, GripState] = field(default_factory=dict)
-    issues: Issues = field(default_factory=Issues)
+
+    @property
+    def hand(self) -> str:
+        """What a state that names no group takes for the hand."""
+        return next((key_of(group) for group in self.found.part("planners") if is_hand(group)), "hand")
 
     def variable(self, name: str, type_name: str = "") -> str:
         """Return the variable of a name; it holds anything where it is written as more than one type."""
@@ -54,9 +55,10 @@ class ImportContext:
         self.variables[name] = known if type_name in ("", known) else "Any"
         return name
 
-    def arm(self, group: str) -> dict[str, str]:
-        """Return the parameter that names an arm; none where the project has one only."""
-        return {"arm": self.arms.get(group, key_of(group))} if group else {}
+
+def _arm(group: str) -> dict[str, str]:
+    """Return the parameter that names an arm; none where the project has one only."""
+    return {"arm": key_of(group)} if group else {}
 
 
 class _Steps:
@@ -88,15 +90,15 @@ class _Steps:
             self.add("take", "messages/take", with_={"store": store}, out={"value": variable})
             return variable
         if not store and name_of(name) not in self.context.produced:
-            found = [(s, t) for s, t in STORES.values() if name in self.context.messages.get(s, ())]
+            found = [(s, t) for s, t in STORES.values() if name in self.context.found.part(s)]
             store, type_name = found[0] if found else ("", "Any")
             if not found:
                 text = f"{what} {name!r} is neither written by a state nor a stored message; give it a value"
                 self.note("incomplete", text)
         if not store:
             return self.context.variable(name)
-        known = self.context.messages.get(store)
-        if known is not None and name not in known and store != "plans":
+        known = self.context.found.part(store)
+        if self.context.found.parts and store in MESSAGES and name not in known:
             self.note("incomplete", f"there is no {kind or 'message'} {name!r} in messages/{store}.yaml")
         variable = self.context.variable(f"{name} {type_name}".replace(" ", "_"), type_name)
         self.add(f"get_{key_of(name)}", "messages/get", with_={"store": store, "name": name}, out={"value": variable})
@@ -133,7 +135,7 @@ def _compute_plan(steps: _Steps) -> dict[str, str]:
     if steps.slot("starting_name") or steps.slot("starting_type"):
         given["start"] = _goal(steps, "starting", "the start")
     variable = steps.context.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
-    return steps.add("plan", "arm/plan", with_=steps.context.arm(group), in_=given, out={"plan": variable})
+    return steps.add("plan", "arm/plan", with_=_arm(group), in_=given, out={"plan": variable})
 
 
 def _move(steps: _Steps) -> dict[str, str]:
@@ -144,11 +146,11 @@ def _move(steps: _Steps) -> dict[str, str]:
     name = plan or f"last_plan_{group or 'arm'}"
     variable = steps.context.variable(name, "Plan") if known else steps.value(plan, "plan", "the plan")
     steps.note("changed", "fails when the motion fails; the first GRIP ignored that")
-    return steps.add("move", "arm/execute", with_=steps.context.arm(group), in_={"plan": variable})
+    return steps.add("move", "arm/execute", with_=_arm(group), in_={"plan": variable})
 
 
 def _execute_trajectory(steps: _Steps) -> dict[str, str]:
-    name, arm = steps.slot("trajectory_name"), steps.context.arm(steps.slot("group_name"))
+    name, arm = steps.slot("trajectory_name"), _arm(steps.slot("group_name"))
     produced = name_of(name) in steps.context.produced
     variable = steps.context.variable(name) if produced else steps.value(name, "trajectory", "the trajectory")
     steps.note("changed", "goes to where the trajectory begins; is checked before, and fails when it can't be followed")
@@ -236,7 +238,7 @@ def _number(steps: _Steps, slot: str, pattern: str, unit: str = "") -> float | N
 
 
 def _allow(steps: _Steps) -> dict[str, str]:
-    arm = steps.context.arm(steps.slot("group_name")).get("arm", steps.context.hand)
+    arm = _arm(steps.slot("group_name")).get("arm", steps.context.hand)
     if "collision" in steps.state.slots and not steps.slot("collision"):
         steps.note("changed", "it only asked which collisions are allowed, and changes none")
         steps.add("allow", "flow/succeed")
@@ -275,10 +277,10 @@ def node_of(state: GripState, context: ImportContext, place: str) -> Converted:
     if state.type in STATES and not moves_a_hand:
         ends = STATES[state.type](steps)
         return steps.node(), _by_place(ends, state.outcomes)
-    if state.type in context.components:
+    if state.type in context.found.part("components"):
         return _component(steps)
-    if state.type in context.sensors:
-        key, alias = context.sensors[state.type], key_of(steps.slot("sensor_topic") or "data")
+    if state.type in context.found.part("sensors"):
+        key, alias = key_of(state.type), key_of(steps.slot("sensor_topic") or "data")
         out = {alias: context.variable(steps.slot("output"))} if steps.slot("output") else {}
         steps.add("look", f"sensor/{key}", out=out)
         return steps.node(), PLAIN
@@ -292,7 +294,7 @@ def _by_place(ends: dict[str, str], outcomes: list[str]) -> dict[str, str]:
 
 
 def _component(steps: _Steps) -> Converted:
-    key, count = steps.context.components[steps.state.type]
+    key, count = key_of(steps.state.type), outcome_count(steps.context.found.part("components")[steps.state.type])
     given = {"input": _input(steps)} if steps.slot("input") else {}
     output, store = steps.slot("output"), STORES.get(steps.slot("output_type"), ("", ""))[0]
     returned = steps.context.variable(output) if output else ""
