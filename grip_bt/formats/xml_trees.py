@@ -47,11 +47,7 @@ class Element:
         return DocumentError(f"{self}: {message}", self.source, self.line)
 
     def only_child(self) -> Element:
-        """Return the one element inside.
-
-        Raises:
-            DocumentError: there isn't exactly one.
-        """
+        """Return the one element inside. Raises DocumentError: there isn't exactly one."""
         if len(self.children) != 1:
             raise self.error(f"needs one node inside, and has {len(self.children)}")
         return self.children[0]
@@ -222,11 +218,7 @@ class Document:
         return self.trees.get(name)
 
     def wanted(self, root: Element, name: str) -> str:
-        """Return the name of a tree that is asked for.
-
-        Raises:
-            DocumentError: there is none of that name.
-        """
+        """Return the name of a tree that is asked for. Raises DocumentError: there is none of that name."""
         if self.tree(name, root) is None:
             there = f"{nearest(name, self.trees)} (available: {listing(self.trees)})"
             raise DocumentError(f"there is no tree {name!r}{there}", self.source)

@@ -141,11 +141,7 @@ def _not(value: Value) -> ast.expr:
 
 
 def literal(said: ast.Constant) -> Value:
-    """Return a literal as an expression.
-
-    Raises:
-        Inexact: expressions can't hold it.
-    """
+    """Return a literal as an expression. Raises Inexact: expressions can't hold it."""
     match said.value:
         case bool(truth):
             return Value(ast.Name(str(truth).lower()), "bool")

@@ -188,11 +188,7 @@ class Importer:
     # --- the task ---
 
     def result(self) -> Imported:
-        """Return the task of the last reading.
-
-        Raises:
-            DocumentError: its task can't be written as a file.
-        """
+        """Return the task of the last reading. Raises DocumentError: its task can't be written as a file."""
         made, tree = self.made, self.name
         try:
             inputs, data = self.variables.declared(_mentioned(made.keys))

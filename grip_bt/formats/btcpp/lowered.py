@@ -93,11 +93,7 @@ def tag_of(manifest: Manifest) -> str:
 
 
 def milliseconds(part: Part, seconds: float) -> str:
-    """Return a time [s] in milliseconds.
-
-    Raises:
-        NotExpressibleError: it isn't a whole number of them.
-    """
+    """Return a time [s] in milliseconds. Raises NotExpressibleError: it isn't a whole number of them."""
     milliseconds = round(seconds * 1000)
     if milliseconds / 1000 != seconds:
         raise NotExpressibleError(part.path, f"{seconds} s, which isn't a whole number of milliseconds,", TARGET)

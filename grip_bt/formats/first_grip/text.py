@@ -31,11 +31,7 @@ _Scope = ChainMap[str, Any]
 
 
 def text_task(data: object, source: str) -> GripContainer:
-    """Return the task that a nested dictionary holds.
-
-    Raises:
-        BrokenTaskError: it holds none, or is broken.
-    """
+    """Return the task that a nested dictionary holds. Raises BrokenTaskError: it holds none, or is broken."""
     if not isinstance(data, Mapping) or "states" not in data:
         raise BrokenTaskError(f"{source}: there is no task in it: `name`, `outcomes` and `states` are expected")
     return _container(str(data.get("name") or "task"), _Said(data, ChainMap(), source), 0)

@@ -68,11 +68,7 @@ class AdoptedTree(CompiledTree):
             each.observer = observer
 
     def prepare(self, context: Any) -> None:
-        """Set the tree up, unless its own code has.
-
-        Raises:
-            NodeError: one of its behaviours can't be set up.
-        """
+        """Set the tree up, unless its own code has. Raises NodeError: one of its behaviours can't be set up."""
         if self._found.ready:
             return
         try:

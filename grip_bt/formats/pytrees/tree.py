@@ -136,11 +136,7 @@ class Reader:
             return NodeSettings({"kind": "sequence"})
 
     def other(self, behaviour: Behaviour, path: str) -> NodeSettings:
-        """Return what a behaviour is that comes from no task.
-
-        Raises:
-            NoEquivalentError: nothing.
-        """
+        """Return what a behaviour is that comes from no task. Raises NoEquivalentError: nothing."""
         try:
             return convert_behaviour(behaviour, self.keys)
         except NoEquivalentError as why:

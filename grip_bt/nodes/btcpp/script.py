@@ -49,11 +49,7 @@ class ScriptError(ValueError):
 
 
 def parse_script(text: str) -> list[ast.expr]:
-    """Return the statements of a script.
-
-    Raises:
-        ScriptError: it isn't one.
-    """
+    """Return the statements of a script. Raises ScriptError: it isn't one."""
     if len(text) > LONGEST:
         raise ScriptError(f"longer than {LONGEST} characters")
     parser = _Parser(_tokens(text))
