@@ -173,11 +173,7 @@ class Document:
         self._seen: set[Path] = set()
 
     def load(self, text: str) -> str:
-        """Take in the trees of a file; return the ID of the main one.
-
-        Raises:
-            DocumentError: a file can't be read, or there is no main tree.
-        """
+        """Take in the trees of a file; return the ID of the main one. Raises DocumentError: there is none."""
         root = self.take_text(text)
         mains = self.mains(root)
         if len(mains) != 1:
@@ -191,11 +187,7 @@ class Document:
         return root
 
     def mains(self, root: Element) -> list[str]:
-        """Return the ID of the main tree; where the file doesn't say it, of each that no other one holds.
-
-        Raises:
-            DocumentError: there is none.
-        """
+        """Return the ID of the main tree, or of each that no other one holds. Raises DocumentError: there is none."""
         if not self.trees:
             raise root.error("there is no <BehaviorTree>")
         main = root.attributes.get("main_tree_to_execute")

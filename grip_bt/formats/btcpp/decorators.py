@@ -24,11 +24,7 @@ _ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": "skipped"}
 
 
 def end(status: str) -> NodeDraft:
-    """Return a node that ends at once with a status of BT.CPP.
-
-    Raises:
-        ValueError: it isn't one that a node may end with.
-    """
+    """Return a node that ends at once with a status of BT.CPP. Raises ValueError: no node ends with it."""
     if status not in _ENDS:
         raise ValueError(f"the status {status!r} isn't SUCCESS, FAILURE or SKIPPED")
     if status == "SKIPPED":

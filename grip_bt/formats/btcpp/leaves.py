@@ -138,14 +138,7 @@ class Leaves:
         self.settled = {name: face.manifest() for name, face in self.faces.items()}
 
     def leaf(self, name: str, said: dict[str, str], board: Board, controls: bool = False) -> Keys:
-        """Return the keys of a leaf of a node type, given port -> what its attribute says.
-
-        Args:
-            controls: whether it decides over children.
-
-        Raises:
-            ValueError: a port isn't there, or can't hold what it is given.
-        """
+        """Return the keys of a leaf of a node type, or of one that decides over children; see `leaf_keys`."""
         ids = (name.replace("__", "/"), f"{GROUP}/{_WRONG.sub('_', name)}", f"nav2/{name}")
         known = next((self.catalog.get(i) for i in ids if i in self.catalog), None)
         if known is not None and (known.implementation.startswith("grip_bt.") or not known.id.startswith(f"{GROUP}/")):
@@ -162,11 +155,7 @@ class Leaves:
 
 
 def leaf_keys(manifest: Manifest, said: Mapping[str, str], board: Board) -> Keys:
-    """Return the keys of a leaf, given port -> what its attribute says.
-
-    Raises:
-        ValueError: a port isn't there, or can't hold what it is given.
-    """
+    """Return the keys of a leaf, port -> text given. Raises ValueError: a port isn't there, or can't hold its text."""
     keys: Keys = {"node": manifest.id}
     for port, text in said.items():
         key = key_of(text, port)

@@ -59,11 +59,7 @@ class Lowering:
         self._first: list[str] = []
 
     def document(self, resolved: Resolved) -> Xml:
-        """Return what stands in the main tree of a task.
-
-        Raises:
-            NotExpressibleError: BT.CPP has no words for a part of it.
-        """
+        """Return the main tree of a task. Raises NotExpressibleError: BT.CPP has no words for a part of it."""
         root, meaning = resolved.root, resolved.task.outcomes
         if resolved.task.outputs:
             raise NotExpressibleError("/", "outputs of a task", TARGET)
@@ -220,11 +216,7 @@ class Lowering:
         return xml("Sequence", script(*first), made) if first else made
 
     def _target(self, part: Part, child: Part, natural: Mapping[str, str]) -> str:
-        """Return the label with which a container ends after a child, as an expression over `outcome` and `code`.
-
-        Args:
-            natural: meaning of the child's end -> label, or '' to go on.
-        """
+        """Return where a container goes after a child; `natural`: meaning of its end -> label, or '' to go on."""
         means = [(f"outcome == '{label}'", f"'{natural[means]}'") for label, means in child.meaning.items()]
         return chosen([*leads(part.exits, child.name), *means], "''")
 

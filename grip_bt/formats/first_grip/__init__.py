@@ -24,11 +24,7 @@ from .text import text_task
 
 
 def read(request: Request) -> Imported:
-    """Return the tasks and the files of a project that a file or a folder becomes.
-
-    Raises:
-        GripError: it can't be read, a task is broken, or there is nothing of the first GRIP in it.
-    """
+    """Return the tasks and the files of a project that a file or a folder becomes; see `import_grip`."""
     return import_grip(request.path)
 
 
@@ -137,11 +133,7 @@ def _class(cls: str, state: GripState, outcomes: tuple[str, ...]) -> str:
 
 
 def _task(root: GripContainer, context: ImportContext) -> Task:
-    """Return the task; what isn't as it was is added to the context's issues.
-
-    Raises:
-        GripError: it can't be written as a task.
-    """
+    """Return the task; what isn't as it was is added to the context's issues."""
     for state in root.states():
         output, stored = state.slots.get("output"), state.slots.get("output_type")
         if output and (not stored or state.type == "Select"):

@@ -184,11 +184,7 @@ MESSAGES = ("joint_states", "poses", "trajectories")
 
 
 def project_texts(found: Configuration, moving: Collection[str] = ()) -> dict[str, str]:
-    """Return the files of a project folder by their path in it; what isn't as it was is noted in `found`.
-
-    Args:
-        moving: `arm`, `hand`, `scene`: kinds of nodes that the tasks use.
-    """
+    """Return the files of a project folder; `moving`: kinds of nodes that the tasks use, of `arm`, `hand`, `scene`."""
     texts = {"grip.yaml": _yaml_text(_project(found, moving))}
     for kind in MESSAGES:
         if found.part(kind):

@@ -213,11 +213,7 @@ def _variant(text: str, line: int) -> object:
 
 
 def _pickled(data: bytes) -> object:
-    """Return the Python object in a QVariant: type, name of the type, length, pickle; numbers are big-endian.
-
-    Raises:
-        ValueError: it holds something else.
-    """
+    """Return the Python object in a QVariant: type, name of the type, length, pickle; numbers are big-endian."""
     (kind,) = struct.unpack_from(">I", data)
     if kind != _USER_TYPE:
         raise ValueError(f"a QVariant of Qt's type {kind}, not of a Python object")

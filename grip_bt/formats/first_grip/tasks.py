@@ -96,11 +96,7 @@ class BrokenTaskError(GripError):
 
 
 def graph_task(settings: Mapping[Key, object], source: str, issues: Issues) -> GripContainer:
-    """Return the task that a file of settings holds; what isn't as it was is added to the issues.
-
-    Raises:
-        BrokenTaskError: there is none in it, or it is broken.
-    """
+    """Return the task that a file of settings holds. Raises BrokenTaskError: there is none in it, or it is broken."""
     graphs: dict[Key, dict[str, object]] = {}
     for key, value in settings.items():
         if key[-1] != "container":

@@ -83,11 +83,7 @@ class AdoptedTree(CompiledTree):
         self._found.tree.shutdown()
 
     def execute(self, pacer: Pacer, tick: Callable[[], object] | None = None) -> TaskEnd:
-        """Tick until the root has ended, or as often as was said.
-
-        Args:
-            tick: does one; the tree's own by default.
-        """
+        """Tick until the root has ended, or as often as was said; `tick` does one, the tree's own by default."""
         tick, left = tick or self._tick, self._ticks
         self.data[Scopes.TASK].reset()
         self._board.look("/", thoroughly=True)

@@ -244,11 +244,7 @@ def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[
 
 
 def refuse_variables(document: model.AnyNode) -> None:
-    """Refuse a node that sees variables: where these are declared only the whole task says.
-
-    Raises:
-        NoEquivalentError: it reads, writes or declares some.
-    """
+    """Refuse a node that sees variables, which only the whole task declares. Raises NoEquivalentError."""
     if document.precondition:
         raise NoEquivalentError(f"it has the precondition `{document.precondition}`, {_GIVE}")
     if isinstance(document, model.Leaf | model.Subtask) and (document.in_ or document.out):

@@ -67,11 +67,7 @@ def drawn(root: Behaviour, source: str) -> tuple[model.Task, dict[str, Behaviour
 
 
 def imported(reader: Reader, root: Behaviour, name: str, more: Mapping[str, Any] | None = None) -> Imported:
-    """Return the task of what a reader reads; `more`: further keys of the document.
-
-    Raises:
-        ImportRefusedError: behaviours have no equivalent.
-    """
+    """Return the task of what a reader reads. Raises ImportRefusedError: behaviours have no equivalent."""
     keys = reader.node(root, "/")
     reader.issues.raise_if_refused("the tree")
     task = {"grip": model.FORMAT_VERSION, "name": name or node_name(root.name) or "tree", **(more or {})}
@@ -143,11 +139,7 @@ class Reader:
             return self.foreign(behaviour, path, why)
 
     def foreign(self, behaviour: Behaviour, path: str, why: NoEquivalentError) -> NodeSettings:
-        """Return the foreign node that holds a behaviour without equivalent.
-
-        Raises:
-            NoEquivalentError: it can't be made again.
-        """
+        """Return the foreign node that holds a behaviour. Raises NoEquivalentError: it can't be made again."""
         if type(behaviour).__module__.startswith("py_trees."):
             raise why
         name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name

@@ -58,11 +58,7 @@ class KindSource:
         self._settings: dict[type, list[str]] = {}
 
     def made(self, part: Part, kind: base.Kind) -> Bracketed:
-        """Return the expression that makes a kind.
-
-        Raises:
-            NotExpressibleError: it asks what such a file doesn't answer.
-        """
+        """Return what makes a kind. Raises NotExpressibleError: it asks what such a file doesn't answer."""
         self._add(type(kind), _ASKED)
         if unknown := sorted(self.questions - _ANSWERED):
             raise NotExpressibleError(part.path, f"a {kind.kind}, which asks for `{unknown[0]}`,", TARGET)

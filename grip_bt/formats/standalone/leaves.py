@@ -37,11 +37,7 @@ def needs_grip(resolved: Resolved) -> bool:
 
 
 def leaf(part: Part, builder: ModuleBuilder, builtin: Catalog) -> Bracketed:
-    """Return the expression that makes a leaf.
-
-    Raises:
-        NotExpressibleError: it is a behaviour of py_trees and the task binds ports of it, or changes what it means.
-    """
+    """Return what makes a leaf. Raises NotExpressibleError: it is py_trees' own and the task changes what it means."""
     node, manifest = cast(model.Leaf, part.node), cast(Manifest, part.manifest)
     parameters = {k: p.default for k, p in manifest.parameters.items() if not p.required} | dict(node.with_)
     if not builder.grip and manifest.id in _EQUAL and not node.meaning:
