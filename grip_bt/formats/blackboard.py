@@ -26,11 +26,7 @@ _UNSET = object()
 
 
 def value_of_text(text: str, type_name: str) -> Any:
-    """Return the value that a text is where a type is wanted: lists by commas or semicolons, JSON for other data.
-
-    Raises:
-        ValueError: it isn't one of this type.
-    """
+    """Return the value that a text is; lists are parted by commas or semicolons. Raises ValueError: it isn't one."""
     wanted = parse_type(type_name)
     if wanted.optional and text.strip().lower() in ("null", "none"):
         return None
@@ -156,11 +152,7 @@ class Variables:
         return name
 
     def declared(self, mentioned: Collection[str]) -> tuple[dict[str, object], dict[str, object]]:
-        """Return the inputs and the data of a task that mentions these.
-
-        Raises:
-            ValueError: an initial text isn't of the type that its readers want.
-        """
+        """Return inputs and data of a task that mentions these. Raises ValueError: a text isn't what readers want."""
         inputs, data = dict[str, object](), dict[str, object]()
         for name, entry in self.every.items():
             if name not in mentioned:

@@ -89,11 +89,7 @@ def is_tree_code(text: str) -> bool:
 
 
 def place_of(text: str) -> Place:
-    """Read `package.module:function`, `file.py:function(argument=1)` or `file.py`.
-
-    Raises:
-        TreeCodeError: it isn't one; the message says what is.
-    """
+    """Read `package.module:function`, `file.py:function(argument=1)` or `file.py`. Raises TreeCodeError."""
     found = _WHERE.fullmatch(text.strip())
     if found is None:
         raise TreeCodeError(f"{text!r} names no tree: {_ADVICE}")

@@ -165,6 +165,7 @@ class ElementReader:
     board: Board
     inside: tuple[str, ...]
     meaning: str = "success"
+    again: Element | None = None
     read: list[NodeDraft] = field(default_factory=list, compare=False)
 
     @property

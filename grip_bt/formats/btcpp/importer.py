@@ -6,6 +6,7 @@ with that known, to write the task.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from grip_bt.base.frozen import FrozenDict
 from grip_bt.formats.blackboard import Board, Variables
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import MOST_NODES, Document, Element, Model
+from grip_bt.formats.xml_trees import MOST_NODES, Document, Model
 from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
@@ -114,6 +115,8 @@ class Importer:
         check_attributes(here)
         tag, id_ = here.element.tag, here.attributes.get("ID", "")
         name = id_ if tag in (*_EXPLICIT, "SubTree") else tag
+        if name in _ASKS_AGAIN:
+            here = replace(here, again=here.element)
         if tag == "SubTree":
             made = self._sub_tree(here, name)
         elif name in REFUSED:
@@ -128,25 +131,12 @@ class Importer:
                 made = self._by_its_rules(here, name, why)
         else:
             made = self._leaf(here, name)
-        if name in _ASKS_AGAIN and (late := self._late(here.element)):
+        if name in _LATE and here.again is not None:
             text = "after attempts of several ticks the next one begins in the next tick, in BT.CPP in the same one"
-            here.note("changed", f"{late} is below: {text}; what is around it may be asked once more in between")
+            more = "what is around it may be asked once more in between"
+            here.note("changed", f"<{name}> is below: {text}; {more}", here.again)
         made.name = here.attributes.get("name") or name
         return with_conditions(here, made)
-
-    def _late(self, element: Element) -> str:
-        """Return the tag of a node below that takes a tick more than BT.CPP's, or nothing."""
-        stack, seen = list(element.children), set[str]()
-        while stack:
-            below = stack.pop()
-            name = below.attributes.get("ID", "") if below.tag in (*_EXPLICIT, "SubTree") else below.tag
-            if name in _LATE:
-                return f"<{name}>"
-            if below.tag == "SubTree" and name not in seen and (tree := self.document.tree(name, below)) is not None:
-                seen.add(name)
-                stack += tree.children
-            stack += below.children
-        return ""
 
     def _leaf(self, here: ElementReader, name: str) -> NodeDraft:
         tag = here.element.tag

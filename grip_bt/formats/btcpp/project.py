@@ -60,11 +60,7 @@ class {name}(grip.Control):
 
 
 def read(request: Request) -> Imported:
-    """Return the tasks of an XML file, of several, or of all in a folder, with what is still to be written for them.
-
-    Raises:
-        GripError: one file can't be read, or parts of it have no exact equivalent; of several, none has a tree.
-    """
+    """Return the tasks of an XML file, of several, or of a folder, with what is to be written; see `Project.tasks`."""
     project = Project(request)
     made = project.tasks(alone=[request.path] == project.files)
     return replace(made, **project.to_write(made.manifests))

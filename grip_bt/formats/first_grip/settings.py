@@ -119,11 +119,7 @@ class Refused:
 
 
 def read_settings(path: Path) -> dict[Key, object]:
-    """Return the values of a file by key: text, lists of text, what was pickled, or `Refused`.
-
-    Raises:
-        DocumentError: it can't be read, or isn't such a file; with the line.
-    """
+    """Return key -> text, texts, what was pickled, or `Refused`. Raises DocumentError with the line."""
     try:
         if path.stat().st_size > LARGEST:
             raise DocumentError(f"is larger than {LARGEST} bytes", str(path))

@@ -31,11 +31,7 @@ _OWN: dict[type, tuple[str, ...]] = {
 
 
 def container(part: Part, children: list[str], builder: ModuleBuilder) -> Bracketed:
-    """Return the expression that makes a container of nodes that were made before it, by their names.
-
-    Raises:
-        NotExpressibleError: such a file can't do the same.
-    """
+    """Return what makes a container of nodes by their names. Raises NotExpressibleError: no such file does that."""
     kind, names = part.node, [Raw(name) for name in children]
     assert isinstance(kind, model.Kind), "leaves are made elsewhere"
     if isinstance(kind, model.Subtask):
