@@ -36,12 +36,7 @@ class TreeCodeError(GripError):
 
 @dataclass
 class FoundTree:
-    """A tree, and what its code has done with it.
-
-    Attributes:
-        ready: whether it was set up already.
-        period: how often it is to be ticked [s]; None where that wasn't said.
-    """
+    """A tree; `ready`: its code has set it up; `period`: how often it is to be ticked [s], where that was said."""
 
     tree: BehaviourTree
     ready: bool = False
@@ -50,13 +45,7 @@ class FoundTree:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a tree's code is.
-
-    Attributes:
-        module: its name, or its file.
-        name: in it, with dots; `__main__` for the whole of it as a program.
-        arguments: literals with which a function is called.
-    """
+    """Where a tree's code is: a module or a file, a name in it with dots, and literals with which that is called."""
 
     module: str
     name: str = PROGRAM

@@ -154,11 +154,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class ElementReader:
-    """One element as its reader sees it.
-
-    `board` and `inside`: blackboard and sub-trees around it; `meaning`: what `skipped` means to the node around;
-    `read`: its children, once they were read.
-    """
+    """One element as its reader sees it; `meaning`: of `skipped` around it; `again`: what asks it on every tick."""
 
     reading: Reading
     element: Element

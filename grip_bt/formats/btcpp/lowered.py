@@ -193,19 +193,13 @@ def _decision(part: Part, node: model.Parallel, done: str, code: str, branches: 
 _NONE = "''"
 
 
-def script_of(
-    text: str, type_of: Callable[[str], str], names: Mapping[str, str] | None = None, wide: bool = False
-) -> str:
-    """Return an expression of a task as a script that comes to the same.
-
-    Args:
-        names: how it calls variables -> these.
-        wide: whether it may look another way, and doesn't come back as it was.
+def script_of(text: str, type_of: Callable[[str], str], names: Mapping[str, str] | None = None) -> str:
+    """Return an expression of a task as a script that comes to the same; `names`: how it calls variables -> these.
 
     Raises:
         ValueError: BT.CPP has no words for a part of it, or means something else by them.
     """
-    return (_WideWriter if wide else _Writer)(type_of, names or {}).text(parse_expression(text).tree)
+    return _Writer(type_of, names or {}).text(parse_expression(text).tree)
 
 
 class _Writer:
@@ -213,6 +207,28 @@ class _Writer:
         self.type_of, self.names = type_of, names
 
     def text(self, node: ast.expr) -> str:
+        match node:
+            case ast.BinOp(left=left, op=ast.Mod() | ast.FloorDiv() as op, right=ast.Constant(value=int(by))) if by > 0:
+                whole = self.inside(left)
+                down = f"~(~(({whole}) / {by}))"  # a complement cuts off what is behind the point, towards 0
+                rest = f"({whole} - {by} * ({down}))"
+                if isinstance(op, ast.Mod):
+                    return f"({rest} < 0 ? {rest} + {by} : {rest})"
+                return f"({rest} < 0 ? ({down}) - 1 : ({down}))"
+            case ast.Call(func=ast.Name(id="abs"), args=[value]):
+                said = self.inside(value)
+                return f"({said} < 0 ? (0 - {said}) : {said})"
+            case ast.Call(func=ast.Name(id="max" | "min" as name), args=[one, *others]) if others:
+                made, sign = self.inside(one), ">=" if name == "max" else "<="
+                for other in others:
+                    made = f"({made} {sign} {self.inside(other)} ? {made} : {self.inside(other)})"
+                return made
+            case ast.Compare(left=left, ops=[ast.In() | ast.NotIn() as sense], comparators=[ast.List(elts=items)]):
+                any_one = " || ".join(f"({self.comparison([left, item], ['=='])})" for item in items) or "false"
+                return f"({any_one})" if isinstance(sense, ast.In) else f"!({any_one})"
+        return self.plain(node)
+
+    def plain(self, node: ast.expr) -> str:
         match node:
             case ast.Constant(value=bool() as value):
                 return str(value).lower()
@@ -248,10 +264,17 @@ class _Writer:
 
     def exact(self, node: ast.expr) -> bool:
         """Tell whether equality with this operand is the same in both languages."""
-        if isinstance(node, ast.Constant):
-            return isinstance(node.value, bool | int | str)
-        if isinstance(node, ast.Name):
-            return node.id in CONSTANTS or self.type_of(self.names.get(node.id, node.id)) in ("int", "bool", "str")
+        match node:
+            case ast.Constant(value=value):
+                return isinstance(value, bool | int | str)
+            case ast.Name(id=name):
+                return name in CONSTANTS or self.type_of(self.names.get(name, name)) in ("int", "bool", "str")
+            case ast.BinOp(left=left, op=ast.Add() | ast.Sub() | ast.Mult() | ast.Mod() | ast.FloorDiv(), right=right):
+                return self.exact(left) and self.exact(right)
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                return self.exact(operand)
+            case ast.Call(args=args):
+                return all(map(self.exact, args))
         return False
 
     def operand(self, node: ast.expr) -> str:
@@ -263,39 +286,3 @@ class _Writer:
         text = self.text(node)
         simple = isinstance(node, ast.Name) or (isinstance(node, ast.Constant) and not text.startswith("-"))
         return text if simple else f"({text})"
-
-
-class _WideWriter(_Writer):
-    """What BT.CPP has no word for, in those that it has; whole numbers only."""
-
-    def text(self, node: ast.expr) -> str:
-        match node:
-            case ast.BinOp(left=left, op=ast.Mod() | ast.FloorDiv() as op, right=ast.Constant(value=int(by))) if by > 0:
-                whole = self.inside(left)
-                down = f"~(~(({whole}) / {by}))"  # a complement cuts off what is behind the point, towards 0
-                rest = f"({whole} - {by} * ({down}))"
-                if isinstance(op, ast.Mod):
-                    return f"({rest} < 0 ? {rest} + {by} : {rest})"
-                return f"({rest} < 0 ? ({down}) - 1 : ({down}))"
-            case ast.Call(func=ast.Name(id="abs"), args=[value]):
-                said = self.inside(value)
-                return f"({said} < 0 ? (0 - {said}) : {said})"
-            case ast.Call(func=ast.Name(id="max" | "min" as name), args=[one, *others]) if others:
-                made, sign = self.inside(one), ">=" if name == "max" else "<="
-                for other in others:
-                    made = f"({made} {sign} {self.inside(other)} ? {made} : {self.inside(other)})"
-                return made
-            case ast.Compare(left=left, ops=[ast.In() | ast.NotIn() as sense], comparators=[ast.List(elts=items)]):
-                any_one = " || ".join(f"({self.comparison([left, item], ['=='])})" for item in items) or "false"
-                return f"({any_one})" if isinstance(sense, ast.In) else f"!({any_one})"
-        return super().text(node)
-
-    def exact(self, node: ast.expr) -> bool:
-        match node:
-            case ast.BinOp(left=left, op=ast.Add() | ast.Sub() | ast.Mult() | ast.Mod() | ast.FloorDiv(), right=right):
-                return self.exact(left) and self.exact(right)
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return self.exact(operand)
-            case ast.Call(args=args):
-                return all(map(self.exact, args))
-        return super().exact(node)

@@ -114,7 +114,7 @@ class Lowering:
         known = {name: self._name_of(cell) for name, cell in cells.items()}
         types = {known[name]: cell.type for name, cell in cells.items()}
         try:
-            return script_of(expression, lambda name: types.get(name, "Any"), known, wide=True)
+            return script_of(expression, lambda name: types.get(name, "Any"), known)
         except ValueError as error:
             raise self.refuse(part, f"`{expression}` ({error})") from error
 

@@ -141,13 +141,7 @@ class Item:
 
 @dataclass(slots=True)
 class Edge:
-    """A connection between nodes by name.
-
-    Attributes:
-        label: width and height of its words [px].
-        bends: what it passes, from source to target; set by `place`.
-        label_item: the one of `bends` where its words are.
-    """
+    """A connection between nodes, with the size of its label [px]; `place` sets what it passes, and where that is."""
 
     source: str
     target: str
