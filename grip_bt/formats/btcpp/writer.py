@@ -95,9 +95,10 @@ def _bare(expression: str) -> str:
 
 
 def _described(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
-    fields, element = _ELEMENTS.get(type(part.node), (None, None))
-    require_expressible(part.path, part.node, fields, TARGET)
-    assert element is not None, "it would have been refused"
+    if type(part.node) not in _ELEMENTS:
+        raise ValueError("no element")
+    fields, element = _ELEMENTS[type(part.node)]
+    require_expressible(part.path, part.node, (*fields, "precondition"), TARGET)
     if not isinstance(part.node, model.Leaf) and not part.children:
         raise ValueError("no children")
     tag, own = _leaf(part, part.node, used) if isinstance(part.node, model.Leaf) else element(part, part.node)
@@ -183,29 +184,17 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
 
 
 _Element = Callable[[Part, Any], tuple[str, dict[str, str]]]
-_ELEMENTS: dict[type, tuple[set[str], _Element]] = {
-    model.Leaf: ({"precondition", "node", "with_", "in_", "out"}, lambda part, node: ("", {})),
-    model.Sequence: (
-        {"precondition", "memory"},
-        lambda part, node: ("Sequence" if node.memory else "ReactiveSequence", {}),
-    ),
-    model.Fallback: (
-        {"precondition", "memory"},
-        lambda part, node: ("Fallback" if node.memory else "ReactiveFallback", {}),
-    ),
-    model.Parallel: ({"precondition", "policy", "rules", "wait_for", "cancel", "prompt", "order"}, _parallel),
-    model.Retry: (
-        {"precondition", "times"},
-        lambda part, node: ("RetryUntilSuccessful", {"num_attempts": str(node.times or -1)}),
-    ),
-    model.Repeat: ({"precondition", "times"}, lambda part, node: ("Repeat", {"num_cycles": str(node.times or -1)})),
-    model.Timeout: (
-        {"precondition", "seconds"},
-        lambda part, node: ("Timeout", {"msec": milliseconds(part, node.seconds)}),
-    ),
-    model.Switch: ({"precondition", "on_value", "cases", "default", "memory"}, _switch),
-    model.Invert: ({"precondition"}, lambda part, node: ("Inverter", {})),
-    model.Force: ({"precondition", "as_"}, lambda part, node: (f"Force{node.as_.capitalize()}", {})),
+_ELEMENTS: dict[type, tuple[tuple[str, ...], _Element]] = {
+    model.Leaf: (("node", "with_", "in_", "out"), lambda part, node: ("", {})),
+    model.Sequence: (("memory",), lambda part, node: ("Sequence" if node.memory else "ReactiveSequence", {})),
+    model.Fallback: (("memory",), lambda part, node: ("Fallback" if node.memory else "ReactiveFallback", {})),
+    model.Parallel: (("policy", "rules", "wait_for", "cancel", "prompt", "order"), _parallel),
+    model.Retry: (("times",), lambda part, node: ("RetryUntilSuccessful", {"num_attempts": str(node.times or -1)})),
+    model.Repeat: (("times",), lambda part, node: ("Repeat", {"num_cycles": str(node.times or -1)})),
+    model.Timeout: (("seconds",), lambda part, node: ("Timeout", {"msec": milliseconds(part, node.seconds)})),
+    model.Switch: (("on_value", "cases", "default", "memory"), _switch),
+    model.Invert: ((), lambda part, node: ("Inverter", {})),
+    model.Force: (("as_",), lambda part, node: (f"Force{node.as_.capitalize()}", {})),
 }
 """The kinds that have an equivalent: what it can say of them, and the element with its attributes."""
 

@@ -176,14 +176,9 @@ _OWN_NAMES = (
 
 @dataclass
 class ModuleBuilder:
-    """The file under construction: the body of `create_root`, and what that uses.
+    """The file under construction: the body of `create_root`, and what that uses: parts, classes, manifests, cells.
 
-    Attributes:
-        codes: whether an edge asks for the code of a failure.
-        parts: names of the supporting parts that are used.
-        imports: module -> class -> its name in the file.
-        manifests: id -> name of its manifest in the file, for nodes that don't come with grip.
-        variables: id of a cell -> its name in the file.
+    `codes`: whether an edge asks for the code of a failure. `imports`: module -> class -> its name in the file.
     """
 
     grip: bool = False
