@@ -14,10 +14,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from grip_bt.base.errors import GripError
-from grip_bt.formats.btcpp.importer import Importer
-from grip_bt.formats.btcpp.leaves import Document, Leaves
+from grip_bt.formats.btcpp.importer import Importer, settle
+from grip_bt.formats.btcpp.leaves import Leaves
 from grip_bt.formats.imported import ImportRefusedError
-from grip_bt.formats.xml_trees import Library
+from grip_bt.formats.xml_trees import Document, Library
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
 
@@ -50,7 +50,8 @@ def imported(name: str, text: str, path: Path, library: Library, catalog: Catalo
     try:
         for main in document.mains(document.take_text(text)):
             importer = Importer(document, Leaves(catalog, document.models), main)
-            importer.settle()
+            settle([importer])
+            importer.reading.issues.raise_if_refused(name)
             made = importer.result()
             report = validate(made.task, catalog.with_manifests(made.manifests))
             if report.errors:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -24,30 +24,16 @@ from grip_bt.task.validation import validate
 from .parser import add_no_code
 from .terminal import put
 
-
-@dataclass(frozen=True)
-class _Importer:
-    """What the verb knows of a source.
-
-    Attributes:
-        package: its package in `formats`.
-        options: those that aren't for every source.
-        one: whether it gives one task, which goes to stdout where no `-o` is.
-        project: whether `-o` is the folder of a project, and not of tasks.
-    """
-
-    package: str
-    options: tuple[str, ...] = ()
-    one: bool = False
-    project: bool = False
-
-
-_IMPORTERS = {
-    "btcpp": _Importer("btcpp", ("machine", "more"), one=True),
-    "grip": _Importer("first_grip", project=True),
-    "pytrees": _Importer("pytrees", ("execute",), one=True),
-    "smach": _Importer("smach", ("machine", "execute", "arguments", "success")),
+_PACKAGES = {"btcpp": "btcpp", "grip": "first_grip", "pytrees": "pytrees", "smach": "smach"}
+_OPTIONS = {
+    "btcpp": ("machine", "more"),
+    "grip": (),
+    "pytrees": ("execute",),
+    "smach": ("machine", "execute", "arguments", "success"),
 }
+"""Source -> its package in `formats`, and the options that aren't for every source."""
+_ONE, _PROJECT = ("btcpp", "pytrees"), ("grip",)
+"""Sources that give one task, which goes to stdout without `-o`; and those whose `-o` is the folder of a project."""
 
 
 def add_import(parser: argparse.ArgumentParser) -> None:
@@ -61,7 +47,7 @@ def add_import(parser: argparse.ArgumentParser) -> None:
         " or configuration of the first GRIP (.ini, .yaml), or a folder",
     )
     parser.add_argument("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
-    parser.add_argument("--from", dest="source", required=True, choices=sorted(_IMPORTERS), help="format of the source")
+    parser.add_argument("--from", dest="source", required=True, choices=sorted(_PACKAGES), help="format of the source")
     parser.add_argument(
         "-o",
         "--output",
@@ -95,11 +81,10 @@ def add_import(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Import, report and write; 1 when something wasn't imported, or a task that was written has errors."""
-    importer = _IMPORTERS[args.source]
-    _check_options(args, importer)
+    _check_options(args)
     around = find_project(args.path)
     project = _project_at(_folder(args.output)) if args.output is not None else around
-    imported = import_module(f"grip_bt.formats.{importer.package}").read(
+    imported = import_module(f"grip_bt.formats.{_PACKAGES[args.source]}").read(
         Request(
             args.path,
             lambda: catalogue_of(project),
@@ -113,18 +98,18 @@ def run(args: argparse.Namespace) -> int:
             more=tuple(args.more),
         )
     )
-    if args.report or args.output is not None or not importer.one:
+    if args.report or args.output is not None or args.source not in _ONE:
         put(imported.text())
     else:
         sys.stderr.write(imported.text())
         put(_task_text(imported.task, args))
-    errors = False if args.report or args.output is None else _write(imported, importer, args)
+    errors = False if args.report or args.output is None else _write(imported, args)
     return int(imported.failed or errors)
 
 
-def _check_options(args: argparse.Namespace, importer: _Importer) -> None:
+def _check_options(args: argparse.Namespace) -> None:
     for option in ("machine", "execute", "arguments", "success", "more"):
-        if getattr(args, option) and option not in importer.options:
+        if getattr(args, option) and option not in _OPTIONS[args.source]:
             what = f"--{option} isn't" if option != "more" else "several paths aren't"
             args.usage_error(f"{what} for --from {args.source}")
     if args.arguments is not None and not args.execute:
@@ -171,19 +156,18 @@ def _task_text(task: Task, args: argparse.Namespace) -> str:
     return f"# {generated_by(args.source)} from {args.path.name}.\n{dumps(task)}"
 
 
-def _write(imported: Imported, importer: _Importer, args: argparse.Namespace) -> bool:
-    """Write everything, and check the tasks; return whether one of them has errors."""
+def _write(imported: Imported, args: argparse.Namespace) -> bool:
     output = args.output
     folder, files = _folder(output), dict(imported.files)
-    one = folder != output
-    if one and (importer.project or len(imported.tasks) != 1):
+    one, whole = folder != output, args.source in _PROJECT
+    if one and (whole or len(imported.tasks) != 1):
         names = listing(imported.tasks)
         raise GripError(f"{output} holds one task (available: {names}); choose one with --machine, or give a folder")
-    if importer.project and "grip.yaml" not in files and not (folder / "grip.yaml").exists():
+    if whole and "grip.yaml" not in files and not (folder / "grip.yaml").exists():
         files["grip.yaml"] = "grip: 1\n"
     project = _project_at(folder)
-    home, nodes = (folder, folder / "nodes") if importer.project else (project.folder, _nodes(project))
-    where = folder / "tasks" if importer.project else folder
+    home, nodes = (folder, folder / "nodes") if whole else (project.folder, _nodes(project))
+    where = folder / "tasks" if whole else folder
     tasks = {output if one else where / f"{name}.yaml": task for name, task in imported.tasks.items()}
     texts = {path: _task_text(task, args) for path, task in tasks.items()}
     for name, text in files.items():

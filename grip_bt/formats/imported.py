@@ -145,11 +145,7 @@ class Imported:
 
     @property
     def task(self) -> Task:
-        """The only task.
-
-        Raises:
-            GripError: there are others, or none.
-        """
+        """The only task. Raises GripError: there are others, or none."""
         if len(self.tasks) != 1:
             raise GripError(f"one task is expected, and these were imported: {listing(self.tasks)}")
         return next(iter(self.tasks.values()))

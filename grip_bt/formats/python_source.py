@@ -43,11 +43,7 @@ def call(function: str, /, *given: object, **named: object) -> Bracketed:
 
 
 def literal(value: object) -> Expr:
-    """Return the expression of a value; expressions stay as they are, also inside of lists and dicts.
-
-    Raises:
-        TypeError: the value isn't a literal.
-    """
+    """Return the expression of a value; expressions in it stay as they are. Raises TypeError: it isn't a literal."""
     if isinstance(value, Raw | Bracketed):
         return value
     if isinstance(value, float) and not math.isfinite(value):

@@ -7,15 +7,19 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import cast
 from xml.parsers import expat
-from xml.sax.saxutils import escape, quoteattr, unescape
+from xml.sax.saxutils import escape, unescape
 
-from grip_bt.base.errors import DocumentError, NotExpressibleError, listing
+from grip_bt.base.errors import DocumentError, NotExpressibleError, listing, nearest
 from grip_bt.compilers.resolve import Part
+from grip_bt.formats.imported import Issues
+from grip_bt.formats.names import free
 from grip_bt.task import model
 
 LARGEST, DEEPEST, MOST_FILES = 4_000_000, 120, 100_000
@@ -43,11 +47,7 @@ class Element:
         return DocumentError(f"{self}: {message}", self.source, self.line)
 
     def only_child(self) -> Element:
-        """Return the one element inside.
-
-        Raises:
-            DocumentError: there isn't exactly one.
-        """
+        """Return the one element inside. Raises DocumentError: there isn't exactly one."""
         if len(self.children) != 1:
             raise self.error(f"needs one node inside, and has {len(self.children)}")
         return self.children[0]
@@ -126,29 +126,54 @@ def read_elements(text: str, source: str, lenient: bool = False) -> Element:
     return top.children[0]
 
 
-class TreeFiles:
-    """The trees of a file and of those that it includes, by their ID.
+_DIRECTIONS = {"input_port": "in", "output_port": "out", "inout_port": "inout", "bidirectional_port": "inout"}
+
+
+@dataclass(frozen=True)
+class Port:
+    """A port as a TreeNodesModel says it; `direction` is `in`, `out` or `inout`."""
+
+    direction: str
+    type: str = ""
+    default: str | None = None
+    doc: str = ""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A node type as a TreeNodesModel says it; `kind` is `Action`, `Condition`, `Control`, `Decorator` or `SubTree`."""
+
+    kind: str
+    ports: dict[str, Port] = field(default_factory=dict)
+
+
+class Document:
+    """What a file and its includes say: trees and models by ID, and what to know about the file.
 
     Args:
         folder: where it lies; without it, included files are refused.
         bound: the folder that included files have to lie in; `folder` by default.
+        library: where trees and packages are looked for that the file doesn't have.
+        btcpp: whether it is BehaviorTree.CPP's, of version 4, and read as TinyXML2 does.
     """
 
-    include_tags: tuple[str, ...] = ("include", "import")
-    path_attributes: tuple[str, ...] = ("src", "file")
-    lenient = False
-
-    def __init__(self, source: str, folder: Path | None, bound: Path | None = None, library: Library | None = None):
+    def __init__(
+        self,
+        source: str,
+        folder: Path | None,
+        bound: Path | None = None,
+        library: Library | None = None,
+        btcpp: bool = True,
+    ):
         self.source, self.folder, self.bound, self.library = source, folder, bound or folder, library
         self.trees: dict[str, Element] = {}
+        self.models: dict[str, Model] = {}
+        self.issues = Issues(source)
+        self._btcpp = btcpp
         self._seen: set[Path] = set()
 
     def load(self, text: str) -> str:
-        """Take in the trees of a file; return the ID of the main one.
-
-        Raises:
-            DocumentError: a file can't be read, or there is no main tree.
-        """
+        """Take in the trees of a file; return the ID of the main one. Raises DocumentError: there is none."""
         root = self.take_text(text)
         mains = self.mains(root)
         if len(mains) != 1:
@@ -157,22 +182,18 @@ class TreeFiles:
 
     def take_text(self, text: str) -> Element:
         """Take in the trees of a file; return its root element."""
-        root = read_elements(text, self.source, self.lenient)
+        root = read_elements(text, self.source, self._btcpp)
         self._take(root, self.folder)
         return root
 
     def mains(self, root: Element) -> list[str]:
-        """Return the ID of the main tree; where the file doesn't say it, of each that no other one holds.
-
-        Raises:
-            DocumentError: there is none.
-        """
+        """Return the ID of the main tree, or of each that no other one holds. Raises DocumentError: there is none."""
         if not self.trees:
             raise root.error("there is no <BehaviorTree>")
         main = root.attributes.get("main_tree_to_execute")
         if main is not None and main not in self.trees:
             raise root.error(f"no <BehaviorTree ID={main!r}> (available: {listing(self.trees)})")
-        own = [self.name_of(each) for each in root.children if each.tag == "BehaviorTree"]
+        own = [self._name_of(each) for each in root.children if each.tag == "BehaviorTree"]
         used = {name for tree in self.trees.values() for name in subtrees_of(tree)}
         return [main] if main is not None else [n for n in own if n in self.trees and n not in used] or list(self.trees)
 
@@ -182,43 +203,73 @@ class TreeFiles:
             near = Path(user.source) if user.source else None
             files = self.library.files(name, near)
             for file in files[:1]:
-                self.found(name, file, len(files) - 1)
-                self._take(read_elements(self.library.text(file), str(file), self.lenient), file.parent, ours=False)
+                others = f"; {len(files) - 1} other files have one of that name" if files[1:] else ""
+                text = f"was found in {file}{others}"
+                self.issues.add("changed", f"<BehaviorTree> {name!r}", text, self.source)
+                self._take(read_elements(self.library.text(file), str(file), self._btcpp), file.parent, ours=False)
         return self.trees.get(name)
 
-    def found(self, name: str, path: Path, others: int) -> None:
-        """Take note of a tree that no file includes."""
+    def wanted(self, root: Element, name: str) -> str:
+        """Return the name of a tree that is asked for. Raises DocumentError: there is none of that name."""
+        if self.tree(name, root) is None:
+            there = f"{nearest(name, self.trees)} (available: {listing(self.trees)})"
+            raise DocumentError(f"there is no tree {name!r}{there}", self.source)
+        return name
 
-    def stray(self, element: Element) -> None:
-        """Refuse an element that doesn't belong there."""
-        raise element.error("isn't <BehaviorTree>, <TreeNodesModel> or <include>")
+    def take_models(self, text: str, path: Path) -> None:
+        """Take in the models of a file that nobody includes; what can't be read is left alone."""
+        try:
+            self._take(read_elements(text, str(path), self._btcpp), path.parent, ours=False)
+        except DocumentError:
+            self.issues.add("left-out", path.name, "can't be read, and its models weren't")
 
-    def check_root(self, root: Element) -> None:
-        """Refuse a file of another format."""
+    def _check_root(self, root: Element) -> None:
+        """Refuse a file of another version than 4."""
+        said = root.attributes.get("BTCPP_format")
+        if root.tag != "root":
+            raise root.error('a file of BehaviorTree.CPP begins with <root BTCPP_format="4">')
+        if said is not None and said.split(".")[0] != "4":
+            raise root.error(f"BTCPP_format is {said}, and 4 is read; BT.CPP's convert_v3_to_v4.py makes one")
+        if said is None:
+            self._note("changed", root, 'has no BTCPP_format="4"; it was read as if it had')
 
-    def take_model(self, element: Element) -> None:
-        """Take in one entry of a TreeNodesModel."""
+    def _note(self, code: str, element: Element, text: str) -> None:
+        self.issues.add(code, str(element), text, element.source, element.line)
 
-    def name_of(self, tree: Element) -> str:
-        """Return the ID of a tree; empty where it has none."""
-        return tree.attributes.get("ID", "")
+    def _take_model(self, element: Element) -> None:
+        name = element.attributes.get("ID", "")
+        ports: dict[str, Port] = {}
+        for port in element.children:
+            said = port.attributes
+            if port.tag in _DIRECTIONS and said.get("name"):
+                direction = _DIRECTIONS[port.tag]
+                ports[said["name"]] = Port(direction, said.get("type", ""), said.get("default"), port.text.strip())
+        if name:
+            before = self.models.get(name, Model(""))
+            self.models[name] = Model(element.tag, {**before.ports, **ports})
+
+    def _name_of(self, tree: Element) -> str:
+        """Return the ID of a tree, which needs none."""
+        return tree.attributes.get("ID") or free("BehaviorTree", self.trees)
 
     def _take(self, root: Element, folder: Path | None, ours: bool = True) -> None:
-        self.check_root(root)
+        if self._btcpp:
+            self._check_root(root)
         for element in root.children:
             if element.tag == "BehaviorTree":
-                name = self.name_of(element)
+                name = self._name_of(element)
                 if ours and (not name or name in self.trees):
                     raise element.error("needs an `ID` of its own")
                 element.attributes["ID"] = name
                 self.trees.setdefault(name, element)
             elif element.tag == "TreeNodesModel":
                 for entry in element.children:
-                    self.take_model(entry)
-            elif element.tag.lower() in self.include_tags:
+                    self._take_model(entry)
+            elif element.tag.lower() in ("include", "import"):
                 self._include(element, folder)
             else:
-                self.stray(element)
+                text = "isn't <BehaviorTree>, <TreeNodesModel> or <include>, and was left out"
+                self._note("left-out", element, text)
 
     def _include(self, element: Element, folder: Path | None) -> None:
         if package := element.attributes.get("ros_pkg"):
@@ -226,7 +277,7 @@ class TreeFiles:
             if home is None:
                 raise element.error(f"there is no package {package!r} in the workspace (a folder with a package.xml)")
             folder = home
-        said = next((element.attributes[name] for name in self.path_attributes if name in element.attributes), "")
+        said = next((element.attributes[k] for k in ("path", "src", "file") if k in element.attributes), "")
         file = (folder / said).resolve() if folder is not None else None
         inside = file is not None and self.bound is not None and file.is_relative_to(self.bound.resolve())
         if file is None or not inside or not file.is_file():
@@ -240,7 +291,7 @@ class TreeFiles:
             text = file.read_text(encoding="utf-8", errors="replace")
         except OSError as error:
             raise element.error(f"{said!r} can't be read: {error.strerror or error}") from error
-        self._take(read_elements(text, str(file), self.lenient), file.parent)
+        self._take(read_elements(text, str(file), self._btcpp), file.parent)
 
 
 _ID = re.compile(r"""<BehaviorTree\s[^>]*?\bID\s*=\s*(?:"([^"]*)"|'([^']*)')""")
@@ -323,33 +374,60 @@ def _shared(one: tuple[str, ...], other: tuple[str, ...]) -> int:
     return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
-def comment(text: str, depth: int) -> list[str]:
-    """Return a text as the lines of a comment; none for an empty one."""
+def comment(text: str) -> list[ET.Element[str]]:
+    """Return a text as a comment; none for an empty one."""
     said = " ".join("".join(c if c.isprintable() else " " for c in text).split())
     while "--" in said:
         said = said.replace("--", "- -")
-    return [f"{'  ' * depth}<!-- {escape(said)} -->"] if said else []
+    return [cast("ET.Element[str]", ET.Comment(f" {escape(said)} "))] if said else []
 
 
-def element_lines(
-    part: Part, depth: int, describe: Callable[[Part], tuple[str, Mapping[str, str]]], comments: bool = False
-) -> Iterator[str]:
-    """Yield the lines of a node and of all below it; `describe` gives the tag and the attributes of one."""
-    tag, attributes = describe(part)
-    if comments:
-        yield from comment(part.node.doc, depth)
-    start = "  " * depth + f"<{tag}" + "".join(f" {key}={quoteattr(value)}" for key, value in attributes.items())
-    if not part.children:
-        yield f"{start}/>"
-        return
-    yield f"{start}>"
+def xml_element(
+    part: Part, describe: Callable[[Part], tuple[str, dict[str, str]]], comments: bool = False
+) -> ET.Element[str]:
+    """Return a node with all below it; `describe` gives the tag and the attributes of one, `comments` have its doc."""
+    made = ET.Element(*describe(part))
     for child in part.children:
-        yield from element_lines(child, depth + 1, describe, comments)
-    yield f"{'  ' * depth}</{tag}>"
+        made.extend(comment(child.node.doc if comments else ""))
+        made.append(xml_element(child, describe, comments))
+    return made
 
 
-def leaf_attributes(part: Part, node: model.Leaf, to_text: Callable[[object, str], str], target: str) -> dict[str, str]:
-    """Return the parameters and ports of a leaf as attributes.
+def xml_text(root: ET.Element[str]) -> str:
+    """Return a document, indented."""
+    ET.indent(root, "  ")
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def require_expressible(path: str, node: model.AnyNode, fields: Collection[str] | None, target: str) -> None:
+    """Refuse a node whose kind has no equivalent, or that says more than the format can.
+
+    Args:
+        fields: what the format can say of such a node; None where it has no equivalent.
+
+    Raises:
+        NotExpressibleError: it names the node and the field.
+    """
+    kind = getattr(node, "kind", "leaf")
+    if fields is None:
+        raise NotExpressibleError(path, f"a {kind}", target)
+    for name, info in type(node).model_fields.items():
+        if name not in (*fields, *_COMMON) and getattr(node, name) != info.get_default(call_default_factory=True):
+            said = name if info.alias in (None, "*") else info.alias  # `*`: free data, whatever it is called
+            raise NotExpressibleError(path, f"`{said}` of a {kind}", target)
+
+
+_COMMON = ("doc", "kind", "children", "child")
+
+
+def leaf_attributes(
+    part: Part,
+    node: model.Leaf,
+    to_text: Callable[[object, str], str],
+    target: str,
+    key_of: Callable[[str], str] = str,
+) -> dict[str, str]:
+    """Return the parameters and ports of a leaf as attributes; `key_of` says how a variable is called there.
 
     Raises:
         NotExpressibleError: a value has no text, or a name stands for more than one port or parameter.
@@ -362,9 +440,9 @@ def leaf_attributes(part: Part, node: model.Leaf, to_text: Callable[[object, str
         except ValueError as error:
             raise NotExpressibleError(part.path, f"`{name}` ({error})", target) from error
     for port, variable in (*node.in_.items(), *node.out.items()):
-        if attributes.get(port, f"{{{variable}}}") != f"{{{variable}}}":
+        key = f"{{{key_of(variable)}}}"
+        if attributes.setdefault(port, key) != key:
             raise NotExpressibleError(part.path, f"{port!r}, which is more than one port or parameter,", target)
-        attributes[port] = f"{{{variable}}}"
     if {"name", "ID"} & set(attributes):
         raise NotExpressibleError(part.path, "a port or parameter called `name` or `ID`", target)
     return attributes

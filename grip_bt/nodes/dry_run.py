@@ -51,11 +51,7 @@ class _TellingFinder(StandInFinder):
 
 @contextmanager
 def dry_run(tell: Callable[[str], object]) -> Iterator[None]:
-    """Have packages that aren't installed, and what nobody offers over ROS, stood in for while the block runs.
-
-    Args:
-        tell: told of each, such as `package moveit_commander` or `service /plan`.
-    """
+    """Stand in for packages that aren't installed and for what nobody offers over ROS; `tell` is told of each."""
     installed, finder = "smach" in sys.modules, _TellingFinder(tell)
     smach_compat.install(rospy=True)
     smach_ros.use(Ros(stand_in, tell))

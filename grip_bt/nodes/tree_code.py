@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from py_trees.behaviour import Behaviour
 from py_trees.trees import BehaviourTree
@@ -35,12 +36,7 @@ class TreeCodeError(GripError):
 
 @dataclass
 class FoundTree:
-    """A tree, and what its code has done with it.
-
-    Attributes:
-        ready: whether it was set up already.
-        period: how often it is to be ticked [s]; None where that wasn't said.
-    """
+    """A tree; `ready`: its code has set it up; `period`: how often it is to be ticked [s], where that was said."""
 
     tree: BehaviourTree
     ready: bool = False
@@ -49,13 +45,7 @@ class FoundTree:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a tree's code is.
-
-    Attributes:
-        module: its name, or its file.
-        name: in it, with dots; `__main__` for the whole of it as a program.
-        arguments: literals with which a function is called.
-    """
+    """Where a tree's code is: a module or a file, a name in it with dots, and literals with which that is called."""
 
     module: str
     name: str = PROGRAM
@@ -88,11 +78,7 @@ def is_tree_code(text: str) -> bool:
 
 
 def place_of(text: str) -> Place:
-    """Read `package.module:function`, `file.py:function(argument=1)` or `file.py`.
-
-    Raises:
-        TreeCodeError: it isn't one; the message says what is.
-    """
+    """Read `package.module:function`, `file.py:function(argument=1)` or `file.py`. Raises TreeCodeError."""
     found = _WHERE.fullmatch(text.strip())
     if found is None:
         raise TreeCodeError(f"{text!r} names no tree: {_ADVICE}")
@@ -141,7 +127,7 @@ def _told(error: BaseException) -> str:
 
 def _made(place: Place, node: Callable[[], object] | None) -> Any:
     """Return what the name means, called if it can be."""
-    with _replaced(sys, argv=[place.module]):
+    with mock.patch.object(sys, "argv", [place.module]):
         module = _module(place)
         if place.name == PROGRAM:
             return next((each for name in _HOLDERS if (each := vars(module).get(name)) is not None), None)
@@ -157,7 +143,6 @@ def _made(place: Place, node: Callable[[], object] | None) -> Any:
 
 
 def _module(place: Place) -> Any:
-    """Return the module, imported, or run as a program."""
     file, (folder, name) = place.file, place.found_at()
     if file is not None and not file.is_file():
         raise TreeCodeError(f"{file}: there is no such file; {_ADVICE}")
@@ -171,20 +156,12 @@ def _module(place: Place) -> Any:
         raise ModuleNotFoundError(f"No module named {name!r}")
     module = importlib.util.module_from_spec(spec)
     module.__name__ = PROGRAM
-    with _replaced_module(PROGRAM, module):
-        exec(loader.get_code(name), vars(module))
-    return module
-
-
-@contextmanager
-def _replaced_module(name: str, module: Any) -> Iterator[None]:
-    before = sys.modules.get(name)
-    sys.modules[name] = module
+    before, sys.modules[PROGRAM] = sys.modules[PROGRAM], module
     try:
-        yield
+        exec(loader.get_code(name), vars(module))
     finally:
-        if before is not None:
-            sys.modules[name] = before
+        sys.modules[PROGRAM] = before
+    return module
 
 
 def _arguments(function: Any, place: Place, node: Callable[[], object] | None) -> dict[str, Any]:
@@ -205,7 +182,6 @@ def _arguments(function: Any, place: Place, node: Callable[[], object] | None) -
 
 
 def _tree_in(value: Any, deeper: bool = True) -> BehaviourTree | None:
-    """Return the tree that a value is or holds."""
     if isinstance(value, BehaviourTree):
         return value
     if isinstance(value, Behaviour):
@@ -224,8 +200,6 @@ class _TickedError(BaseException):
 
 
 class _Watched:
-    """What was seen of trees while somebody's code ran."""
-
     def __init__(self) -> None:
         self.made: list[BehaviourTree] = []
         self.ready: list[BehaviourTree] = []
@@ -233,19 +207,6 @@ class _Watched:
 
     def found(self, tree: BehaviourTree) -> FoundTree:
         return FoundTree(tree, any(each is tree for each in self.ready), self.period)
-
-
-@contextmanager
-def _replaced(owner: Any, **new: Any) -> Iterator[None]:
-    """Have attributes of a class or a module be others for a while."""
-    old = {name: vars(owner)[name] for name in new}
-    try:
-        for name, value in new.items():
-            setattr(owner, name, value)
-        yield
-    finally:
-        for name, value in old.items():
-            setattr(owner, name, value)
 
 
 @contextmanager
@@ -278,8 +239,14 @@ def _watching(watched: _Watched) -> Iterator[None]:
         raise _TickedError(next((each for each in watched.made if each.root is tree.root), tree))
 
     original = BehaviourTree.tick_tock
-    replaced = {"__init__": made, "setup": set_up, "tick": tick, "tick_tock": tick_tock, "shutdown": lambda self: None}
-    with _replaced(BehaviourTree, **replaced), _replaced(Behaviour, tick_once=tick_once):
+    replaced: dict[str, Any] = {
+        "__init__": made,
+        "setup": set_up,
+        "tick": tick,
+        "tick_tock": tick_tock,
+        "shutdown": lambda self: None,
+    }
+    with mock.patch.multiple(BehaviourTree, **replaced), mock.patch.object(Behaviour, "tick_once", tick_once):
         yield
 
 

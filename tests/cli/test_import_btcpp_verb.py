@@ -60,7 +60,7 @@ def test_what_was_imported_can_be_written_and_comes_back(tmp_path: Path, capsys:
     task, written, again = tmp_path / "fetch.yaml", tmp_path / "out.xml", tmp_path / "again.yaml"
     assert main(["import", str(tmp_path / "fetch.xml"), "--from", "btcpp", "-o", str(task)]) == 0
     assert main(["convert", str(task), "--to", "btcpp", "-o", str(written)]) == 0
-    assert '<Find name="Find" object="cup" at="{where}"/>' in written.read_text()
+    assert '<Find name="Find" object="cup" at="{where}" />' in written.read_text()
     assert main(["import", str(written), "--from", "btcpp", "-o", str(again)]) == 0
     assert again.read_text().splitlines()[1:] == task.read_text().splitlines()[1:]
 

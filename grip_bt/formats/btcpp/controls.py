@@ -5,85 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from grip_bt.formats.btcpp.drafts import key_of
+from grip_bt.formats.blackboard import key_of
 
-from .drafts import (
-    FAIL,
-    SKIPPED,
-    SUCCEED,
-    Keys,
-    NodeDraft,
-    container,
-    failing,
-    named,
-    sequence_of,
-    set_variable,
-    skip,
-    switch,
-)
-from .element import ElementReader
+from .drafts import ElementReader, Keys, NodeDraft, container, failing, named, sequence_of, switch
 
 Reader = Callable[[ElementReader], NodeDraft]
 
 
 def _series(kind: str, memory: bool) -> Reader:
     def read(here: ElementReader) -> NodeDraft:
-        goes_on = "success" if kind == "sequence" else "failure"
-        children = here.children(meaning=goes_on)
-        more: Keys = {} if memory else {"memory": False}
-        if not all(child.skips for child in children):
-            return container(kind, named(children), **more)
-        if len(children) == 1:
-            return container(kind, named(children), here.meaning, **more)
-        return _all_may_skip(here, kind, children, more)
-
-    return read
-
-
-def _all_may_skip(here: ElementReader, kind: str, children: list[NodeDraft], more: Keys) -> NodeDraft:
-    """Return a series that is skipped when all of its children were: a variable says whether one wasn't."""
-    ran = here.variable("any_ran", "bool", False)
-    told = []
-    for child in children:
-        note = set_variable(ran, True)
-        if kind == "fallback":
-            note = failing("then", note)
-        made = container(kind, {"do": child, "ran": note}, "success" if kind == "sequence" else "failure")
-        told.append(NodeDraft(made.keys, False, child.name, child.instant))
-    end = NodeDraft(dict(SUCCEED if kind == "sequence" else FAIL), instant=True)
-    last = switch(ran, {"ended": True}, {"ended": end, "skip": skip()}, here.meaning, default="skip")
-    last.name = "any_ran"
-    first = set_variable(ran, False)
-    if kind == "fallback":
-        first = failing("begin", first)
-    first.name = "begin"
-    return container(kind, named([first, *told, last]), here.meaning, **more)
-
-
-def _async(kind: str) -> Reader:
-    """Return the reader of a series that gives the rest of the tree a tick after each child."""
-
-    def read(here: ElementReader) -> NodeDraft:
-        goes_on, ends = ("success", "failure") if kind == "sequence" else ("failure", "success")
-        children = here.children(meaning=goes_on)
-        if all(child.skips for child in children):
+        children = here.children(meaning="success" if kind == "sequence" else "failure")
+        skips = all(child.skips for child in children)
+        if skips and len(children) > 1:
             here.unequal("all of its children may be skipped")
-        for child in children:
-            child.name = f"{child.name}_" if child.name in ("success", "failure") else child.name
-        by_name = named(children)
-        names = list(by_name)
-        for name, after in zip(names, [*names[1:], goes_on], strict=True):
-            on = {goes_on: after, ends: ends, **({SKIPPED: after} if by_name[name].skips else {})}
-            on = {end: target for end, target in on.items() if by_name[name].may(end)}
-            by_name[name].keys = {**by_name[name].keys, "on": on}
-        keys = {"kind": "state_machine", "initial": names[0], "outcomes": {"success": "success", "failure": "failure"}}
-        return NodeDraft({**keys, "children": {name: child.keys for name, child in by_name.items()}})
+        more: Keys = {} if memory else {"memory": False}
+        return container(kind, named(children), here.meaning if skips else "", **more)
 
     return read
 
 
-def _with_memory(here: ElementReader) -> NodeDraft:
-    here.children()
+def by_its_rules(here: ElementReader) -> NodeDraft:
+    """Leave a node to the control node that follows its rules."""
     here.unequal("")
 
 
@@ -134,11 +76,11 @@ def _if_then_else(here: ElementReader) -> NodeDraft:
     inner = container("sequence", parts, here.meaning)
     if len(children) == 2:
         return inner
-    if then.can_fail:
+    if then.may("failure"):
         inner.keys["outcomes"] = {**inner.keys.get("outcomes", {}), "then_failed": "failure"}
         inner.keys["exits"] = {**inner.keys.get("exits", {}), f"{list(parts)[1]}.failure": "then_failed"}
     made = container("fallback", {"then": inner, "else": children[2]}, here.meaning)
-    if then.can_fail:
+    if then.may("failure"):
         made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
     return made
 
@@ -150,14 +92,9 @@ def _while_do_else(here: ElementReader) -> NodeDraft:
         here.unequal("its condition may be skipped")
     if not condition.instant:
         here.unequal("its condition may take several ticks, in which the running child isn't ticked")
-    if len(children) == 2:
-        return container("sequence", named(children), here.meaning, memory=False)
-    holds = here.variable("holds", "bool", False)
-    yes = container("sequence", {"ask": condition, "yes": set_variable(holds, True)})
-    asked = container("fallback", {"yes": yes, "no": set_variable(holds, False)})
-    ways = {"do": children[1], "else": children[2]}
-    turn = switch(holds, {"do": True}, ways, here.meaning, default="else", memory=False)
-    return container("sequence", {"ask": asked, "then": turn}, here.meaning, memory=False)
+    if len(children) == 3:
+        here.unequal("")
+    return container("sequence", named(children), here.meaning, memory=False)
 
 
 def _switch(cases: int) -> Reader:
@@ -217,10 +154,7 @@ CONTROLS: dict[str, tuple[Reader, tuple[str, ...]]] = {
     "Fallback": (_series("fallback", True), ()),
     "ReactiveSequence": (_series("sequence", False), ()),
     "ReactiveFallback": (_series("fallback", False), ()),
-    "AsyncSequence": (_async("sequence"), ()),
-    "AsyncFallback": (_async("fallback"), ()),
-    "SequenceWithMemory": (_with_memory, ()),
-    "SequenceStar": (_with_memory, ()),
+    **dict.fromkeys(("AsyncSequence", "AsyncFallback", "SequenceWithMemory", "SequenceStar"), (by_its_rules, ())),
     "Parallel": (_parallel, ("success_count", "failure_count")),
     "ParallelAll": (_parallel_all, ("max_failures",)),
     "IfThenElse": (_if_then_else, ()),

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from grip_bt.formats.btcpp.drafts import key_of
+from grip_bt.formats.blackboard import key_of, value_of_text
 
-from .controls import Reader
+from .controls import Reader, by_its_rules
 from .drafts import (
     FAIL,
     SUCCEED,
+    ElementReader,
     NodeDraft,
     container,
     decorator,
@@ -17,24 +18,22 @@ from .drafts import (
     skip,
     switch,
 )
-from .element import ElementReader
 from .expressions import Scripts, after
-from .leaves import value_of_text
 
 _ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": "skipped"}
 
 
 def end(status: str) -> NodeDraft:
-    """Return a node that ends at once with a status of BT.CPP.
-
-    Raises:
-        ValueError: it isn't one that a node may end with.
-    """
+    """Return a node that ends at once with a status of BT.CPP. Raises ValueError: no node ends with it."""
     if status not in _ENDS:
         raise ValueError(f"the status {status!r} isn't SUCCESS, FAILURE or SKIPPED")
     if status == "SKIPPED":
         return skip()
     return NodeDraft(dict(SUCCEED if status == "SUCCESS" else FAIL), instant=True)
+
+
+def _scripts(here: ElementReader) -> Scripts:
+    return Scripts(here.board, lambda text: here.note("changed", text))
 
 
 def _around(kind: str, **settings: str) -> Reader:
@@ -50,28 +49,14 @@ def _unskipped(here: ElementReader) -> NodeDraft:
     return child
 
 
-def _counted(here: ElementReader, port: str) -> tuple[int, NodeDraft]:
-    child = _unskipped(here)
-    times = here.number(port)
-    if times == 0 or times < -1:
-        here.refuse(f"`{port}` is {times}; write 1 or more, or -1 for ever")
-    return times, child
+def _again(kind: str, port: str) -> Reader:
+    def read(here: ElementReader) -> NodeDraft:
+        child, times = _unskipped(here), here.number(port)
+        if times == 0 or times < -1:
+            here.refuse(f"`{port}` is {times}; write 1 or more, or -1 for ever")
+        return decorator(kind, child, here.meaning, **({} if times == -1 else {"times": times}))
 
-
-def _repeat(here: ElementReader) -> NodeDraft:
-    times, child = _counted(here, "num_cycles")
-    return decorator("repeat", child, here.meaning, **({} if times == -1 else {"times": times}))
-
-
-def _retry(here: ElementReader) -> NodeDraft:
-    times, child = _counted(here, "num_attempts")
-    if times > 0:
-        return decorator("retry", child, here.meaning, times=times)
-    failing = decorator("invert", child, here.meaning)
-    failing.name = "fails"
-    again = decorator("repeat", failing, here.meaning)
-    again.name = "until it succeeds"
-    return decorator("invert", again, here.meaning)
+    return read
 
 
 def _timeout(here: ElementReader) -> NodeDraft:
@@ -91,13 +76,11 @@ def _delay(here: ElementReader) -> NodeDraft:
 
 def _precondition(here: ElementReader) -> NodeDraft:
     child = here.only()
-    asked = here.exact(lambda: here.scripts.condition(here.literal("if")))
+    asked = here.exact(lambda: _scripts(here).condition(here.literal("if")))
     if here.literal("else", "FAILURE") == "RUNNING":
         wait = asked.before(NodeDraft({**SUCCEED, "precondition": asked.text}, instant=True), "success")
-        again = decorator("invert", NodeDraft(wait.keys, name="holds"), "")
-        until = decorator("repeat", NodeDraft(again.keys, name="not yet"), "")
-        waited = decorator("invert", NodeDraft(until.keys, name="until"), "")
-        return container("sequence", {"wait": waited, "do": child}, here.meaning)
+        until = decorator("retry", NodeDraft(wait.keys, name="until it holds"), "")
+        return container("sequence", {"wait": until, "do": child}, here.meaning)
     other = here.exact(lambda: end(here.literal("else", "FAILURE")))
     made = switch(asked.text, {"do": True}, {"do": child, "else": other}, here.meaning, default="else")
     return asked.before(made, here.meaning)
@@ -118,40 +101,23 @@ def _run_once(here: ElementReader) -> NodeDraft:
 
 def _loop(type_name: str) -> Reader:
     def read(here: ElementReader) -> NodeDraft:
-        child = _unskipped(here)
         text = here.literal("queue", "")
-        key = key_of(here.attributes.get("value", "{=}"), "value")
-        if key is None:
+        if key_of(here.attributes.get("value", "{=}"), "value") is None:
             here.refuse("`value` has to be a key in braces")
-        items = here.exact(lambda: [value_of_text(part, type_name) for part in text.split(";")] if text else [])
-        empty = here.exact(lambda: end(here.literal("if_empty", "SUCCESS")))
-        queue = here.variable(f"{here.attributes.get('name', 'loop')}_queue", f"list[{type_name}]", items)
-        item = here.board.variables.new(f"{key}_item")
-        target = here.board.variable(key)
-        here.board.variables.every[target].written.append(type_name)
-        take = {"node": "flow/compute", "with": {"expression": "a"}, "in": {"a": item}, "out": {"value": target}}
-        each = container("sequence", {"take": NodeDraft(take, instant=True), "do": child})
-        keys = {"kind": "for_each", "items": queue, "item": item, "child": {"each": each.keys}}
-        del here.board.variables.every[item]
-        if empty.keys == SUCCEED:
-            return NodeDraft(keys)
-        return container("sequence", {"loop": NodeDraft(keys), "empty": empty}, here.meaning)
+        here.exact(lambda: [value_of_text(part, type_name) for part in text.split(";")] if text else [])
+        here.exact(lambda: end(here.literal("if_empty", "SUCCESS")))
+        here.unequal("")
 
     return read
 
 
-def _by_its_rules(here: ElementReader) -> NodeDraft:
-    here.unequal("")
-
-
 DECORATORS: dict[str, tuple[Reader, tuple[str, ...]]] = {
-    "SkipUnlessUpdated": (_by_its_rules, ("entry",)),
-    "WaitValueUpdate": (_by_its_rules, ("entry",)),
+    **dict.fromkeys(("SkipUnlessUpdated", "WaitValueUpdate"), (by_its_rules, ("entry",))),
     "Inverter": (_around("invert"), ()),
     "ForceSuccess": (_around("force", **{"as": "success"}), ()),
     "ForceFailure": (_around("force", **{"as": "failure"}), ()),
-    "Repeat": (_repeat, ("num_cycles",)),
-    "RetryUntilSuccessful": (_retry, ("num_attempts",)),
+    "Repeat": (_again("repeat", "num_cycles"), ("num_cycles",)),
+    "RetryUntilSuccessful": (_again("retry", "num_attempts"), ("num_attempts",)),
     "KeepRunningUntilFailure": (lambda here: decorator("repeat", _unskipped(here), here.meaning), ()),
     "Timeout": (_timeout, ("msec",)),
     "Delay": (_delay, ("delay_msec",)),
@@ -169,14 +135,8 @@ _DECIDED = {"_failureIf": ("fails", "FAILURE"), "_successIf": ("succeeds", "SUCC
 _CONDITIONS = (*_DECIDED, "_while")
 _SCRIPTS = ("_onSuccess", "_onFailure", "_post", "_onHalted")
 _NO_MATTER = (
-    "_uid",
-    "_fullpath",
-    "_autoremap",
-    "_description",
-    "_collapsed",
-    "_favorite",
-    "_subtreeOnly",
-    "_hardcoded",
+    *("_uid", "_fullpath", "_autoremap", "_description"),
+    *("_collapsed", "_favorite", "_subtreeOnly", "_hardcoded"),
 )
 """Editors' own notes, and what sub-trees read."""
 
@@ -194,7 +154,7 @@ def with_conditions(here: ElementReader, node: NodeDraft) -> NodeDraft:
     BT.CPP looks at `_failureIf`, `_successIf`, `_skipIf` and `_while` in this order when the node begins, and at
     `_while` on every tick; the scripts also run when a condition has decided.
     """
-    said, scripts = here.attributes, here.scripts
+    said, scripts = here.attributes, _scripts(here)
 
     def read() -> NodeDraft:
         made = node
@@ -231,12 +191,12 @@ def _condition_before(name: str, text: str, scripts: Scripts, node: NodeDraft, m
 
 
 def _script(here: ElementReader) -> NodeDraft:
-    made = here.exact(lambda: here.scripts.assignments(here.literal("code")))
+    made = here.exact(lambda: _scripts(here).assignments(here.literal("code")))
     return NodeDraft(sequence_of(made, "script").keys if made else dict(SUCCEED), instant=True)
 
 
 def _script_condition(here: ElementReader) -> NodeDraft:
-    asked = here.exact(lambda: here.scripts.condition(here.literal("code")))
+    asked = here.exact(lambda: _scripts(here).condition(here.literal("code")))
     return asked.before(NodeDraft({**SUCCEED, "precondition": asked.text}, instant=True), here.meaning)
 
 

@@ -1,19 +1,22 @@
-"""A task under construction: its nodes, what SKIPPED becomes, and which variable a blackboard key is.
+"""A task under construction, and how an element becomes a node of it: where it is, what it refuses, its numbers.
 
 A node that BT.CPP may skip has the outcome `skipped`. It means success in a sequence and failure in a fallback, so that
-both go on to the next child; every other container hands it up by `exits`. Each sub-tree has a blackboard of its own,
-made once and kept for the whole run.
+both go on to the next child; every other container hands it up by `exits`.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any
+from typing import Any, NoReturn, TypeVar
 
-from grip_bt.formats.names import distinct, free
+from grip_bt.base.errors import ExpressionError
+from grip_bt.formats.blackboard import Board, key_of
+from grip_bt.formats.imported import Issues
+from grip_bt.formats.names import distinct
+from grip_bt.formats.xml_trees import Element
 from grip_bt.task.catalog import Catalog
 
 Keys = dict[str, Any]
@@ -31,11 +34,6 @@ class NodeDraft:
     name: str = ""
     instant: bool = False
     label: str = SKIPPED
-
-    @property
-    def can_fail(self) -> bool:
-        """Whether it has the outcome `failure`."""
-        return self.may("failure")
 
     def may(self, outcome: str) -> bool:
         """Tell whether it has an outcome of BT.CPP's: each does but for some leaves of GRIP's own."""
@@ -116,116 +114,142 @@ def sequence_of(children: list[NodeDraft], name: str) -> NodeDraft:
     return made
 
 
-_WRONG = re.compile(r"[^A-Za-z0-9_]+")
-_KEY = re.compile(r"\{([^{}]*)\}")
-_UNSET = object()
-_INTEGERS = (
-    *("int", "unsigned", "unsigned int", "long", "short", "int8_t", "int16_t", "int32_t", "int64_t", "uint8_t"),
-    *("uint16_t", "uint32_t", "uint64_t", "size_t", "unsigned short", "unsigned long", "long long", "unsigned char"),
-    "signed char",
-)
-_TYPES = {
-    **dict.fromkeys(_INTEGERS, "int"),
-    **dict.fromkeys(("double", "float"), "float"),
-    "bool": "bool",
-    **dict.fromkeys(("string", "std::string", "BT::StringView", "std::string_view"), "str"),
-}
+_TYPES = {"bool": "bool", "double": "float", "float": "float", "string": "str"}
+_TYPES |= {"BT::StringView": "str", "string_view": "str"}
+_INTEGER = re.compile("((un)?signed )?(int|long|short|char|long int|long long)|unsigned|u?int(8|16|32|64)_t|size_t")
 
 
 def type_named(cpp: str) -> str:
     """Return the type that a port's C++ type is here; `Any` for every other."""
-    text = cpp.strip().removeprefix("const ").rstrip("& ").removeprefix("std::__cxx11::")
-    text = "std::string" if text.startswith(("basic_string", "std::basic_string")) else text
-    text = text if text in _TYPES else text.removeprefix("std::")
-    return _TYPES.get(text, "Any")
+    text = cpp.strip().removeprefix("const ").rstrip("& ").removeprefix("std::").removeprefix("__cxx11::")
+    if _INTEGER.fullmatch(text) and text != "char":
+        return "int"
+    return _TYPES.get("string" if text.startswith("basic_string") else text, "Any")
 
 
-def key_of(text: str, port: str) -> str | None:
-    """Return the key that an attribute points to; None for a literal. `{=}` is the key of the port's own name."""
-    found = _KEY.fullmatch(text.strip())
-    return None if found is None else port if found.group(1) == "=" else found.group(1)
+Value = TypeVar("Value")
 
 
-@dataclass
-class Variable:
-    """One blackboard entry: types of what writes and of what reads it, and the text that it holds from the beginning.
+class Refused(Exception):
+    """Ends the reading of one element, about which or below which something is said."""
 
-    `texts`: texts are written to it, which become what its readers want. `known`: every port that it is bound to says
-    whether it is read or written.
-    """
+    def __init__(self, why: str, element: Element):
+        super().__init__(why)
+        self.element = element
 
-    written: list[str] = field(default_factory=list)
-    read: list[str] = field(default_factory=list)
-    initial: Any = _UNSET
-    texts: bool = False
-    known: bool = True
 
-    @property
-    def constant(self) -> bool:
-        """Whether it holds one text for ever."""
-        return self.has_initial and not self.written and not self.texts
-
-    @property
-    def has_initial(self) -> bool:
-        """Whether it holds something from the beginning."""
-        return self.initial is not _UNSET
-
-    @property
-    def type(self) -> str:
-        """The type that all who write it agree on, or else all who read it; `Any` where they don't."""
-        for types in (self.written, self.read, ["str"] if self.has_initial or self.texts else []):
-            said = {each for each in types if each != "Any"}
-            if said == {"int", "float"}:
-                return "float"
-            if said:
-                return said.pop() if len(said) == 1 else "Any"
-        return "Any"
+class Unequal(Refused):
+    """No kind is equal to a node of BehaviorTree.CPP's own; a control node that follows its rules may be there."""
 
 
 @dataclass
-class Variables:
-    """The variables of a task in the order in which they were met; `before`: what an earlier reading has found out."""
+class Reading:
+    """One reading of a file: what reads an element, what was found, how many elements were read, and which."""
 
-    before: dict[str, Variable] = field(default_factory=dict)
-    every: dict[str, Variable] = field(default_factory=dict)
-    constants: dict[tuple[str, str, str], str] = field(default_factory=dict)
+    child: Callable[[ElementReader], NodeDraft]
+    issues: Issues = field(default_factory=Issues)
+    nodes: int = 0
+    seen: set[int] = field(default_factory=set)
 
-    def constant(self, wanted: str, type_name: str, text: str) -> str:
-        """Return the name of a variable that holds a literal and is never written."""
-        said = (wanted, type_name, text)
-        if said not in self.constants:
-            name = self.constants[said] = self.new(wanted)
-            self.every[name].initial, self.every[name].read = text, [type_name]
-        return self.constants[said]
 
-    def new(self, wanted: str) -> str:
-        """Declare a variable; return its name, which is free."""
-        text = _WRONG.sub("_", wanted).strip("_") or "value"
-        base = text if re.match(r"[A-Za-z_]", text) else f"v_{text}"
-        name = free(base, {*self.every, "true", "false", "null", "None", "True", "False"})
-        self.every[name] = self.before.get(name) or Variable()
+@dataclass(frozen=True)
+class ElementReader:
+    """One element as its reader sees it; `meaning`: of `skipped` around it; `again`: what asks it on every tick."""
+
+    reading: Reading
+    element: Element
+    board: Board
+    inside: tuple[str, ...]
+    meaning: str = "success"
+    again: Element | None = None
+    read: list[NodeDraft] = field(default_factory=list, compare=False)
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The element's attributes by name."""
+        return self.element.attributes
+
+    def attempt(self) -> NodeDraft:
+        """Read it; a refusal is noted, and something stands in for it so that the others are found too."""
+        self.reading.seen.add(id(self.element))
+        try:
+            return self.reading.child(self)
+        except Refused as refused:
+            self.note("no-equivalent", str(refused), refused.element)
+            for below in self.element.children:
+                if id(below) not in self.reading.seen:
+                    self.at(below).attempt()
+            return NodeDraft(dict(SUCCEED), name=self.element.tag)
+
+    def at(self, element: Element, **more: Any) -> ElementReader:
+        """Return the reader of another element in the same place."""
+        return replace(self, element=element, read=[], **more)
+
+    def refuse(self, why: str) -> NoReturn:
+        """Refuse this element, and end the reading of it."""
+        raise Refused(why, self.element)
+
+    def unequal(self, why: str) -> NoReturn:
+        """Say that no kind is equal to this element."""
+        raise Unequal(why, self.element)
+
+    def note(self, code: str, text: str, element: Element | None = None) -> None:
+        """Note what to know about it, or about one below."""
+        found = element or self.element
+        self.reading.issues.add(code, str(found), text, found.source, found.line)
+
+    def exact(self, read: Callable[[], Value]) -> Value:
+        """Return what is read; what can't be read exactly is a refusal of this element."""
+        try:
+            return read()
+        except (ValueError, ExpressionError) as error:
+            self.refuse(str(error))
+
+    def children(self, least: int = 1, most: int = 10_000, meaning: str | None = None) -> list[NodeDraft]:
+        """Return the children, whose number has to lie within bounds; `meaning` is that of `skipped` to this node."""
+        count = len(self.element.children)
+        if not least <= count <= most:
+            wanted = f"{least}" if least == most else f"{least} to {most}" if most < 10_000 else f"at least {least}"
+            self.refuse(f"has {count} children and needs {wanted}")
+        more = {} if meaning is None else {"meaning": meaning}
+        self.read[:] = [self.at(below, **more).attempt() for below in self.element.children]
+        return list(self.read)
+
+    def only(self) -> NodeDraft:
+        """Return the one child of a decorator."""
+        return self.children(1, 1)[0]
+
+    def literal(self, port: str, default: str | None = None) -> str:
+        """Return a port's literal; a key is as good where its entry holds a literal and is never written."""
+        text = self.attributes.get(port, default)
+        if text is None:
+            self.refuse(f"needs `{port}`")
+        key = key_of(text, port)
+        if key is None:
+            return text
+        entry = self.board.variables.every[self.board.variable(key)]
+        if entry.constant:
+            return str(entry.initial)
+        self.unequal(f"`{port}` comes from the blackboard ({text}); write the value itself")
+
+    def number(self, port: str, default: str | None = None) -> int:
+        """Return a whole number."""
+        text = self.literal(port, default)
+        try:
+            return int(text)
+        except ValueError:
+            self.refuse(f"`{port}` is {text!r} and has to be a whole number")
+
+    def seconds(self, port: str) -> float:
+        """Return a time [s] that is written in milliseconds."""
+        milliseconds = self.number(port)
+        if milliseconds < 0:
+            self.refuse(f"`{port}` is {milliseconds} and can't be less than 0")
+        return milliseconds / 1000
+
+    def variable(self, wanted: str, type_name: str, value: object) -> str:
+        """Return a new variable of the task for the state of a node."""
+        name = self.board.variables.new(wanted)
+        entry = self.board.variables.every[name]
+        entry.initial, entry.written = value, [type_name]
         return name
-
-
-class Board:
-    """The blackboard of one sub-tree, whose name is its `space`; `auto`: keys that aren't remapped are the parent's."""
-
-    def __init__(self, variables: Variables, space: str = "", parent: Board | None = None, auto: bool = False):
-        self.variables, self.space, self.parent, self.auto = variables, space, parent, auto
-        self.names: dict[str, str] = {}
-
-    @property
-    def root(self) -> Board:
-        """The main tree's board."""
-        return self if self.parent is None else self.parent.root
-
-    def variable(self, key: str) -> str:
-        """Return the name of a key's variable; `@key` is the main tree's."""
-        if key.startswith("@"):
-            return self.root.variable(key[1:])
-        if key not in self.names:
-            if self.auto and self.parent is not None and not key.startswith("_"):
-                self.names[key] = self.parent.variable(key)
-            else:
-                self.names[key] = self.variables.new(f"{self.space}_{key}" if self.space else key)
-        return self.names[key]

@@ -2,179 +2,154 @@
 
 from __future__ import annotations
 
-import math
+import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from grip_bt.formats.btcpp.drafts import Board
-from grip_bt.nodes.btcpp import script as s
-from grip_bt.nodes.btcpp.script import EPSILON
+from grip_bt.formats.blackboard import Board
+from grip_bt.nodes.btcpp.script import EPSILON, SIGNS, names_of, parse_script, parts_of, renamed
 
 from .drafts import NodeDraft, container, controlled, failing, named, sequence_of, set_variable, switch
 
 LARGEST = 2**53
-NUMBERS = ("int", "float")
-_OR, _AND, _NOT, _COMPARE, _SUM, _PRODUCT, _SIGN, _ATOM = range(8)
 
 
 class Inexact(ValueError):
-    """An expression has no exact equivalent; the message says which part, and what to do."""
+    """An expression has no exact equivalent: it is computed as the script that it is."""
 
 
 @dataclass(frozen=True)
 class Value:
-    """An expression of a task; `Any` is a type that isn't known, `level` how tightly its outermost operator binds."""
+    """An expression of a task; `Any` is a type that isn't known."""
 
-    text: str
+    tree: ast.expr
     type: str
-    level: int = _ATOM
-    literal: bool = False
 
-    def within(self, level: int) -> str:
-        """Return the text as an operand of an operator that binds like `level`."""
-        return self.text if self.level >= level else f"({self.text})"
+    @property
+    def text(self) -> str:
+        """How a task writes it."""
+        return ast.unparse(self.tree)
 
 
 @dataclass
 class Translator:
-    """Writes scripts as expressions, given what they call a blackboard key, and its type; notes what to know."""
+    """Writes scripts as expressions, given what they call a blackboard key, and its type; notes what to know.
+
+    Raises:
+        Inexact: from every method, where there is none.
+    """
 
     name_of: Callable[[str], str]
     type_of: Callable[[str], str]
     notes: list[str] = field(default_factory=list)
 
-    def condition(self, script: s.Script) -> Value:
-        """Return the expression that is true where BT.CPP casts the script's value to true.
-
-        Raises:
-            Inexact: there is none.
-        """
+    def condition(self, script: ast.expr) -> Value:
+        """Return the expression that is true where BT.CPP casts the script's value to true."""
         value = self.value(script)
+        if value.type == "str":
+            raise Inexact("a text as a condition")
         if value.type == "bool":
             return value
-        if value.type == "str":
-            raise Inexact(f"the text {value.text} as a condition; compare it with something")
-        return Value(f"{value.within(_SUM)} != 0", "bool", _COMPARE)
+        return Value(ast.Compare(value.tree, [ast.NotEq()], [ast.Constant(0)]), "bool")
 
-    def value(self, script: s.Script) -> Value:
-        """Return the expression that comes to the script's value.
-
-        Raises:
-            Inexact: there is none.
-        """
+    def value(self, script: ast.expr) -> Value:
+        """Return the expression that comes to the script's value."""
         match script:
-            case s.Literal(value=value):
-                return literal(value)
-            case s.Name(name=name):
+            case ast.Constant():
+                return literal(script)
+            case ast.Name(id=name):
                 kind = self.type_of(name)
-                return Value(self.name_of(name), kind if kind in ("bool", "int", "float", "str") else "Any")
-            case s.Unary(sign="-", operand=s.Literal(value=int() | float() as number)) if not isinstance(number, bool):
-                return literal(-number)
-            case s.Unary(sign="-", operand=operand):
-                found = self._number(operand, "-")
-                return Value(f"-{found.within(_SIGN)}", found.type, _SIGN)
-            case s.Unary(sign="!", operand=operand):
-                if isinstance(operand, s.Unary) and operand.sign == "!":
-                    return self.condition(operand.operand)
-                return Value(f"not {self.condition(operand).within(_NOT)}", "bool", _NOT)
-            case s.Binary(sign="&&" | "||"):
-                level, word = (_AND, "and") if script.sign == "&&" else (_OR, "or")
-                left, right = self.condition(script.left), self.condition(script.right)
-                return Value(f"{left.within(level)} {word} {right.within(level + 1)}", "bool", level)
-            case s.Binary(sign="+" | "-" | "*" | "/"):
+                return Value(ast.Name(self.name_of(name)), kind if kind in ("bool", "int", "float", "str") else "Any")
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                found = self._number(operand)
+                return Value(ast.UnaryOp(ast.USub(), found.tree), found.type)
+            case ast.UnaryOp(op=ast.Not(), operand=ast.UnaryOp(op=ast.Not(), operand=operand)):
+                return self.condition(operand)
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                return Value(_not(self.condition(operand)), "bool")
+            case ast.BoolOp(op=op, values=values):
+                return Value(ast.BoolOp(op, [self.condition(each).tree for each in values]), "bool")
+            case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div() | ast.MatMult()):
                 return self._arithmetic(script)
-            case s.Binary(sign=".."):
-                return self._joined(script)
-            case s.Comparison():
+            case ast.Compare():
                 return self._comparison(script)
-            case s.Ternary(condition=asked):
-                condition, then, other = self.condition(asked), self.value(script.then), self.value(script.otherwise)
+            case ast.IfExp(test=test, body=body, orelse=orelse):
+                asked, then, other = self.condition(test), self.value(body), self.value(orelse)
                 if (then.type, other.type) != ("bool", "bool"):
-                    raise Inexact("`?:` inside of an expression; assign it to a variable of its own")
-                yes = f"{condition.within(_AND)} and {then.within(_AND + 1)}"
-                return Value(f"{yes} or not {condition.within(_NOT)} and {other.within(_AND + 1)}", "bool", _OR)
-            case s.Assignment(target=target):
-                raise Inexact(f"the assignment to {target!r} inside of an expression; make it a statement of its own")
-        sign = script.sign if isinstance(script, s.Unary | s.Binary) else "?"
-        raise Inexact(f"the bit operator `{sign}`, which expressions of a task don't have; use a leaf of your own")
+                    raise Inexact("`?:` inside of an expression")
+                ways = [
+                    ast.BoolOp(ast.And(), [one, two.tree]) for one, two in ((asked.tree, then), (_not(asked), other))
+                ]
+                return Value(ast.BoolOp(ast.Or(), list[ast.expr](ways)), "bool")
+        raise Inexact("bits, or an assignment inside of an expression")
 
-    def _arithmetic(self, script: s.Binary) -> Value:
-        if script.sign == "+" and "str" in (self.value(script.left).type, self.value(script.right).type):
-            return self._joined(script)
-        left, right = self._number(script.left, script.sign), self._number(script.right, script.sign)
-        level = _SUM if script.sign in "+-" else _PRODUCT
-        if script.sign == "/":
-            if right.literal and float(right.text) == 0:
-                raise Inexact("a division by zero, which is infinity in BT.CPP and an error here")
-            if not right.literal:
-                self.notes.append(
-                    f"a division by `{right.text}`: where that is 0 the run ends as an error, not at infinity"
-                )
+    def _arithmetic(self, script: ast.BinOp) -> Value:
+        sign = SIGNS[type(script.op)]
+        if sign == ".." or (sign == "+" and "str" in (self.value(script.left).type, self.value(script.right).type)):
+            match script.left, script.right:
+                case ast.Constant(value=str(one)), ast.Constant(value=str(other)):
+                    return literal(ast.Constant(one + other))
+            raise Inexact("joined texts")
+        left, right = self._number(script.left), self._number(script.right)
+        if sign == "/" and isinstance(right.tree, ast.Constant):
+            if right.tree.value == 0:
+                raise Inexact("infinity")
+        elif sign == "/":
+            what = f"a division by `{right.text}`"
+            self.notes.append(f"{what}: where that is 0 the run ends as an error, not at infinity")
         types = {left.type, right.type}
-        kind = "float" if script.sign == "/" or "float" in types else "int" if types == {"int"} else "Any"
-        return Value(f"{left.within(level)} {script.sign} {right.within(level + 1)}", kind, level)
+        kind = "float" if sign == "/" or "float" in types else "int" if types == {"int"} else "Any"
+        return Value(ast.BinOp(left.tree, script.op, right.tree), kind)
 
-    def _number(self, script: s.Script, sign: str) -> Value:
+    def _number(self, script: ast.expr) -> Value:
         value = self.value(script)
         if value.type in ("bool", "str"):
-            what = "truth value" if value.type == "bool" else "text"
-            raise Inexact(f"the {what} {value.text} as an operand of `{sign}`, which is for numbers here")
+            raise Inexact("no number")
         return value
 
-    def _joined(self, script: s.Binary) -> Value:
-        parts = [part.value for part in (script.left, script.right) if isinstance(part, s.Literal)]
-        if len(parts) == 2 and all(isinstance(part, str) for part in parts):
-            return literal("".join(map(str, parts)))
-        raise Inexact("joining texts, which expressions of a task don't do; use a leaf of your own")
+    def _comparison(self, script: ast.Compare) -> Value:
+        values = [self.value(operand) for operand in (script.left, *script.comparators)]
+        pairs = [self._pair(a, op, b) for a, op, b in zip(values, script.ops, values[1:], strict=False)]
+        if len(pairs) == 1:
+            return Value(pairs[0], "bool")
+        if any(isinstance(pair.left, ast.Call) for pair in pairs):
+            return Value(ast.BoolOp(ast.And(), list[ast.expr](pairs)), "bool")
+        return Value(ast.Compare(values[0].tree, script.ops, [value.tree for value in values[1:]]), "bool")
 
-    def _comparison(self, script: s.Comparison) -> Value:
-        values = [self.value(operand) for operand in script.operands]
-        pairs = [self._pair(a, sign, b) for a, sign, b in zip(values, script.signs, values[1:], strict=False)]
-        if len(pairs) == 1 or any(pair.startswith("abs(") for pair in pairs):
-            return Value(" and ".join(pairs), "bool", _COMPARE if len(pairs) == 1 else _AND)
-        text = values[0].within(_SUM)
-        for sign, value in zip(script.signs, values[1:], strict=True):
-            text += f" {sign} {value.within(_SUM)}"
-        return Value(text, "bool", _COMPARE)
-
-    def _pair(self, left: Value, sign: str, right: Value) -> str:
+    def _pair(self, left: Value, op: ast.cmpop, right: Value) -> ast.Compare:
         types = {left.type, right.type}
         if "str" in types and not types <= {"str", "Any"}:
-            raise Inexact(f"comparing {left.text} with {right.text}: one is a text, the other a number")
-        plain = f"{left.within(_SUM)} {sign} {right.within(_SUM)}"
-        if sign not in ("==", "!=") or types <= {"bool", "int", "str"}:
+            raise Inexact("a text compared with a number")
+        plain = ast.Compare(left.tree, [op], [right.tree])
+        if not isinstance(op, ast.Eq | ast.NotEq) or types <= {"bool", "int", "str"}:
             return plain
         if "float" in types:
             if "bool" in types:
-                raise Inexact(f"comparing {left.text} with {right.text}: one is a truth value, the other a number")
-            near = "<=" if sign == "==" else ">"
-            return f"abs({left.within(_SUM)} - {right.within(_PRODUCT)}) {near} {EPSILON!r}"
+                raise Inexact("a truth value compared with a fraction")
+            apart = ast.Call(ast.Name("abs"), [ast.BinOp(left.tree, ast.Sub(), right.tree)], [])
+            near = ast.LtE() if isinstance(op, ast.Eq) else ast.Gt()
+            return ast.Compare(apart, [near], [ast.Constant(EPSILON)])
         if "str" not in types:
             unknown = left.text if left.type == "Any" else right.text
-            self.notes.append(
-                f"`{plain}`: nothing says of which type {unknown!r} is; were it a fraction, BT.CPP would take numbers"
-                " within 1.2e-7 for the same"
-            )
+            text = f"`{ast.unparse(plain)}`: nothing says of which type {unknown!r} is"
+            self.notes.append(f"{text}; were it a fraction, BT.CPP would take numbers within 1.2e-7 for the same")
         return plain
 
 
-def literal(value: bool | int | float | str) -> Value:
-    """Return a literal as an expression.
+def _not(value: Value) -> ast.expr:
+    return ast.UnaryOp(ast.Not(), value.tree)
 
-    Raises:
-        Inexact: expressions can't hold it.
-    """
-    if isinstance(value, bool):
-        return Value("true" if value else "false", "bool", literal=True)
-    if isinstance(value, str):
-        quote = '"' if "'" in value else "'"
-        if any(c in value for c in "\\#\n\r\0") or quote in value:
-            raise Inexact(f"the text {value!r}, which an expression can't hold")
-        return Value(f"{quote}{value}{quote}", "str", literal=True)
-    if abs(value) > LARGEST or not math.isfinite(value):
-        raise Inexact(f"the number {value}, beyond 2**53, of which BT.CPP keeps the nearest double")
-    kind = "int" if isinstance(value, int) else "float"
-    return Value(repr(value), kind, _ATOM if value >= 0 else _SIGN, literal=True)
+
+def literal(said: ast.Constant) -> Value:
+    """Return a literal as an expression. Raises Inexact: expressions can't hold it."""
+    match said.value:
+        case bool(truth):
+            return Value(ast.Name(str(truth).lower()), "bool")
+        case str(text) if not any(c in text for c in "\\#\n\r\0") and not {"'", '"'} <= set(text):
+            return Value(said, "str")
+        case int() | float() as number if abs(number) <= LARGEST:
+            return Value(said, type(number).__name__)
+    raise Inexact("a text that an expression can't hold, or a number of which BT.CPP keeps the nearest double")
 
 
 _INPUTS = "abcdefgh"
@@ -198,21 +173,21 @@ class Asked:
 
 
 class Scripts:
-    """The scripts of one sub-tree; `note` takes what to know about one."""
+    """The scripts of one sub-tree; `note` takes what to know about one.
+
+    Raises:
+        ScriptError: from every method, where a text isn't a script.
+    """
 
     def __init__(self, board: Board, note: Callable[[str], None]):
         self.board, self.note = board, note
 
     def condition(self, text: str, negated: bool = False) -> Asked:
-        """Return what holds where a script's last value does, or where it doesn't.
-
-        Raises:
-            ScriptError: it isn't a script.
-        """
-        *first, last = s.parse_script(text) or [s.Literal(False)]
+        """Return what holds where a script's last value does, or where it doesn't."""
+        *first, last = parse_script(text) or [ast.Constant(False)]
         try:
             made = [self._statement(statement) for statement in first]
-            asked = s.Unary("!", last) if negated else last
+            asked = ast.UnaryOp(ast.Not(), last) if negated else last
             return Asked(made, self._translated(lambda translator: translator.condition(asked)).text, negated)
         except Inexact:
             holds = self.board.variables.new("holds")
@@ -220,13 +195,9 @@ class Scripts:
             return Asked([self._as_it_is(text, holds)], f"not {holds}" if negated else holds, negated)
 
     def assignments(self, text: str) -> list[NodeDraft]:
-        """Return a node for each assignment of a script, in order, or one for all.
-
-        Raises:
-            ScriptError: it isn't a script.
-        """
+        """Return a node for each assignment of a script, in order, or one for all."""
         made = []
-        for part, statement in zip(s.parts_of(text), s.parse_script(text), strict=True):
+        for part, statement in zip(parts_of(text), parse_script(text), strict=True):
             try:
                 made.append(self._statement(statement))
             except Inexact:
@@ -234,81 +205,66 @@ class Scripts:
         return made
 
     def on_halted(self, text: str, node: NodeDraft, meaning: str) -> NodeDraft:
-        """Return a node after whose interruption a script is run.
-
-        Raises:
-            ScriptError: it isn't a script.
-        """
+        """Return a node after whose interruption a script is run."""
         return controlled(self._as_it_is(text, node="btcpp/OnHalted"), [node], meaning)
 
     def _as_it_is(self, text: str, holds: str = "", node: str = "btcpp/Script") -> NodeDraft:
-        """Return a leaf that runs a script by BT.CPP's own rules."""
-        names, assigned, read = s.names_of(s.parse_script(text))
+        parse_script(text)
+        names, assigned, read = names_of(text)
         if len(names) > len(_INPUTS):
             raise Inexact(f"more than {len(_INPUTS)} variables in one script")
         letters = dict(zip(names, _INPUTS, strict=False))
         bound = {letters[name]: self._read(name) for name in names}
         for name in assigned:
-            self.board.variables.every[self.board.variable(name)].written.append("Any")
-        keys = {"node": node, "with": {"code": s.renamed(text, letters)}}
+            self.board.entry(name).written.append("Any")
+        keys = {"node": node, "with": {"code": renamed(text, letters)}}
         keys["in"] = {letters[name]: bound[letters[name]] for name in names if name in read}
         keys["out"] = {**{letters[n]: bound[letters[n]] for n in assigned}, **({"value": holds} if holds else {})}
         return NodeDraft({k: v for k, v in keys.items() if v}, name="script", instant=True)
 
-    def _statement(self, statement: s.Script) -> NodeDraft:
-        if not isinstance(statement, s.Assignment):
+    def _statement(self, statement: ast.expr) -> NodeDraft:
+        if not isinstance(statement, ast.NamedExpr):
             raise Inexact("a statement that assigns nothing")
-        return self._assignment(statement.target, statement.sign, statement.value)
+        return self._assignment(statement.target.id, statement.value)
 
-    def _assignment(self, key: str, sign: str, value: s.Script) -> NodeDraft:
-        if isinstance(value, s.Ternary):
-            return self._either(key, sign, value)
-        if sign not in (":=", "="):
-            value = s.Binary(s.Name(key), sign[0], value)
+    def _assignment(self, key: str, value: ast.expr) -> NodeDraft:
+        variable, entry = self.board.variable(key), self.board.entry(key)
         match value:
-            case s.Unary(sign="-", operand=s.Literal(value=int() | float() as number)) if not isinstance(number, bool):
-                value = s.Literal(-number)
-        variable = self.board.variable(key)
-        entry = self.board.variables.every[variable]
-        if isinstance(value, s.Literal):
-            kind = type(value.value).__name__
-            entry.written.append(kind)
-            return set_variable(variable, self._fitted(key, value.value, entry.type))
+            case ast.IfExp(test=test, body=then, orelse=otherwise):
+                asked = self._translated(lambda translator: translator.condition(test)).text
+                ways = {"yes": self._assignment(key, then), "no": self._assignment(key, otherwise)}
+                made = switch(asked, {"yes": True, "no": False}, ways, "success")
+                made.name = f"choose {variable}"
+                return made
+            case ast.Constant(value=bool() | int() | float() | str() as said):
+                entry.written.append(type(said).__name__)
+                return set_variable(variable, self._fitted(said, entry.type))
         inputs: dict[str, str] = {}
         computed = self._computed(value, inputs)
         entry.written.append(computed.type)
         if (entry.type == "int" and computed.type == "float") or (
             "bool" in (entry.type, computed.type) and {"int", "float", "str"} & {entry.type, computed.type}
         ):
-            raise Inexact(f"{key!r} is of type {entry.type} and is given a {computed.type}")
+            raise Inexact("a value of another type")
         keys = {"node": "flow/compute", "with": {"expression": computed.text}}
         bound = {letter: name for name, letter in inputs.items()}
         return NodeDraft({**keys, "in": bound, "out": {"value": variable}}, name=f"compute {variable}", instant=True)
 
-    def _fitted(self, key: str, value: bool | int | float | str, kind: str) -> bool | int | float | str:
+    def _fitted(self, value: bool | int | float | str, kind: str) -> bool | int | float | str:
         if isinstance(value, bool) and kind in ("int", "float"):
             return int(value)
-        if kind == "bool" and not isinstance(value, bool):
-            if value in (0, 1):
-                return bool(value)
-            raise Inexact(f"{key!r} is a truth value and is given {value!r}")
-        if kind == "int" and isinstance(value, float):
-            raise Inexact(f"{key!r} is a whole number and is given {value!r}")
+        if kind == "bool" and value in (0, 1):
+            return bool(value)
+        if (kind == "bool" and not isinstance(value, bool)) or (kind == "int" and isinstance(value, float)):
+            raise Inexact("a value of another type")
         return value
 
-    def _either(self, key: str, sign: str, value: s.Ternary) -> NodeDraft:
-        condition = self._translated(lambda translator: translator.condition(value.condition)).text
-        ways = {"yes": self._assignment(key, sign, value.then), "no": self._assignment(key, sign, value.otherwise)}
-        made = switch(condition, {"yes": True, "no": False}, ways, "success")
-        made.name = f"choose {self.board.variable(key)}"
-        return made
-
-    def _computed(self, value: s.Script, inputs: dict[str, str]) -> Value:
+    def _computed(self, value: ast.expr, inputs: dict[str, str]) -> Value:
         def letter(key: str) -> str:
             variable = self._read(key)
             if variable not in inputs:
                 if len(inputs) == len(_INPUTS):
-                    raise Inexact(f"more than {len(_INPUTS)} variables in one expression; compute a part of it before")
+                    raise Inexact("too many variables")
                 inputs[variable] = _INPUTS[len(inputs)]
             return inputs[variable]
 
@@ -322,9 +278,8 @@ class Scripts:
         return value
 
     def _read(self, key: str) -> str:
-        variable = self.board.variable(key)
-        self.board.variables.every[variable].read.append("Any")
-        return variable
+        self.board.entry(key).read.append("Any")
+        return self.board.variable(key)
 
 
 def after(node: NodeDraft, on_success: list[NodeDraft], on_failure: list[NodeDraft], meaning: str) -> NodeDraft:

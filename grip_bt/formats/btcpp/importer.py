@@ -6,6 +6,7 @@ with that known, to write the task.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,10 @@ from pydantic import ValidationError
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.formats.btcpp.drafts import Board, Variables, key_of
-from grip_bt.formats.btcpp.leaves import Document, Model
+from grip_bt.formats.blackboard import Board, Variables
 from grip_bt.formats.imported import Imported, Issues
 from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import MOST_NODES, Element
+from grip_bt.formats.xml_trees import MOST_NODES, Document, Model
 from grip_bt.task import dumps, loads, model
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.validation import validate
@@ -27,14 +27,13 @@ from grip_bt.task.validation.dataflow import DataFlow
 
 from .controls import CONTROLS
 from .decorators import ACTIONS, DECORATORS, REFUSED, check_attributes, with_conditions
-from .drafts import SKIPPED, SUCCEED, Keys, NodeDraft, controlled
-from .element import ElementReader, Reading, Refused, Unequal
-from .leaves import Leaves, value_of_text
+from .drafts import SKIPPED, SUCCEED, ElementReader, Keys, NodeDraft, Reading, Refused, Unequal, controlled
+from .leaves import Leaves, leaf_keys
 
 _KNOWN = {**CONTROLS, **DECORATORS, **ACTIONS}
 _EXPLICIT = ("Action", "Condition", "Control", "Decorator")
 _MOST_READINGS = 5
-_LATE = ("RetryUntilSuccessful", "Repeat", "AsyncSequence", "AsyncFallback")
+_LATE = ("RetryUntilSuccessful", "Repeat")
 _ASKS_AGAIN = ("ReactiveSequence", "ReactiveFallback", "WhileDoElse", "Parallel", "ParallelAll", "PipelineSequence")
 _FAMILY = {"SequenceStar": "SequenceWithMemory", **{f"Switch{n}": "Switch" for n in range(2, 7)}}
 """Tag -> the control node that follows its rules, where that is called otherwise."""
@@ -60,8 +59,19 @@ def from_xml(
     document = Document(source, folder, bound)
     main = document.load(text) if not tree else document.wanted(document.take_text(text), tree)
     importer = Importer(document, Leaves(catalog, document.models), main)
-    importer.settle()
+    settle([importer])
+    importer.reading.issues.raise_if_refused(source or "<text>")
     return importer.result()
+
+
+def settle(importers: list[Importer]) -> None:
+    """Read the trees until nothing new is learned."""
+    for _ in range(_MOST_READINGS):
+        before = [importer.state() for importer in importers]
+        for importer in importers:
+            importer.read()
+        if [importer.state() for importer in importers] == before:
+            break
 
 
 class Importer:
@@ -78,19 +88,6 @@ class Importer:
         """Return what a further reading may come to other results by."""
         types = {name: (v.type, v.has_initial, v.constant) for name, v in self.variables.every.items()}
         return types, dict(self.leaves.settled)
-
-    def settle(self) -> None:
-        """Read the tree until nothing new is learned.
-
-        Raises:
-            ImportRefusedError: parts of it have no exact equivalent.
-        """
-        for _ in range(_MOST_READINGS):
-            before = self.state()
-            self.read()
-            if self.state() == before:
-                break
-        self.reading.issues.raise_if_refused(self.document.source or "<text>")
 
     def read(self) -> None:
         """Read the tree once, with what was learned before."""
@@ -118,6 +115,8 @@ class Importer:
         check_attributes(here)
         tag, id_ = here.element.tag, here.attributes.get("ID", "")
         name = id_ if tag in (*_EXPLICIT, "SubTree") else tag
+        if name in _ASKS_AGAIN:
+            here = replace(here, again=here.element)
         if tag == "SubTree":
             made = self._sub_tree(here, name)
         elif name in REFUSED:
@@ -132,25 +131,12 @@ class Importer:
                 made = self._by_its_rules(here, name, why)
         else:
             made = self._leaf(here, name)
-        if name in _ASKS_AGAIN and (late := self._late(here.element)):
+        if name in _LATE and here.again is not None:
             text = "after attempts of several ticks the next one begins in the next tick, in BT.CPP in the same one"
-            here.note("changed", f"{late} is below: {text}; what is around it may be asked once more in between")
+            more = "what is around it may be asked once more in between"
+            here.note("changed", f"<{name}> is below: {text}; {more}", here.again)
         made.name = here.attributes.get("name") or name
         return with_conditions(here, made)
-
-    def _late(self, element: Element) -> str:
-        """Return the tag of a node below that takes a tick more than BT.CPP's, or nothing."""
-        stack, seen = list(element.children), set[str]()
-        while stack:
-            below = stack.pop()
-            name = below.attributes.get("ID", "") if below.tag in (*_EXPLICIT, "SubTree") else below.tag
-            if name in _LATE:
-                return f"<{name}>"
-            if below.tag == "SubTree" and name not in seen and (tree := self.document.tree(name, below)) is not None:
-                seen.add(name)
-                stack += tree.children
-            stack += below.children
-        return ""
 
     def _leaf(self, here: ElementReader, name: str) -> NodeDraft:
         tag = here.element.tag
@@ -171,7 +157,7 @@ class Importer:
         if str(why):
             here.note("changed", f"{why}; it became a `control` that follows BehaviorTree.CPP's own rules")
         children = list(here.read) or here.children()
-        keys = here.exact(lambda: self.leaves.made(self.leaves.catalog.get(id_), _ports(here), here.board))
+        keys = here.exact(lambda: leaf_keys(self.leaves.catalog.get(id_), _ports(here), here.board))
         skips = "SKIPPED" in here.attributes.get("if_empty", "") or name == "SkipUnlessUpdated"
         return controlled(NodeDraft(keys, skips), children, here.meaning)
 
@@ -184,28 +170,20 @@ class Importer:
             here.refuse(f"the tree {name!r} contains itself ({' > '.join(inside)})")
         self.used.add(name)
         auto = here.attributes.get("_autoremap", "false") in ("true", "1", "True")
-        board = Board(self.variables, here.attributes.get("name") or name, here.board, auto)
-        model_of = self.document.models.get(name)
-        defaults = {k: p.default for k, p in model_of.ports.items() if p.default is not None} if model_of else {}
-        for key, text in {**defaults, **_ports(here)}.items():
-            outer = key_of(text, key)
-            if outer is not None:
-                board.names[key] = here.board.variable(outer)
-            else:
-                board.names[key] = self.variables.new(f"{board.space}_{key}")
-                self.variables.every[board.names[key]].initial = text
+        said = self.document.models.get(name, Model(""))
+        given = {key: port.default for key, port in said.ports.items() if port.default is not None} | _ports(here)
+        board = here.board.inner(here.attributes.get("name") or name, given, auto)
         return self._root(here.at(trees[name], board=board, inside=inside))
 
     # --- the task ---
 
     def result(self) -> Imported:
-        """Return the task of the last reading.
-
-        Raises:
-            DocumentError: its task can't be written as a file.
-        """
+        """Return the task of the last reading. Raises DocumentError: its task can't be written as a file."""
         made, tree = self.made, self.name
-        inputs, data = self._declared(_mentioned(made.keys))
+        try:
+            inputs, data = self.variables.declared(_mentioned(made.keys))
+        except ValueError as error:
+            raise DocumentError(str(error), self.document.source) from error
         task: dict[str, Any] = {"grip": model.FORMAT_VERSION, "name": node_name(tree)}
         if made.skips:
             task["outcomes"] = {"success": "success", "failure": "failure", SKIPPED: "success"}
@@ -237,31 +215,6 @@ class Importer:
                 issues.add("incomplete", face.name, f"{text}; treated as input and output")
         return Imported({read.name: read}, tuple(issues), manifests=manifests)
 
-    def _declared(self, mentioned: set[str]) -> tuple[dict[str, object], dict[str, object]]:
-        inputs: dict[str, object] = {}
-        data: dict[str, object] = {}
-        for name, entry in self.variables.every.items():
-            if name not in mentioned:
-                continue  # a literal of a sub-tree that became part of a node
-            if entry.has_initial:
-                value = entry.initial
-                kind = entry.type
-                if isinstance(value, str):
-                    kind = "str" if kind == "Any" else kind
-                    try:
-                        value = value_of_text(value, kind)
-                    except ValueError as error:
-                        message = f"the entry {name!r} holds {value!r}: {error}"
-                        raise DocumentError(message, self.document.source) from error
-                data[name] = {"type": kind, "value": value}
-            elif not entry.known:
-                data[name] = {"type": "Any", "value": None}
-            elif entry.written or entry.texts:
-                data[name] = entry.type
-            else:
-                inputs[name] = entry.type
-        return inputs, data
-
 
 def _ports(here: ElementReader) -> dict[str, str]:
     said = {k: v for k, v in here.attributes.items() if k not in ("name", "ID") and not k.startswith("_")}
@@ -271,7 +224,6 @@ def _ports(here: ElementReader) -> dict[str, str]:
 
 
 def _mentioned(root: Keys) -> set[str]:
-    """Return the variables that a node, or one below it, reads or writes."""
     names: set[str] = set()
     for _, node in model.walk(model.Task.model_validate({"grip": 1, "name": "t", "root": root}).root):
         if isinstance(node, model.Leaf):

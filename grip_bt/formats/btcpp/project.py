@@ -11,15 +11,14 @@ from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.formats.imported import Imported, Issues, Item, Request, generated_by
 from grip_bt.formats.names import free
-from grip_bt.formats.xml_trees import Library, subtrees_of, workspace_of, xml_files
+from grip_bt.formats.xml_trees import Document, Library, subtrees_of, workspace_of, xml_files
 from grip_bt.task import Task
 from grip_bt.task.catalog import Manifest
 from grip_bt.task.catalog.manifest import manifest_text
 
-from .importer import Importer
-from .leaves import Document, Leaves
+from .importer import Importer, settle
+from .leaves import Leaves
 
-_MOST_READINGS = 5
 _HEADER = f"""\
 # {generated_by("btcpp")} from {{origin}}, once; it is yours to edit. Another import adds ports that it lacks.
 # The file says which ports this node has; what it does stands in leaf.py beside it, or should.
@@ -61,16 +60,9 @@ class {name}(grip.Control):
 
 
 def read(request: Request) -> Imported:
-    """Return the tasks of an XML file, of several, or of all in a folder, with what is still to be written for them.
-
-    Raises:
-        GripError: one file can't be read, or parts of it have no exact equivalent; of several, none has a tree.
-    """
+    """Return the tasks of an XML file, of several, or of a folder, with what is to be written; see `Project.tasks`."""
     project = Project(request)
-    if [request.path] == project.files:
-        made = project.one(project.files[0])
-    else:
-        made = project.all()
+    made = project.tasks(alone=[request.path] == project.files)
     return replace(made, **project.to_write(made.manifests))
 
 
@@ -90,64 +82,60 @@ class Project:
         if self.bound == home.parent:  # nothing says where it ends: `../common/parts.xml` belongs to it too
             self.bound = home.parent.parent
 
-    def one(self, file: Path) -> Imported:
-        """Return the task of a file, or those of its trees that no other one holds.
+    def tasks(self, alone: bool) -> Imported:
+        """Return the tasks: one for each main tree, or for each tree that no other one holds.
+
+        Args:
+            alone: whether it is one file, which has to come in whole.
 
         Raises:
-            GripError: it can't be read, or parts of it have no exact equivalent.
+            GripError: there is none, or that one can't be read or has no exact equivalent.
         """
-        document = self._document(file)
-        root = document.take_text(read_file(file))
-        for beside in sorted(file.resolve().parent.glob("*.xml")):
-            text = self.library.text(beside)
-            if "<TreeNodesModel" in text and "<BehaviorTree" not in text:
-                document.take_models(text, beside)
-        select = self.request.select
-        mains = [document.wanted(root, select)] if select else document.mains(root)
-        importers = self._settled([Importer(document, self.leaves, main) for main in mains])
-        for importer in importers:
-            importer.reading.issues.raise_if_refused(document.source)
-        return _together([importer.result() for importer in importers])
-
-    def all(self) -> Imported:
-        """Return the tasks of all files: one for each main tree, or for each tree that no other one holds.
-
-        Raises:
-            GripError: there is none.
-        """
-        items: list[Item] = []
-        importers: list[Importer] = []
-        documents = []
+        select, items, documents = self.request.select, list[Item](), []
         for file in self.files:
-            text = self.library.text(file)
-            if "<BehaviorTree" in text or "<TreeNodesModel" in text:
-                document = self._document(file)
+            text = read_file(file) if alone else self.library.text(file)
+            if alone or "<BehaviorTree" in text or "<TreeNodesModel" in text:
+                document = Document(str(file), file.resolve().parent, self.bound, self.library)
+                document.models = self.leaves.models
                 try:
                     documents.append((document, document.take_text(text)))
                 except GripError as error:
+                    if alone:
+                        raise
                     items.append(_failed(file.stem, document.source, error))
+        for beside in sorted(self.files[0].resolve().parent.glob("*.xml")) if alone else ():
+            text = self.library.text(beside)
+            if "<TreeNodesModel" in text and "<BehaviorTree" not in text:
+                documents[0][0].take_models(text, beside)
+        importers: list[Importer] = []
         used = {name for document, _ in documents for tree in document.trees.values() for name in subtrees_of(tree)}
-        select = self.request.select
         for document, root in documents:
-            said = "main_tree_to_execute" in root.attributes
-            for main in document.mains(root) if document.trees else ():
-                if main == select if select else said or main not in used:
-                    importers.append(Importer(document, self.leaves, main))
+            mains = [document.wanted(root, select)] if alone and select else []
+            if not mains and (alone or document.trees):
+                said = alone or "main_tree_to_execute" in root.attributes
+                mains = [m for m in document.mains(root) if (m == select if select else said or m not in used)]
+            importers += [Importer(document, self.leaves, main) for main in mains]
+        settle(importers)
         if not importers and not items:
             raise GripError(f"{self.request.path}: no XML file with a <BehaviorTree> to import")
-        made = []
-        for importer in self._settled(importers):
-            name, source = importer.name, importer.document.source
-            line, issues = importer.document.trees[name].line, importer.reading.issues.errors
-            if not issues:
-                try:
-                    result = importer.result()
-                    issues = result.issues
-                    made.append(replace(result, issues=()))
-                except DocumentError as error:
-                    issues = _failed(name, source, error).issues
-            items.append(Item(name, source, line, issues))
+        made = [each for importer in importers if (each := self._result(importer, items, alone)) is not None]
         return replace(_together(made), items=tuple(sorted(items, key=lambda item: item.source)))
+
+    def _result(self, importer: Importer, items: list[Item], alone: bool) -> Imported | None:
+        name, source = importer.name, importer.document.source
+        line, issues = importer.document.trees[name].line, importer.reading.issues.errors
+        if alone:
+            importer.reading.issues.raise_if_refused(source)
+            return importer.result()
+        result = None
+        if not issues:
+            try:
+                result = importer.result()
+                issues, result = result.issues, replace(result, issues=())
+            except DocumentError as error:
+                issues = _failed(name, source, error).issues
+        items.append(Item(name, source, line, issues))
+        return result
 
     def to_write(self, manifests: Iterable[Manifest]) -> dict[str, Any]:
         """Return the files that go with the tasks, and what somebody has to do."""
@@ -172,23 +160,8 @@ class Project:
             advice.append(f"until then: grip run TASK --mocks mocks/{stem}.yaml")
         return {"files": files, "advice": tuple(advice)}
 
-    def _document(self, file: Path) -> Document:
-        document = Document(str(file), file.resolve().parent, self.bound, self.library)
-        document.models = self.leaves.models
-        return document
-
-    def _settled(self, importers: list[Importer]) -> list[Importer]:
-        for _ in range(_MOST_READINGS):
-            before = [importer.state() for importer in importers]
-            for importer in importers:
-                importer.read()
-            if [importer.state() for importer in importers] == before:
-                break
-        return importers
-
 
 def _mock(manifest: Manifest) -> str:
-    """Return a script that succeeds, with an empty value for each output."""
     empty = {"int": "0", "float": "0.0", "bool": "false", "str": '""'}
     outputs = ", ".join(f"{port}: {empty.get(out.type, 'null')}" for port, out in manifest.outputs.items())
     return f"{{outcome: success, outputs: {{{outputs}}}}}" if outputs else "success"

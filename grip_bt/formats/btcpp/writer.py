@@ -7,41 +7,25 @@ has to give the same task: what wouldn't is refused by name.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
-from typing import NoReturn
-from xml.sax.saxutils import escape, quoteattr
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
 
 from grip_bt.base.errors import DocumentError, NotExpressibleError
 from grip_bt.base.expression import parse_expression
 from grip_bt.compilers.resolve import Part, Resolved, resolve
-from grip_bt.formats.expressible import require_expressible
+from grip_bt.formats.blackboard import text_of_value
 from grip_bt.formats.imported import ImportRefusedError
-from grip_bt.formats.names import node_name
-from grip_bt.formats.xml_trees import comment, element_lines, leaf_attributes
+from grip_bt.formats.xml_trees import comment, leaf_attributes, require_expressible, xml_element, xml_text
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
 from .importer import from_xml
-from .lowered import TARGET, lines, milliseconds, tag_of, tells
-from .lowering import document
-from .script_text import attribute_text, script_of
+from .lowered import TARGET, Xml, milliseconds, script_of, tag_of, tells, xml
+from .lowering import Lowering
 
 _CPP = {"int": "int", "float": "double", "bool": "bool", "str": "std::string", "Any": "BT::AnyTypeAllowed"}
 _TOLD = {"outcome": "the label of the end", "code": "why it failed; empty where it didn't"}
-_COMMON = {"doc", "precondition", "kind", "children", "child"}
-_KEYS: dict[type, set[str]] = {
-    model.Leaf: {"node", "with_", "in_", "out"},
-    model.Sequence: {"memory"},
-    model.Fallback: {"memory"},
-    model.Parallel: {"policy", "rules", "wait_for", "cancel", "prompt", "order"},
-    model.Retry: {"times"},
-    model.Repeat: {"times"},
-    model.Timeout: {"seconds"},
-    model.Switch: {"on_value", "cases", "default", "memory"},
-    model.Invert: set(),
-    model.Force: {"as_"},
-}
-"""The kinds that have an equivalent, and what it can say of them."""
 
 
 def to_xml(task: model.Task, catalog: Catalog) -> str:
@@ -56,96 +40,68 @@ def to_xml(task: model.Task, catalog: Catalog) -> str:
         NotExpressibleError: the XML has no words for a part of it.
     """
     resolved = resolve(task, catalog)
-    try:
+    with suppress(*_INDIRECT):
         return _as_it_is(resolved, catalog)
-    except NotExpressibleError:
-        used: dict[str, Manifest] = {}
-        body = list(lines(document(resolved, used), 2))
-        return _file(task, body, used, lowered=True)
+    used: dict[str, Manifest] = {}
+    return _file(task, Lowering(used).document(resolved), used, lowered=True)
 
 
-def _file(task: model.Task, body: list[str], used: dict[str, Manifest], lowered: bool = False) -> str:
-    name = quoteattr(task.name)
-    head = ['<?xml version="1.0" encoding="UTF-8"?>', f'<root BTCPP_format="4" main_tree_to_execute={name}>']
-    tree = [*comment(task.doc, 1), f"  <BehaviorTree ID={name}>", *body, "  </BehaviorTree>"]
-    return "\n".join([*head, *tree, *_models(used, lowered), "</root>"]) + "\n"
+def _file(task: model.Task, body: Xml, used: dict[str, Manifest], lowered: bool = False) -> str:
+    root = xml("root", *comment(task.doc), BTCPP_format="4", main_tree_to_execute=task.name)
+    root.append(xml("BehaviorTree", body, ID=task.name))
+    if used:
+        faces = (_face(manifest, lowered) for manifest in sorted(used.values(), key=lambda m: m.id))
+        root.append(xml("TreeNodesModel", *faces))
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + xml_text(root)
+
+
+_INDIRECT = (ValueError, NotExpressibleError, DocumentError, ImportRefusedError)
+"""What is raised where no element says the same; then it takes several."""
 
 
 def _as_it_is(resolved: Resolved, catalog: Catalog) -> str:
     """Return the file whose elements are the nodes of the task, which comes back as it was."""
     task = resolved.task
-    _check_task(resolved)
+    variables = [v for v in (*task.inputs.values(), *task.data.values()) if not isinstance(v, str)]
+    plain = dict(task.outcomes) == {"success": "success", "failure": "failure"} and not task.outputs
+    if not plain or any(target != label for (_, label, _), target in resolved.ends):
+        raise ValueError("outcomes or outputs of its own")
+    if any(variable.has_value and variable.value is not None for variable in variables):
+        raise ValueError("initial values")
     used: dict[str, Manifest] = {}
-    text = _file(task, list(element_lines(resolved.root, 2, lambda part: _described(part, used))), used)
-    try:
-        back = from_xml(text, catalog, "the file that was written").task
-    except (DocumentError, ImportRefusedError) as error:
-        raise NotExpressibleError("/", f"something ({error})", TARGET) from error
-    _check_same(task, back)
+    text = _file(task, xml_element(resolved.root, lambda part: _described(part, used)), used)
+    if _compared(from_xml(text, catalog, "the file that was written").task) != _compared(task):
+        raise ValueError("it comes back as another one")
     return text
 
 
-def _check_task(resolved: Resolved) -> None:
-    task = resolved.task
-    if node_name(task.name) != task.name:
-        raise NotExpressibleError("/", f"the name {task.name!r}", TARGET)
-    plain = {"success": "success", "failure": "failure"}
-    if dict(task.outcomes) != plain or any(target != label for (_, label, _), target in resolved.ends):
-        raise NotExpressibleError("/", "a task with outcomes of its own", TARGET)
-    if task.outputs:
-        raise NotExpressibleError("/", "outputs of a task", TARGET)
-    for name, variable in (*task.inputs.items(), *task.data.items()):
-        if not isinstance(variable, str) and variable.has_value and variable.value is not None:
-            what = f"the initial value of the variable {name!r} (give it by `flow/set`)"
-            raise NotExpressibleError("/", what, TARGET)
+def _compared(task: model.Task) -> object:
+    """Return what has to be the same of a task that came back; its own `doc` is a comment, and may be lost."""
+    types = [{n: v if isinstance(v, str) else v.type for n, v in each.items()} for each in (task.inputs, task.data)]
+    nodes = {}
+    for path, node in model.walk(task.root):
+        held = {name: getattr(node, name) for name in type(node).model_fields.keys() - {"order"}}
+        held |= {name: list(held[name]) for name in ("children", "child") if name in held}
+        held |= {name: _bare(held[name]) for name in ("precondition", "on_value") if held.get(name)}
+        if isinstance(node, model.Leaf) and node.node == "flow/compute":
+            held["with_"] = {**node.with_, "expression": _bare(node.with_["expression"])}
+        nodes[path] = (type(node), held)
+    return task.name, types, nodes
 
 
-def _check_same(task: model.Task, back: model.Task) -> None:
-    """Refuse the first difference between a task and what came back; the task's own `doc` is a comment, may be lost."""
-
-    def refuse(path: str, what: str, why: str) -> NoReturn:
-        raise NotExpressibleError(path, f"{what} ({why})", TARGET)
-
-    one, other = dict(model.walk(task.root)), dict(model.walk(back.root))
-    for path, node in one.items():
-        if path not in other:
-            refuse(path, "its name or place", "it comes back under another")
-        there = other[path]
-        if type(node) is not type(there):
-            one_kind, other_kind = (getattr(each, "kind", "leaf") for each in (node, there))
-            refuse(path, f"a {one_kind}", f"it comes back as a {other_kind}")
-        for name in type(node).model_fields.keys() - {"order"}:
-            a, b = _compared(node, name), _compared(there, name)
-            if a != b:
-                refuse(path, f"`{name.rstrip('_')}`", f"{a!r} comes back as {b!r}")
-    if more := other.keys() - one.keys():
-        refuse(min(more), "an additional node", "it comes back with it")
-    for kind in ("inputs", "data"):
-        said, read = getattr(task, kind), getattr(back, kind)
-        for name, variable in said.items():
-            if name not in read:
-                refuse("/", f"the variable {name!r}", "no node uses it, or only in another way")
-            a, b = (v if isinstance(v, str) else v.type for v in (variable, read[name]))
-            if a != b:
-                refuse("/", f"the type of the variable {name!r}", f"{a} comes back as {b}")
-        if extra := [name for name in read if name not in said]:
-            refuse("/", f"the variable {extra[0]!r}", f"it comes back among the {kind}")
-
-
-def _compared(node: model.AnyNode, field: str) -> object:
-    value = getattr(node, field)
-    if field in ("children", "child"):
-        return list(value)
-    if field in ("precondition", "on_value") and value:
-        return ast.unparse(parse_expression(value).tree)
-    return value
+def _bare(expression: str) -> str:
+    """Return an expression without parentheses that change nothing."""
+    return ast.unparse(parse_expression(expression).tree)
 
 
 def _described(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
-    require_expressible(part.path, part.node, _KEYS, TARGET, _COMMON)
+    if type(part.node) not in _ELEMENTS:
+        raise ValueError("no element")
+    fields, element = _ELEMENTS[type(part.node)]
+    require_expressible(part.path, part.node, (*fields, "precondition"), TARGET)
     if not isinstance(part.node, model.Leaf) and not part.children:
-        raise NotExpressibleError(part.path, f"a {part.node.kind} without children", TARGET)
-    tag, own = _element(part, used)
+        raise ValueError("no children")
+    tag, own = _leaf(part, part.node, used) if isinstance(part.node, model.Leaf) else element(part, part.node)
     said = {**({} if part.path == "/" else {"name": part.name}), **own}
     if part.node.precondition and not _is_condition(part):
         said["_failureIf"] = f"!({_script(part, part.node.precondition)})"
@@ -159,12 +115,12 @@ def _is_condition(part: Part) -> bool:
     return isinstance(node, model.Leaf) and node.node == "flow/succeed" and bool(node.precondition)
 
 
-def _type_of(part: Part) -> Callable[[str], str]:
+def _script(part: Part, text: str, names: Mapping[str, str] | None = None) -> str:
     def type_of(name: str) -> str:
         cell = part.scope.find(name)
         return cell.type if cell is not None else "Any"
 
-    return type_of
+    return script_of(text, type_of, names)
 
 
 def _computed(part: Part, node: model.Leaf) -> str | None:
@@ -173,43 +129,9 @@ def _computed(part: Part, node: model.Leaf) -> str | None:
     names = parse_expression(text).names
     if "value" not in node.out or list(node.in_) != list("abcdefgh"[: len(names)]) or list(names) != list(node.in_):
         return None
-    try:
-        return f"{node.out['value']} := {script_of(text, _type_of(part), node.in_)}"
-    except ValueError:
-        return None
-
-
-def _script(part: Part, text: str) -> str:
-    try:
-        return script_of(text, _type_of(part))
-    except ValueError as error:
-        raise NotExpressibleError(part.path, f"`{text}` ({error})", TARGET) from error
-
-
-def _element(part: Part, used: dict[str, Manifest]) -> tuple[str, dict[str, str]]:
-    node = part.node
-    match node:
-        case model.Leaf():
-            return _leaf(part, node, used)
-        case model.Sequence(memory=memory):
-            return ("Sequence" if memory else "ReactiveSequence"), {}
-        case model.Fallback(memory=memory):
-            return ("Fallback" if memory else "ReactiveFallback"), {}
-        case model.Parallel():
-            return _parallel(part, node)
-        case model.Retry(times=attempts):
-            return "RetryUntilSuccessful", {"num_attempts": str(-1 if attempts is None else attempts)}
-        case model.Repeat(times=times):
-            return "Repeat", {"num_cycles": str(-1 if times is None else times)}
-        case model.Timeout(seconds=seconds):
-            return "Timeout", {"msec": milliseconds(part, seconds)}
-        case model.Switch():
-            return _switch(part, node)
-        case model.Invert():
-            return "Inverter", {}
-        case model.Force(as_=forced):
-            return ("ForceSuccess" if forced == "success" else "ForceFailure"), {}
-    raise AssertionError(f"{type(node).__name__} passed the list of kinds and has no tag")
+    with suppress(ValueError):
+        return f"{node.out['value']} := {_script(part, text, node.in_)}"
+    return None
 
 
 def _parallel(part: Part, node: model.Parallel) -> tuple[str, dict[str, str]]:
@@ -222,19 +144,18 @@ def _parallel(part: Part, node: model.Parallel) -> tuple[str, dict[str, str]]:
         return "Parallel", {"success_count": str(successes), "failure_count": str(failures)}
     if (node.policy, node.cancel, node.wait_for, len(rules), node.prompt) == ("all", "halt", "all", 2, False):
         return "ParallelAll", {"max_failures": str(rules[0].get("at_least", 0))}
-    raise NotExpressibleError(part.path, "this parallel (use `prompt` with two rules, or `cancel: join`)", TARGET)
+    raise ValueError("no element's rules")
 
 
 def _switch(part: Part, node: model.Switch) -> tuple[str, dict[str, str]]:
     cases = list(node.cases.values())
     names = [child.name for child in part.children]
     if node.memory or names != [*node.cases, node.default] or not 2 <= len(cases) <= 6:
-        what = "this switch (it needs `memory: false`, 2 to 6 cases in order, and a default as the last child)"
-        raise NotExpressibleError(part.path, what, TARGET)
+        raise ValueError("no element's cases")
     said = {"variable": f"{{{node.on_value}}}"}
     for number, case in enumerate(cases, 1):
         if isinstance(case, bool | float) or not isinstance(case, str | int | list):
-            raise NotExpressibleError(part.path, f"the case {case!r}", TARGET)
+            raise ValueError(f"the case {case!r}")
         said[f"case_{number}"] = str(case[0] if isinstance(case, list) and case else case)
     return f"Switch{len(cases)}", said
 
@@ -255,39 +176,48 @@ def _leaf(part: Part, node: model.Leaf, used: dict[str, Manifest]) -> tuple[str,
     if node.node == "flow/compute" and (code := _computed(part, node)) is not None:
         return "Script", {"code": code}
     used[manifest.id] = manifest
-    said = leaf_attributes(part, node, attribute_text, TARGET)
+    said = leaf_attributes(part, node, text_of_value, TARGET)
     both = set(manifest.inputs) & set(manifest.outputs)
-    for port in both & set(said):
-        if (port in node.in_) != (port in node.out):
-            raise NotExpressibleError(part.path, f"{port!r}, of which only one side is bound,", TARGET)
+    if any((port in node.in_) != (port in node.out) for port in both & set(said)):
+        raise ValueError("a port of which only one side is bound")
     return tag_of(manifest), said
 
 
-def _models(used: dict[str, Manifest], lowered: bool) -> Iterator[str]:
-    if not used:
-        return
-    yield "  <TreeNodesModel>"
-    for manifest in sorted(used.values(), key=lambda m: m.id):
-        yield f"    <Action ID={quoteattr(tag_of(manifest))}>"
-        for name, parameter in manifest.parameters.items():
-            default = ""
-            if not parameter.required:
-                try:
-                    default = f" default={quoteattr(attribute_text(parameter.default, parameter.type))}"
-                except ValueError:
-                    pass  # the default isn't a text; the port is optional all the same
-            yield _port("input_port", name, parameter.type, parameter.doc, default)
-        for name, port in manifest.inputs.items():
-            yield _port("inout_port" if name in manifest.outputs else "input_port", name, port.type, port.doc)
-        for name, output in manifest.outputs.items():
-            if name not in manifest.inputs:
-                yield _port("output_port", name, output.type, output.doc)
-        for name in ("outcome", "code") if lowered and tells(manifest) else ():
-            yield _port("output_port", name, "str", _TOLD[name])
-        yield "    </Action>"
-    yield "  </TreeNodesModel>"
+_Element = Callable[[Part, Any], tuple[str, dict[str, str]]]
+_ELEMENTS: dict[type, tuple[tuple[str, ...], _Element]] = {
+    model.Leaf: (("node", "with_", "in_", "out"), lambda part, node: ("", {})),
+    model.Sequence: (("memory",), lambda part, node: ("Sequence" if node.memory else "ReactiveSequence", {})),
+    model.Fallback: (("memory",), lambda part, node: ("Fallback" if node.memory else "ReactiveFallback", {})),
+    model.Parallel: (("policy", "rules", "wait_for", "cancel", "prompt", "order"), _parallel),
+    model.Retry: (("times",), lambda part, node: ("RetryUntilSuccessful", {"num_attempts": str(node.times or -1)})),
+    model.Repeat: (("times",), lambda part, node: ("Repeat", {"num_cycles": str(node.times or -1)})),
+    model.Timeout: (("seconds",), lambda part, node: ("Timeout", {"msec": milliseconds(part, node.seconds)})),
+    model.Switch: (("on_value", "cases", "default", "memory"), _switch),
+    model.Invert: ((), lambda part, node: ("Inverter", {})),
+    model.Force: (("as_",), lambda part, node: (f"Force{node.as_.capitalize()}", {})),
+}
+"""The kinds that have an equivalent: what it can say of them, and the element with its attributes."""
 
 
-def _port(tag: str, name: str, type_name: str, doc: str, more: str = "") -> str:
-    cpp = quoteattr(_CPP.get(type_name, type_name))
-    return f"      <{tag} name={quoteattr(name)} type={cpp}{more}>{escape(doc)}</{tag}>"
+def _face(manifest: Manifest, lowered: bool) -> Xml:
+    made = xml("Action", ID=tag_of(manifest))
+    for name, parameter in manifest.parameters.items():
+        default = {}
+        if not parameter.required:
+            with suppress(ValueError):  # where the default isn't a text, the port is optional all the same
+                default["default"] = text_of_value(parameter.default, parameter.type)
+        made.append(_port("input_port", name, parameter.type, parameter.doc, **default))
+    for name, port in manifest.inputs.items():
+        made.append(_port("inout_port" if name in manifest.outputs else "input_port", name, port.type, port.doc))
+    for name, output in manifest.outputs.items():
+        if name not in manifest.inputs:
+            made.append(_port("output_port", name, output.type, output.doc))
+    for name in ("outcome", "code") if lowered and tells(manifest) else ():
+        made.append(_port("output_port", name, "str", _TOLD[name]))
+    return made
+
+
+def _port(tag: str, name: str, type_name: str, doc: str, **more: str) -> Xml:
+    made = xml(tag, name=name, type=_CPP.get(type_name, type_name), **more)
+    made.text = doc
+    return made

@@ -1,11 +1,9 @@
-"""Boxes and lines of a drawing with their places, and how they are laid out: trees, and rows like words of a text."""
+"""Boxes and lines of a drawing with their places; how they are laid out: as trees, and in layers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import sqrt
-from typing import Literal
 
 Point = tuple[float, float]
 NAME_SIZE, TEXT_SIZE = 13.0, 11.0
@@ -48,13 +46,12 @@ class Pill:
 
 @dataclass(frozen=True)
 class Line:
-    """A line through points; curved where they aren't one below the other, along `axis` where it leaves them."""
+    """A line through points; curved where they are neither beside nor below one another."""
 
     points: tuple[Point, ...]
     label: str = ""
     label_at: Point = (0.0, 0.0)
     arrow: bool = True
-    axis: Literal["x", "y"] = "y"
 
 
 @dataclass
@@ -92,10 +89,6 @@ def shortened(text: str, length: int = 44) -> str:
     return text if len(text) <= length else text[: length - 1] + "…"
 
 
-SCREEN = 700.0
-"""From the first to the last child of a parent that stands at their middle [px]."""
-
-
 @dataclass(slots=True)
 class TreeItem:
     """A node of the tree to lay out: its box's height [px], its children, and its middle, set by `place_tree`."""
@@ -104,90 +97,183 @@ class TreeItem:
     below: list[TreeItem] = field(default_factory=list)
     y: float = 0.0
 
-
-def is_tall(item: TreeItem) -> bool:
-    """Tell whether a item that `place_tree` has placed stands beside the first of its children, not at their middle."""
-    return bool(item.below) and item.below[-1].y - item.below[0].y > SCREEN
-
-
-def place_tree(root: TreeItem, gap: float) -> None:
-    """Set `y` of every item; boxes of one column are `gap` apart at least [px]."""
-    order: list[tuple[TreeItem, int]] = []
-    todo = [(root, 0)]
-    while todo:
-        item, depth = todo.pop()
-        order.append((item, depth))
-        todo.extend((child, depth + 1) for child in reversed(item.below))
-    contours: dict[int, tuple[list[float], list[float]]] = {}
-    shifts: dict[int, list[float]] = {}
-    for item, _ in reversed(order):
-        shifts[id(item)] = _join(item, [contours.pop(id(c)) for c in item.below], contours, gap)
-    for item, _ in order:
-        for child, shift in zip(item.below, shifts[id(item)], strict=True):
-            child.y = item.y + shift
+    @property
+    def lead(self) -> float:
+        """How far its middle is below the top of all that it holds [px]."""
+        return max(self.height / 2, self.below[0].lead) if self.below else self.height / 2
 
 
-def _join(
-    item: TreeItem,
-    parts: list[tuple[list[float], list[float]]],
-    contours: dict[int, tuple[list[float], list[float]]],
-    gap: float,
-) -> list[float]:
-    """Stack the children's contours; return their shifts relative to the item's middle."""
-    shifts: list[float] = []
-    top: list[float] = []
-    bottom: list[float] = []
-    for upper, lower in parts:
-        shift = max((b - u + gap for b, u in zip(bottom, upper, strict=False)), default=0.0)
-        shifts.append(shift)
-        top = [*top, *(u + shift for u in upper[len(top) :])]
-        bottom = [low + shift for low in lower] + bottom[len(lower) :]
-    middle = (shifts[0] + shifts[-1]) / 2 if shifts and shifts[-1] - shifts[0] <= SCREEN else 0.0
-    half = item.height / 2
-    contours[id(item)] = ([-half, *(t - middle for t in top)], [half, *(b - middle for b in bottom)])
-    return [shift - middle for shift in shifts]
+def place_tree(item: TreeItem, gap: float, top: float = 0.0) -> float:
+    """Set `y` of an item, beside the first of its children, and of all below; return where they end [px].
+
+    Args:
+        gap: least distance of boxes in a column [px].
+        top: where they begin [px].
+    """
+    item.y = top + item.lead
+    bottom = item.y - item.below[0].lead - gap if item.below else top
+    for child in item.below:
+        bottom = place_tree(child, gap, bottom + gap)
+    return max(bottom, item.y + item.height / 2)
 
 
-_CHILD_GAP, _ROW_GAP = 34.0, 30.0
-_LONGEST_COLUMN = 4
-"""Up to so many children stand one below the other."""
-_ASPECT = 1.5
+# Nodes in layers, edges downwards: how the children of one container are placed in the flow view.
+#
+# Sugiyama, Tagawa & Toda, "Methods for Visual Understanding of Hierarchical System Structures" (1981): edges that
+# close cycles are turned round, nodes are ranked by longest paths, edges get a place in each rank that they cross,
+# ranks are ordered by barycentres, and places are the least-squares solution that keeps this order (isotonic
+# regression). Each edge passes through a rank that belongs to its label, so labels cover nothing.
+
+_SWEEPS = 8
 
 
-def is_long(children: Sequence[Figure]) -> bool:
-    """Tell whether one column would be too long."""
-    return len(children) > _LONGEST_COLUMN and sum(child.height + _ROW_GAP for child in children) > 700
+@dataclass(slots=True)
+class Item:
+    """Something with a place [px]: a node, or where an edge crosses a rank; `x` is its middle."""
+
+    width: float
+    height: float
+    rank: int = 0
+    x: float = 0.0
+    up: list[Item] = field(default_factory=list)
+    down: list[Item] = field(default_factory=list)
 
 
-def rows_figure(children: Sequence[Figure], label: str) -> Figure:
-    """Lay out children in rows; `label` stands at each link."""
-    gap = _CHILD_GAP + (text_width(label, TEXT_SIZE) if label else 0.0)
-    area = sum((c.width + gap) * (c.height + _ROW_GAP) for c in children)
-    widest = max(sqrt(area * _ASPECT), *(c.width for c in children))
-    figure = Figure()
-    x = y = tallest = 0.0
-    before: tuple[float, float, Figure] | None = None
-    for child in children:
-        if x > 0 and x + child.width > widest:
-            x, y, tallest = 0.0, y + tallest + _ROW_GAP, 0.0
-        if before is not None:
-            figure.lines.append(_link(before, (x, y, child), label))
-        figure.add(child, x, y)
-        before = (x, y, child)
-        tallest = max(tallest, child.height)
-        figure.width = max(figure.width, x + child.width)
-        x += child.width + gap
-    figure.height = y + tallest
-    return figure
+@dataclass(slots=True)
+class Edge:
+    """A connection between nodes, with the size of its label [px]; `place` sets what it passes, and where that is."""
+
+    source: str
+    target: str
+    label: tuple[float, float] = (0.0, 0.0)
+    bends: list[Item] = field(default_factory=list)
+    label_item: Item | None = None
 
 
-def _link(one: tuple[float, float, Figure], other: tuple[float, float, Figure], label: str) -> Line:
-    (x, y, left), (to_x, to_y, right) = one, other
-    if y == to_y:
-        level = y + min(left.height, right.height, 56.0) / 2
-        ends = ((x + left.width, level), (to_x, level))
-        return Line(ends, label, ((ends[0][0] + to_x) / 2, level), axis="x")
-    from_x, middle = x + left.width / 2, to_y - _ROW_GAP / 2
-    down_x = to_x + min(right.width / 2, 40.0)
-    points = ((from_x, y + left.height), (from_x, middle), (down_x, middle), (down_x, to_y))
-    return Line(points, label, ((from_x + down_x) / 2, middle))
+@dataclass(frozen=True)
+class Placed:
+    """How large the whole is, and the upper edge and height of each rank [px]."""
+
+    width: float
+    height: float
+    tops: tuple[float, ...]
+    heights: tuple[float, ...]
+
+
+def place(nodes: dict[str, Item], edges: Sequence[Edge], last: Sequence[str], gap: float, rank_gap: float) -> Placed:
+    """Place nodes and edges.
+
+    Args:
+        nodes: by name, in document order; their `rank` and `x` are set.
+        edges: between different nodes; their `bends` are set.
+        last: names of nodes that stand in the last rank.
+        gap: least distance in a rank [px].
+        rank_gap: distance of ranks [px].
+    """
+    backward = _ranked(nodes, edges, last)
+    ranks: list[list[Item]] = [[] for _ in range(max(n.rank for n in nodes.values()) + 1)]
+    for node in nodes.values():
+        ranks[node.rank].append(node)
+    for edge in edges:
+        _route(nodes, edge, (edge.source, edge.target) in backward, ranks)
+    _order(ranks)
+    _spread(ranks, gap)
+    heights = tuple(max((i.height for i in rank), default=0.0) for rank in ranks)
+    tops, y = [], 0.0
+    for height in heights:
+        tops.append(y)
+        y += height + rank_gap
+    every = [item for rank in ranks for item in rank]
+    left = min(i.x - i.width / 2 for i in every)
+    for item in every:
+        item.x -= left
+    width = max(i.x + i.width / 2 for i in every)
+    return Placed(width, y - rank_gap, tuple(tops), heights)
+
+
+def _ranked(nodes: dict[str, Item], edges: Sequence[Edge], last: Sequence[str]) -> set[tuple[str, str]]:
+    """Rank the nodes; return the edges that close a cycle when they are followed depth first in document order."""
+    import networkx as nx
+
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    graph.add_nodes_from(nodes)
+    graph.add_edges_from((edge.source, edge.target) for edge in edges)
+    around, backward = set[str](), set[tuple[str, str]]()
+    for source, target, way in nx.dfs_labeled_edges(graph):
+        if way == "nontree" and target in around:
+            backward.add((source, target))
+        elif way != "nontree":
+            (around.add if way == "forward" else around.discard)(target)
+    graph.remove_edges_from(backward)
+    graph.add_edges_from((target, source) for source, target in backward)
+    for rank, names in enumerate(nx.topological_generations(graph)):
+        for name in names:
+            nodes[name].rank = 2 * rank
+    deepest = max(node.rank for node in nodes.values())
+    for name in last:
+        nodes[name].rank = deepest
+    return backward
+
+
+def _route(nodes: dict[str, Item], edge: Edge, backward: bool, ranks: list[list[Item]]) -> None:
+    upper, lower = nodes[edge.source], nodes[edge.target]
+    if backward:
+        upper, lower = lower, upper
+    if upper.rank == lower.rank:  # between two nodes of the last rank
+        return
+    chain = [Item(0.0, 0.0, rank) for rank in range(upper.rank + 1, lower.rank)]
+    edge.label_item = chain[-1] if backward else chain[0]
+    edge.label_item.width, edge.label_item.height = edge.label
+    for item in chain:
+        ranks[item.rank].append(item)
+    whole = [upper, *chain, lower]
+    for one, other in zip(whole, whole[1:], strict=False):
+        one.down.append(other)
+        other.up.append(one)
+    edge.bends = chain[::-1] if backward else chain
+
+
+def _order(ranks: list[list[Item]]) -> None:
+    for sweep in range(_SWEEPS):
+        downwards = sweep % 2 == 0
+        for rank, fixed in (
+            zip(ranks[1:], ranks, strict=False) if downwards else zip(ranks[-2::-1], ranks[::-1], strict=False)
+        ):
+            at = {id(item): position for position, item in enumerate(fixed)}
+            mine = {id(item): position for position, item in enumerate(rank)}
+            keys = {}
+            for item in rank:
+                near = [at[id(n)] for n in (item.up if downwards else item.down)]
+                scale = len(fixed) / max(len(rank), 1)
+                keys[id(item)] = sum(near) / len(near) if near else mine[id(item)] * scale
+            rank.sort(key=lambda item: (keys[id(item)], mine[id(item)]))
+
+
+def _spread(ranks: list[list[Item]], gap: float) -> None:
+    for rank in ranks:
+        x = 0.0
+        for item in rank:
+            item.x = x + item.width / 2
+            x += item.width + gap
+    for sweep in range(2 * _SWEEPS):
+        downwards = sweep % 2 == 0
+        for rank in ranks if downwards else ranks[::-1]:
+            wanted = []
+            for item in rank:
+                near = (item.up if downwards else item.down) or (item.down if downwards else item.up)
+                wanted.append(sum(n.x for n in near) / len(near) if near else item.x)
+            for item, x in zip(rank, _separated(rank, wanted, gap), strict=True):
+                item.x = x
+
+
+def _separated(rank: list[Item], wanted: list[float], gap: float) -> list[float]:
+    """Return the places nearest to `wanted` (least squares) that keep the order and the distances."""
+    from scipy.optimize import isotonic_regression
+
+    offsets, offset = [], 0.0
+    for left, right in zip([None, *rank], rank, strict=False):
+        if left is not None:
+            offset += (left.width + right.width) / 2 + gap
+        offsets.append(offset)
+    flat = isotonic_regression([want - off for want, off in zip(wanted, offsets, strict=True)]).x
+    return [float(mean) + off for mean, off in zip(flat, offsets, strict=True)]

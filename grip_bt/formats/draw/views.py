@@ -7,24 +7,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from grip_bt.formats.draw.layered import Edge, Item, Placed, place
 from grip_bt.formats.draw.layout import (
     NAME_SIZE,
     TEXT_SIZE,
     Box,
+    Edge,
     Figure,
+    Item,
     Line,
     Pill,
+    Placed,
     Point,
     TreeItem,
-    is_long,
-    is_tall,
+    place,
     place_tree,
-    rows_figure,
     shortened,
     text_width,
 )
-from grip_bt.task import KINDS, AnyNode, Container, Fallback, Leaf, Sequence, Task, children_of, join, outcomes_of, walk
+from grip_bt.task import KINDS, AnyNode, Container, Leaf, Task, children_of, join, outcomes_of, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.kind_analysis import links
 
@@ -115,24 +115,19 @@ def tree_figure(task: Task, catalog: Catalog) -> Figure:
             items[_parent(path)].below.append(items[path])
             depth[path] = depth[_parent(path)] + 1
         columns[depth[path]] = max(columns[depth[path]], box.width)
-    place_tree(items["/"], _ROW_GAP)
+    height = place_tree(items["/"], _ROW_GAP, _MARGIN) + _MARGIN
     left = [_MARGIN]
     for column in range(len(columns)):
         left.append(left[-1] + columns[column] + _COLUMN_GAP)
-    up = min(t.y - t.height / 2 for t in items.values()) - _MARGIN
-    figure = Figure(left[-1] - _COLUMN_GAP + _MARGIN, max(t.y + t.height / 2 for t in items.values()) - up + _MARGIN)
+    figure = Figure(left[-1] - _COLUMN_GAP + _MARGIN, height)
     for path, box in boxes.items():
-        x, y = left[depth[path]], items[path].y - up
+        x, y = left[depth[path]], items[path].y
         figure.boxes.append(replace(box, x=x, y=y - box.height / 2, path=path))
         if path != "/":
             parent = _parent(path)
-            start, from_y = left[depth[path] - 1] + boxes[parent].width, items[parent].y - up
-            bend = max(start, left[depth[path]] - _COLUMN_GAP)  # every line of a column curves in the same place
-            points: tuple[Point, ...] = ((start, from_y), (bend, from_y), (x, y))
-            if is_tall(items[parent]):  # curves as long as that would lie over each other
-                trunk = (bend + x) / 2
-                points = ((start, from_y), (trunk, from_y), (trunk, y), (x, y))
-            figure.lines.append(Line(points, arrow=False, axis="x"))
+            start, from_y = left[depth[path] - 1] + boxes[parent].width, items[parent].y
+            trunk = x - _COLUMN_GAP / 2
+            figure.lines.append(Line(((start, from_y), (trunk, from_y), (trunk, y), (x, y)), arrow=False))
     return figure
 
 
@@ -161,11 +156,7 @@ def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figur
         box = replace(box_of(name, node, catalog, lines), path=path)
         return Figure(box.width, box.height, [box])
     children = {n: _node_figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
-    outcomes, links, parts = outcomes_shown(node), links_of(node), list(children.values())
-    if isinstance(node, Sequence | Fallback) and not outcomes and is_long(parts):
-        inside = rows_figure(parts, links[0].label)
-    else:
-        inside = _inside(children, outcomes, links)
+    inside = _inside(children, outcomes_shown(node), links_of(node))
     words = describe(node) + (f", only if {node.precondition}" if node.precondition else "")
     header = ICON + text_width(name, NAME_SIZE, bold=True) + 10 + text_width(words, TEXT_SIZE)
     width = max(inside.width, header) + 2 * _FRAME_PAD
@@ -177,7 +168,6 @@ def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figur
 
 
 def _inside(children: dict[str, Figure], outcomes: dict[str, str], links: list[Link]) -> Figure:
-    """Lay out what is in one frame."""
     loops = {link.source: link for link in links if link.source == link.target and not link.to_outcome}
     items: dict[str, Item] = {}
     if any(not link.source for link in links):
@@ -260,4 +250,4 @@ def _loop(link: Link, x: float, top: float, height: float) -> Line:
     low, high = top + min(height, 60) * 0.7, top + min(height, 60) * 0.3
     out = x + _LOOP - 8
     at = (out + 6 + text_width(link.label, TEXT_SIZE) / 2, (low + high) / 2)
-    return Line(((x, low), (out, low), (out, high), (x, high)), link.label, at, axis="x")
+    return Line(((x, low), (out, low), (out, high), (x, high)), link.label, at)

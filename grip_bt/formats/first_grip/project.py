@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -38,10 +38,7 @@ class Configuration:
 
 
 def read_configuration(settings: Mapping[Key, object], file: Path) -> Configuration:
-    """Return what the files are that a robot's `.ini` names.
-
-    A file that isn't where it was is looked for by its name below the folder of the `.ini`.
-    """
+    """Return what the files are that a robot's `.ini` names, there or of the same name below its folder."""
     found = Configuration()
     for key, value in settings.items():
         if isinstance(value, Refused):
@@ -51,12 +48,6 @@ def read_configuration(settings: Mapping[Key, object], file: Path) -> Configurat
             if suffix in (*_FILES, *_OTHERS):
                 _take(found, text, file, "/".join(key))
     return found
-
-
-def add_files(found: Configuration, files: Iterable[Path]) -> None:
-    """Add YAML files by themselves."""
-    for file in files:
-        _take_yaml(found, file)
 
 
 def _texts(value: object) -> list[str]:
@@ -74,7 +65,7 @@ def _take(found: Configuration, text: str, file: Path, key: str) -> None:
             return
         path = beside[0]
     if path.suffix in _FILES:
-        _take_yaml(found, path)
+        take_file(found, path)
     elif path.suffix == ".scene":
         found.scene = path
     elif path.suffix in (".urdf", ".xacro"):
@@ -84,7 +75,8 @@ def _take(found: Configuration, text: str, file: Path, key: str) -> None:
         found.issues.add("incomplete", path.name, f"{what} isn't imported")
 
 
-def _take_yaml(found: Configuration, path: Path) -> None:
+def take_file(found: Configuration, path: Path) -> None:
+    """Add a YAML file."""
     try:
         data = to_data(parse(read_file(path), str(path)))
     except DocumentError as error:
@@ -167,11 +159,9 @@ def sensor_entry(name: str, said: Mapping[str, object], found: Configuration) ->
 
 
 def _type(alias: str, topic: str) -> str | None:
-    for text in (alias.lower(), topic.lower()):
-        for words, type_name in _TYPES:
-            if any(word in text for word in words):
-                return type_name
-    return None
+    texts = (alias.lower(), topic.lower())
+    found = (kind for text in texts for words, kind in _TYPES if any(word in text for word in words))
+    return next(found, None)
 
 
 def _mount(name: str, frame: str, pose: Mapping[str, Any], found: Configuration) -> dict[str, Any] | None:
@@ -194,11 +184,7 @@ MESSAGES = ("joint_states", "poses", "trajectories")
 
 
 def project_texts(found: Configuration, moving: Collection[str] = ()) -> dict[str, str]:
-    """Return the files of a project folder by their path in it; what isn't as it was is noted in `found`.
-
-    Args:
-        moving: `arm`, `hand`, `scene`: kinds of nodes that the tasks use.
-    """
+    """Return the files of a project folder; `moving`: kinds of nodes that the tasks use, of `arm`, `hand`, `scene`."""
     texts = {"grip.yaml": _yaml_text(_project(found, moving))}
     for kind in MESSAGES:
         if found.part(kind):

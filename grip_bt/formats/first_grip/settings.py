@@ -9,7 +9,7 @@ import re
 import struct
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from grip_bt.base.errors import DocumentError, GripError
 
@@ -29,47 +29,29 @@ class RefusedPickleError(GripError):
         super().__init__(f"the pickled data is refused: {what}; only dicts, lists, tuples, text, numbers are read")
 
 
-_KNOWN = pickle._Unpickler.dispatch
-_OPCODES = {
-    name: name
-    for name in (
-        *("PROTO", "FRAME", "STOP", "MARK", "POP", "POP_MARK", "DUP"),
-        *("PUT", "BINPUT", "LONG_BINPUT", "MEMOIZE", "GET", "BINGET", "LONG_BINGET"),
-        *("NONE", "NEWTRUE", "NEWFALSE", "FLOAT", "BINFLOAT"),
-        *("INT", "BININT", "BININT1", "BININT2", "LONG", "LONG1", "LONG4"),
-        *("UNICODE", "SHORT_BINUNICODE", "BINUNICODE", "BINUNICODE8"),
-        *("BINBYTES", "SHORT_BINBYTES", "BINBYTES8", "STRING", "BINSTRING", "SHORT_BINSTRING"),
-        *("EMPTY_LIST", "LIST", "APPEND", "APPENDS", "EMPTY_DICT", "DICT", "SETITEM", "SETITEMS"),
-        *("EMPTY_TUPLE", "TUPLE", "TUPLE1", "TUPLE2", "TUPLE3", "GLOBAL", "STACK_GLOBAL"),
-    )
-} | {"EMPTY_SET": "EMPTY_LIST", "ADDITEMS": "APPENDS", "FROZENSET": "LIST"}
-"""Opcode -> the one whose function makes it: sets become lists."""
-
-
-def _code(name: str) -> int:
-    return ord(getattr(pickle, name))
+_OPCODES = (
+    *("PROTO", "FRAME", "STOP", "MARK", "POP", "POP_MARK", "DUP", "GLOBAL", "STACK_GLOBAL", "REDUCE"),
+    *("PUT", "BINPUT", "LONG_BINPUT", "MEMOIZE", "GET", "BINGET", "LONG_BINGET"),
+    *("NONE", "NEWTRUE", "NEWFALSE", "FLOAT", "BINFLOAT", "INT", "BININT", "BININT1", "BININT2"),
+    *("LONG", "LONG1", "LONG4", "UNICODE", "SHORT_BINUNICODE", "BINUNICODE", "BINUNICODE8"),
+    *("BINBYTES", "SHORT_BINBYTES", "BINBYTES8", "STRING", "BINSTRING", "SHORT_BINSTRING"),
+    *("EMPTY_LIST", "LIST", "APPEND", "APPENDS", "EMPTY_DICT", "DICT", "SETITEM", "SETITEMS"),
+    *("EMPTY_TUPLE", "TUPLE", "TUPLE1", "TUPLE2", "TUPLE3"),
+)
+_CODES = [ord(getattr(pickle, name)) for name in _OPCODES]
 
 
 class _Opcodes(dict):  # type: ignore[type-arg]
-    """The opcodes that only make data; any other is refused."""
-
     def __missing__(self, code: int) -> NoReturn:
         names = [opcode.name for opcode in pickletools.opcodes if opcode.code == chr(code)]
         raise RefusedPickleError(f"it uses the opcode {names[0]}" if names else f"it is no pickle (opcode {code})")
 
 
 class _PlainUnpickler(pickle._Unpickler):
-    stack: list[object]
-
-    def load_reduce(self) -> None:
-        """Make a dict of an ordered one."""
-        arguments: Any = self.stack.pop()
-        if self.stack[-1] is not dict:
-            raise RefusedPickleError("it uses the opcode REDUCE")
-        self.stack[-1] = dict(*arguments)
+    dispatch = _Opcodes({code: pickle._Unpickler.dispatch[code] for code in _CODES})
 
     def find_class(self, module: str, name: str) -> type[dict]:  # type: ignore[type-arg]
-        """Refuse every name but one."""
+        """Refuse every name but one, which is a plain dict then; REDUCE calls nothing else."""
         if (module, name) != ("collections", "OrderedDict"):
             raise RefusedPickleError(f"it names {module}.{name}")
         return dict
@@ -81,13 +63,9 @@ class _PlainUnpickler(pickle._Unpickler):
         except UnicodeError:
             return value.decode("latin-1")
 
-    dispatch = _Opcodes(
-        {_code(name): _KNOWN[_code(made_as)] for name, made_as in _OPCODES.items()} | {_code("REDUCE"): load_reduce}
-    )
-
 
 def plain_value(data: bytes) -> object:
-    """Return what is pickled: dicts, lists, tuples, sets as lists, text, bytes, numbers, booleans and None.
+    """Return what is pickled: dicts, lists, tuples, text, bytes, numbers, booleans and None.
 
     Raises:
         RefusedPickleError: it is no pickle, or there is anything else in it; nothing was run.
@@ -141,11 +119,7 @@ class Refused:
 
 
 def read_settings(path: Path) -> dict[Key, object]:
-    """Return the values of a file by key: text, lists of text, what was pickled, or `Refused`.
-
-    Raises:
-        DocumentError: it can't be read, or isn't such a file; with the line.
-    """
+    """Return key -> text, texts, what was pickled, or `Refused`. Raises DocumentError with the line."""
     try:
         if path.stat().st_size > LARGEST:
             raise DocumentError(f"is larger than {LARGEST} bytes", str(path))
@@ -172,8 +146,6 @@ def read_settings(path: Path) -> dict[Key, object]:
 
 
 def _key(text: str) -> Key:
-    """Return the parts of a key."""
-
     def character(found: re.Match[str]) -> str:
         wide, narrow = found.groups()
         return chr(int(wide or narrow, 16))
@@ -237,11 +209,7 @@ def _variant(text: str, line: int) -> object:
 
 
 def _pickled(data: bytes) -> object:
-    """Return the Python object in a QVariant: type, name of the type, length, pickle; numbers are big-endian.
-
-    Raises:
-        ValueError: it holds something else.
-    """
+    """Return the Python object in a QVariant: type, name of the type, length, pickle; numbers are big-endian."""
     (kind,) = struct.unpack_from(">I", data)
     if kind != _USER_TYPE:
         raise ValueError(f"a QVariant of Qt's type {kind}, not of a Python object")

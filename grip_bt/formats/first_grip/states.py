@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from grip_bt.formats.imported import Issues
 from grip_bt.formats.names import key_of
 
+from .project import MESSAGES, Configuration, outcome_count
 from .tasks import GripState, is_hand, name_of
 
 STORES = {
@@ -31,50 +32,36 @@ Converted = tuple[dict[str, Any], dict[str, str]]
 
 @dataclass
 class ImportContext:
-    """What a task's states stand in, and what they need.
+    """What a task's states stand in: the robot's configuration, and what was collected on the way.
 
-    Attributes:
-        arms: group of MoveIt -> arm or hand of the project.
-        sensors: name of a sensor -> its key in the project.
-        components: name of a component -> (its key, how many outcomes it has).
-        messages: names that the project's stores hold, by store.
-        hand: what a state that names no group takes for the hand.
-        produced: userdata that some state writes.
-        variables: variables of the task, with their types.
-        unknown: states without an equal, by the name of their node.
-        issues: what isn't as it was.
+    `produced`: userdata that some state writes. `unknown`: states without an equal, by the name of their node.
     """
 
-    arms: Mapping[str, str] = field(default_factory=dict)
-    sensors: Mapping[str, str] = field(default_factory=dict)
-    components: Mapping[str, tuple[str, int]] = field(default_factory=dict)
-    messages: Mapping[str, Collection[str]] = field(default_factory=dict)
-    hand: str = "*"
+    found: Configuration
+    unknown: dict[str, GripState]
+    issues: Issues
     produced: set[str] = field(default_factory=set)
     variables: dict[str, object] = field(default_factory=dict)
-    unknown: dict[str, GripState] = field(default_factory=dict)
-    issues: Issues = field(default_factory=Issues)
+
+    @property
+    def hand(self) -> str:
+        """What a state that names no group takes for the hand."""
+        return next((key_of(group) for group in self.found.part("planners") if is_hand(group)), "hand")
 
     def variable(self, name: str, type_name: str = "") -> str:
-        """Return the variable of a name; it holds anything where it is written as more than one type.
-
-        Args:
-            type_name: what is written to it; empty where it is only read.
-        """
+        """Return the variable of a name; it holds anything where it is written as more than one type."""
         name = name_of(name)
         known = self.variables.get(name, type_name or "Any")
         self.variables[name] = known if type_name in ("", known) else "Any"
         return name
 
-    def arm(self, group: object) -> dict[str, str]:
-        """Return the parameter that names an arm; none where the project has one only."""
-        text = str(group or "")
-        if not text:
-            return {}
-        return {"arm": self.arms.get(text, key_of(text))}
+
+def _arm(group: str) -> dict[str, str]:
+    """Return the parameter that names an arm; none where the project has one only."""
+    return {"arm": key_of(group)} if group else {}
 
 
-class StepBuilder:
+class _Steps:
     """What one state does, step by step."""
 
     def __init__(self, state: GripState, context: ImportContext, place: str):
@@ -82,19 +69,18 @@ class StepBuilder:
         self.steps: dict[str, dict[str, object]] = {}
 
     def slot(self, name: str) -> str:
-        """Return what a field holds, as text."""
         value = self.state.slots.get(name)
         return "" if value is None else str(value).strip().strip("\"'")
 
     def note(self, code: str, text: str) -> None:
-        """Tell what isn't as it was."""
         self.context.issues.add(code, self.place, text)
 
-    def add(self, step: str, node: str, **keys: Mapping[str, object]) -> None:
-        """Add a step; empty keys are left out."""
+    def add(self, step: str, node: str, **keys: Mapping[str, object]) -> dict[str, str]:
+        """Add a step, whose empty keys are left out; return the ends of most states."""
         name = name_of(step, self.steps)
         said = {{"in_": "in", "with_": "with"}.get(key, key): dict(value) for key, value in keys.items() if value}
         self.steps[name] = {"node": node, **said}
+        return PLAIN
 
     def value(self, name: str, kind: str, what: str) -> str:
         """Return the variable of a value, which may have to be got from a store first."""
@@ -104,22 +90,21 @@ class StepBuilder:
             self.add("take", "messages/take", with_={"store": store}, out={"value": variable})
             return variable
         if not store and name_of(name) not in self.context.produced:
-            found = [(s, t) for s, t in STORES.values() if name in self.context.messages.get(s, ())]
+            found = [(s, t) for s, t in STORES.values() if name in self.context.found.part(s)]
             store, type_name = found[0] if found else ("", "Any")
             if not found:
                 text = f"{what} {name!r} is neither written by a state nor a stored message; give it a value"
                 self.note("incomplete", text)
         if not store:
             return self.context.variable(name)
-        known = self.context.messages.get(store)
-        if known is not None and name not in known and store != "plans":
+        known = self.context.found.part(store)
+        if self.context.found.parts and store in MESSAGES and name not in known:
             self.note("incomplete", f"there is no {kind or 'message'} {name!r} in messages/{store}.yaml")
         variable = self.context.variable(f"{name} {type_name}".replace(" ", "_"), type_name)
         self.add(f"get_{key_of(name)}", "messages/get", with_={"store": store, "name": name}, out={"value": variable})
         return variable
 
     def node(self) -> dict[str, Any]:
-        """Return one step as it is, several in a sequence."""
         if len(self.steps) == 1:
             return next(iter(self.steps.values()))
         return {"kind": "sequence", "children": self.steps}
@@ -130,7 +115,7 @@ def _store(kind: str) -> tuple[str, str]:
     return STORES.get("grasp" if kind in _PARTS else kind.replace("_", " "), ("", "Any"))
 
 
-def _goal(steps: StepBuilder, which: str, what: str) -> str:
+def _goal(steps: _Steps, which: str, what: str) -> str:
     """Return the variable of a joint state or pose, which may have to be taken out of a grasp."""
     kind = steps.slot(f"{which}_type")
     variable = steps.value(steps.slot(f"{which}_name"), kind, what)
@@ -144,51 +129,46 @@ def _goal(steps: StepBuilder, which: str, what: str) -> str:
     return pose
 
 
-def _compute_plan(steps: StepBuilder) -> dict[str, str]:
+def _compute_plan(steps: _Steps) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
     given = {"goal": _goal(steps, "target", "the target")}
     if steps.slot("starting_name") or steps.slot("starting_type"):
         given["start"] = _goal(steps, "starting", "the start")
     variable = steps.context.variable(plan or f"last_plan_{group or 'arm'}", "Plan")
-    steps.add("plan", "arm/plan", with_=steps.context.arm(group), in_=given, out={"plan": variable})
-    return PLAIN
+    return steps.add("plan", "arm/plan", with_=_arm(group), in_=given, out={"plan": variable})
 
 
-def _move(steps: StepBuilder) -> dict[str, str]:
+def _move(steps: _Steps) -> dict[str, str]:
     group, plan = steps.slot("group_name"), steps.slot("plan_name")
     if not plan:
         steps.note("changed", "the plan that the commander kept to itself is a variable")
     known = not plan or name_of(plan) in steps.context.produced
     name = plan or f"last_plan_{group or 'arm'}"
     variable = steps.context.variable(name, "Plan") if known else steps.value(plan, "plan", "the plan")
-    steps.add("move", "arm/execute", with_=steps.context.arm(group), in_={"plan": variable})
     steps.note("changed", "fails when the motion fails; the first GRIP ignored that")
-    return PLAIN
+    return steps.add("move", "arm/execute", with_=_arm(group), in_={"plan": variable})
 
 
-def _execute_trajectory(steps: StepBuilder) -> dict[str, str]:
-    name, arm = steps.slot("trajectory_name"), steps.context.arm(steps.slot("group_name"))
+def _execute_trajectory(steps: _Steps) -> dict[str, str]:
+    name, arm = steps.slot("trajectory_name"), _arm(steps.slot("group_name"))
     produced = name_of(name) in steps.context.produced
     variable = steps.context.variable(name) if produced else steps.value(name, "trajectory", "the trajectory")
-    steps.add("follow", "arm/execute_trajectory", with_=arm, in_={"trajectory": variable})
     steps.note("changed", "goes to where the trajectory begins; is checked before, and fails when it can't be followed")
-    return PLAIN
+    return steps.add("follow", "arm/execute_trajectory", with_=arm, in_={"trajectory": variable})
 
 
-def _wait_for(steps: StepBuilder) -> dict[str, str]:
+def _wait_for(steps: _Steps) -> dict[str, str]:
     seconds = _number(steps, "timeout", r"\d{1,9}(\.\d{0,9})?|\.\d{1,9}", " of seconds")
     if topic := steps.slot("topic_name"):
         # its type is that of the publisher, as it was
-        steps.add("wait", "ros/wait_for_message", with_={"topic": "/" + topic.strip("/"), "timeout": seconds})
-        return PLAIN
+        return steps.add("wait", "ros/wait_for_message", with_={"topic": "/" + topic.strip("/"), "timeout": seconds})
     if seconds is None:
         steps.note("incomplete", "it waits for no topic and no time: say for how long in `seconds`")
     steps.add("wait", "flow/wait", with_={"seconds": seconds or 0.0})
     return {"success": "success"}
 
 
-def _wait_for_signal(steps: StepBuilder) -> dict[str, str]:
-    """Wait for a truth value, which has to be true."""
+def _wait_for_signal(steps: _Steps) -> dict[str, str]:
     ends = _wait_for(steps)
     if ends is PLAIN:
         signal = steps.context.variable(f"signal_of_{steps.state.name}", "bool")
@@ -199,7 +179,7 @@ def _wait_for_signal(steps: StepBuilder) -> dict[str, str]:
     return ends
 
 
-def _select(steps: StepBuilder) -> dict[str, str]:
+def _select(steps: _Steps) -> dict[str, str]:
     output, kind, names = steps.slot("output"), steps.slot("input_type"), steps.state.slots.get("names")
     if not output:
         steps.note("changed", "without `output` the value was dropped; it is only looked up")
@@ -210,37 +190,33 @@ def _select(steps: StepBuilder) -> dict[str, str]:
         return _select_in_turn(steps, store, [str(each) for each in names], target)
     if store:
         what = {"store": store, **({"name": name} if name else {})}
-        steps.add("get", "messages/get" if name else "messages/take", with_=what, out=target)
-        return PLAIN
+        return steps.add("get", "messages/get" if name else "messages/take", with_=what, out=target)
     source = steps.value(name, "", "the input")
     steps.add("set", "flow/compute", with_={"expression": "a"}, in_={"a": source}, out=target)
     return {"success": "success", **({} if len(steps.steps) == 1 else {"failure": "failure"})}
 
 
-def _select_in_turn(steps: StepBuilder, store: str, names: list[str], target: dict[str, str]) -> dict[str, str]:
+def _select_in_turn(steps: _Steps, store: str, names: list[str], target: dict[str, str]) -> dict[str, str]:
     """Get one message after the other, one each time that the state is entered, and fail when all have been got."""
     data, state = steps.context.variables, steps.state.name
     count, every, name = (name_of(f"{what}_of_{state}") for what in ("turns", "names", "name"))
     data[count], data[every], data[name] = {"type": "int", "value": -1}, {"type": "list[str]", "value": names}, "str"
     steps.add("turn", "flow/count", in_={"count": count}, out={"count": count})
     steps.add("choose", "flow/select", in_={"items": every, "index": count}, out={"item": name})
-    steps.add("get", "messages/select", with_={"store": store}, in_={"name": name}, out=target)
-    return PLAIN
+    return steps.add("get", "messages/select", with_={"store": store}, in_={"name": name}, out=target)
 
 
-def _grasp(steps: StepBuilder) -> dict[str, str]:
-    """Take the fingers to what a grasp says of them before it, and in it."""
+def _grasp(steps: _Steps) -> dict[str, str]:
     name = steps.slot("grasp_name")
     produced = "selected_grasp" in steps.state.reads
     variable = steps.value("selected_grasp", "", "the grasp") if produced else steps.value(name, "grasp", "the grasp")
-    node = "hand/open" if steps.slot("grasp_type") == "pregrasp" else "hand/close"
-    steps.add("move_fingers", node, in_={"grasp": variable})
     if steps.slot("grasp_type") == "postgrasp":
         steps.note("changed", "a grasp has no fingers of its own after the grasp: they go on closing")
-    return PLAIN
+    node = "hand/open" if steps.slot("grasp_type") == "pregrasp" else "hand/close"
+    return steps.add("move_fingers", node, in_={"grasp": variable})
 
 
-def _counter(steps: StepBuilder) -> dict[str, str]:
+def _counter(steps: _Steps) -> dict[str, str]:
     first, last = (_number(steps, slot, r"-?\d{1,9}") for slot in ("initial_value", "end_value"))
     output = name_of(steps.slot("output") or "counter")
     if last is not None and last < (first or 0):
@@ -251,7 +227,7 @@ def _counter(steps: StepBuilder) -> dict[str, str]:
     return {"success": "success", "finished": "reached"} if last is not None else {"success": "success"}
 
 
-def _number(steps: StepBuilder, slot: str, pattern: str, unit: str = "") -> float | None:
+def _number(steps: _Steps, slot: str, pattern: str, unit: str = "") -> float | None:
     text = steps.slot(slot)
     if text in ("", "None"):
         return None
@@ -261,13 +237,8 @@ def _number(steps: StepBuilder, slot: str, pattern: str, unit: str = "") -> floa
     return None
 
 
-def _reinitialise(steps: StepBuilder) -> dict[str, str]:
-    steps.add("reinitialise", "messages/reinitialise")
-    return PLAIN
-
-
-def _allow(steps: StepBuilder) -> dict[str, str]:
-    arm = steps.context.arm(steps.slot("group_name")).get("arm", steps.context.hand)
+def _allow(steps: _Steps) -> dict[str, str]:
+    arm = _arm(steps.slot("group_name")).get("arm", steps.context.hand)
     if "collision" in steps.state.slots and not steps.slot("collision"):
         steps.note("changed", "it only asked which collisions are allowed, and changes none")
         steps.add("allow", "flow/succeed")
@@ -283,14 +254,14 @@ def _allow(steps: StepBuilder) -> dict[str, str]:
     return PLAIN
 
 
-STATES: dict[str, Callable[[StepBuilder], dict[str, str]]] = {
+STATES: dict[str, Callable[[_Steps], dict[str, str]]] = {
     "ComputePlan": _compute_plan,
     "Move": _move,
     "ExecuteTrajectory": _execute_trajectory,
     "WaitFor": _wait_for,
     "Select": _select,
     "Counter": _counter,
-    "ReinitialiseManagers": _reinitialise,
+    "ReinitialiseManagers": lambda steps: steps.add("reinitialise", "messages/reinitialise"),
     "AllowCollisions": _allow,
     "Grasp": _grasp,
     "WaitForSignal": _wait_for_signal,
@@ -300,16 +271,16 @@ STATES: dict[str, Callable[[StepBuilder], dict[str, str]]] = {
 
 def node_of(state: GripState, context: ImportContext, place: str) -> Converted:
     """Return a state as a node."""
-    steps = StepBuilder(state, context, place)
+    steps = _Steps(state, context, place)
     # no node has a hand follow a trajectory: hands go from posture to posture
     moves_a_hand = state.type == "ExecuteTrajectory" and is_hand(str(state.slots.get("group_name") or ""))
     if state.type in STATES and not moves_a_hand:
         ends = STATES[state.type](steps)
         return steps.node(), _by_place(ends, state.outcomes)
-    if state.type in context.components:
+    if state.type in context.found.part("components"):
         return _component(steps)
-    if state.type in context.sensors:
-        key, alias = context.sensors[state.type], key_of(steps.slot("sensor_topic") or "data")
+    if state.type in context.found.part("sensors"):
+        key, alias = key_of(state.type), key_of(steps.slot("sensor_topic") or "data")
         out = {alias: context.variable(steps.slot("output"))} if steps.slot("output") else {}
         steps.add("look", f"sensor/{key}", out=out)
         return steps.node(), PLAIN
@@ -322,8 +293,8 @@ def _by_place(ends: dict[str, str], outcomes: list[str]) -> dict[str, str]:
     return {own.get(outcome, outcome): end for outcome, end in ends.items()}
 
 
-def _component(steps: StepBuilder) -> Converted:
-    key, count = steps.context.components[steps.state.type]
+def _component(steps: _Steps) -> Converted:
+    key, count = key_of(steps.state.type), outcome_count(steps.context.found.part("components")[steps.state.type])
     given = {"input": _input(steps)} if steps.slot("input") else {}
     output, store = steps.slot("output"), STORES.get(steps.slot("output_type"), ("", ""))[0]
     returned = steps.context.variable(output) if output else ""
@@ -339,7 +310,7 @@ def _component(steps: StepBuilder) -> Converted:
     return {**steps.node(), "outcomes": outcomes, "exits": exits}, ends
 
 
-def _input(steps: StepBuilder) -> str:
+def _input(steps: _Steps) -> str:
     """Return the variable of what a component is given: text in quotes and what isn't text are literals."""
     value = steps.state.slots["input"]
     if isinstance(value, str) and not re.fullmatch(r"\"[^\"]*\"", value.strip()):
@@ -350,7 +321,7 @@ def _input(steps: StepBuilder) -> str:
     return variable
 
 
-def _unknown(steps: StepBuilder) -> Converted:
+def _unknown(steps: _Steps) -> Converted:
     """Return a node of the project's own whose class has to be filled in; all states of a type share it."""
     state, context = steps.state, steps.context
     id_ = f"original/{key_of(state.type or state.name)}"

@@ -96,11 +96,7 @@ class BrokenTaskError(GripError):
 
 
 def graph_task(settings: Mapping[Key, object], source: str, issues: Issues) -> GripContainer:
-    """Return the task that a file of settings holds; what isn't as it was is added to the issues.
-
-    Raises:
-        BrokenTaskError: there is none in it, or it is broken.
-    """
+    """Return the task that a file of settings holds. Raises BrokenTaskError: there is none in it, or it is broken."""
     graphs: dict[Key, dict[str, object]] = {}
     for key, value in settings.items():
         if key[-1] != "container":
@@ -180,13 +176,12 @@ class _Reader:
         return made
 
     def _find(self, name: str, parent: Key) -> Key:
-        for key in ((*parent, name), (*parent[:-1], name), (name,)):
-            if key in self.graphs:
-                return key
+        """Return the key of a container: below or beside the one that names it, or the only one of this name."""
         found = [key for key in self.graphs if key[-1:] == (name,)]
-        if len(found) != 1:
+        near = [key for key in ((*parent, name), (*parent[:-1], name), (name,)) if key in found]
+        if not near and len(found) != 1:
             raise BrokenTaskError(f"{self.source}: the container {name!r} isn't in the file")
-        return found[0]
+        return (near or found)[0]
 
     def _socket(self, sockets: Sockets, said: _Socket, role: Role, place: str) -> None:
         if sockets.setdefault(said.id, role) != role:
@@ -229,10 +224,9 @@ class _Reader:
         return starts
 
     def _finish(self, made: GripContainer, starts: list[str], place: str) -> None:
-        if not made.children:
-            raise BrokenTaskError(f"{self.source}: {place}: the container is empty")
-        if not made.outcomes:
-            raise BrokenTaskError(f"{self.source}: {place}: the container has no outcomes")
+        for what, there in (("is empty", made.children), ("has no outcomes", made.outcomes)):
+            if not there:
+                raise BrokenTaskError(f"{self.source}: {place}: the container {what}")
         made.initial, made.default = (starts or list(made.children))[0], made.outcomes[-1]
         if made.concurrent:
             made.rules.pop(made.default, None)
@@ -245,13 +239,10 @@ class _Reader:
 
 def _usual(child: GripState, count: int) -> list[str]:
     """Return the outcomes of a state whose file only counts them."""
-    if isinstance(child, GripContainer) and len(child.outcomes) == count:
-        return child.outcomes
-    if child.type in OUTCOMES and count == len(OUTCOMES[child.type]):
-        return OUTCOMES[child.type]
-    if count == 2:
-        return ["success", "failure"]
-    return [*(str(number) for number in range(count - 1)), "state_failure"]
+    known = child.outcomes if isinstance(child, GripContainer) else OUTCOMES.get(child.type, [])
+    if len(known) == count:
+        return known
+    return ["success", "failure"] if count == 2 else [*map(str, range(count - 1)), "state_failure"]
 
 
 def _id(said: object) -> int | str | None:

@@ -31,11 +31,7 @@ _Scope = ChainMap[str, Any]
 
 
 def text_task(data: object, source: str) -> GripContainer:
-    """Return the task that a nested dictionary holds.
-
-    Raises:
-        BrokenTaskError: it holds none, or is broken.
-    """
+    """Return the task that a nested dictionary holds. Raises BrokenTaskError: it holds none, or is broken."""
     if not isinstance(data, Mapping) or "states" not in data:
         raise BrokenTaskError(f"{source}: there is no task in it: `name`, `outcomes` and `states` are expected")
     return _container(str(data.get("name") or "task"), _Said(data, ChainMap(), source), 0)
@@ -71,14 +67,12 @@ class _Said:
         return scope[name]
 
     def names(self, key: str) -> list[str]:
-        """Return a list of names; an empty one where nothing is said."""
         found = self.parameters.get(key) or []
         if not isinstance(found, list) or not all(isinstance(each, str | int) for each in found):
             raise BrokenTaskError(f"{self.place}: `{key}` is a list of names")
         return [str(each) for each in found]
 
     def mapping(self, key: str, what: str) -> Mapping[str, Any]:
-        """Return a mapping; an empty one where nothing is said."""
         found = self.parameters.get(key) or {}
         if not isinstance(found, Mapping):
             raise BrokenTaskError(f"{self.place}: `{key}` is {what}")

@@ -13,8 +13,7 @@ from grip_bt.nodes.tree_code import is_tree_code
 from grip_bt.task import Task
 
 from .tree import to_task
-from .xml_reader import from_xml
-from .xml_writer import to_xml
+from .xml import from_xml, to_xml
 
 __all__ = ["from_xml", "import_from_code", "read", "to_task", "to_xml"]
 

@@ -68,11 +68,7 @@ class AdoptedTree(CompiledTree):
             each.observer = observer
 
     def prepare(self, context: Any) -> None:
-        """Set the tree up, unless its own code has.
-
-        Raises:
-            NodeError: one of its behaviours can't be set up.
-        """
+        """Set the tree up, unless its own code has. Raises NodeError: one of its behaviours can't be set up."""
         if self._found.ready:
             return
         try:
@@ -87,11 +83,7 @@ class AdoptedTree(CompiledTree):
         self._found.tree.shutdown()
 
     def execute(self, pacer: Pacer, tick: Callable[[], object] | None = None) -> TaskEnd:
-        """Tick until the root has ended, or as often as was said.
-
-        Args:
-            tick: does one; the tree's own by default.
-        """
+        """Tick until the root has ended, or as often as was said; `tick` does one, the tree's own by default."""
         tick, left = tick or self._tick, self._ticks
         self.data[Scopes.TASK].reset()
         self._board.look("/", thoroughly=True)
@@ -160,19 +152,16 @@ class _Watched:
             self.observer.message(self.path, message)
 
     def stop(self, new_status: Status = Status.INVALID) -> None:
-        """Stop; an interruption is told."""
         self._stop(new_status)
         if new_status is Status.INVALID:
             self.interrupt()
 
     def interrupt(self) -> None:
-        """Tell that it was interrupted, if it was active."""
         if self._active:
             self._active = False
             self.observer.interrupted(self.path)
 
     def leave(self) -> None:
-        """Give the behaviour its methods back."""
         for name in ("tick", "stop"):
             vars(self.behaviour).pop(name, None)
 

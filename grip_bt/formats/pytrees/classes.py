@@ -24,13 +24,13 @@ class NodeSettings:
     """What a behaviour is in a task: keys of the node, and what to know about it.
 
     `failures`: a child's failure ends it at once, which its kind wouldn't. `selected`: positions of the children of a
-    parallel whose successes are its own; empty where all count. `around`: decorators between it and its child.
+    parallel whose successes are its own; empty where all count. `inverted`: an `invert` is between it and its child.
     """
 
     settings: dict[str, Any] = field(default_factory=dict)
     failures: bool = False
     selected: tuple[int, ...] = ()
-    around: tuple[dict[str, Any], ...] = ()
+    inverted: bool = False
     remark: str = ""
 
 
@@ -110,7 +110,7 @@ def _condition(node: Any) -> NodeSettings:
     if node.succeed_status is Status.SUCCESS:
         return NodeSettings({"kind": "retry"})
     if node.succeed_status is Status.FAILURE:
-        return NodeSettings({"kind": "retry"}, around=({"kind": "invert"},))
+        return NodeSettings({"kind": "retry"}, inverted=True)
     raise NoEquivalentError(f"a Condition that waits for {node.succeed_status.value}")
 
 
@@ -244,11 +244,7 @@ def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[
 
 
 def refuse_variables(document: model.AnyNode) -> None:
-    """Refuse a node that sees variables: where these are declared only the whole task says.
-
-    Raises:
-        NoEquivalentError: it reads, writes or declares some.
-    """
+    """Refuse a node that sees variables, which only the whole task declares. Raises NoEquivalentError."""
     if document.precondition:
         raise NoEquivalentError(f"it has the precondition `{document.precondition}`, {_GIVE}")
     if isinstance(document, model.Leaf | model.Subtask) and (document.in_ or document.out):

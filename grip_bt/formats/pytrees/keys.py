@@ -21,10 +21,10 @@ class NoEquivalentError(Exception):
 
 
 class Keys:
-    """Hands out a variable for each key of the blackboard that is asked for.
+    """Hands out a variable for each key of the blackboard that is asked for; `names`: `/namespace/key` -> variable.
 
-    Attributes:
-        names: key, `/namespace/key` -> variable.
+    Raises:
+        NoEquivalentError: from every method, where a behaviour does more than a task can say.
     """
 
     def __init__(self) -> None:
@@ -38,32 +38,20 @@ class Keys:
         return self.names[key]
 
     def plain(self, client: Client, name: str) -> str:
-        """Return the variable of a key as a behaviour names it.
-
-        Raises:
-            NoEquivalentError: it names an attribute of the value.
-        """
+        """Return the variable of a key as a behaviour names it."""
         if "." in name:
             raise NoEquivalentError(f"{name} is an attribute of what is on the blackboard")
         return self.variable(stored(client, client.absolute_name(name)))
 
     def literal(self, generator: Any) -> Any:
-        """Return the value that py_trees was given; it makes functions of them.
-
-        Raises:
-            NoEquivalentError: it was given a function, or a value that no document can hold.
-        """
+        """Return the value that py_trees was given; it makes functions of them."""
         value = generator() if getattr(generator, "__module__", "").startswith("py_trees.") else generator
         if not is_literal(value):
             raise NoEquivalentError("it takes what a Python function returns, or an object")
         return value
 
     def condition(self, function: Any, client: Client) -> str:
-        """Return the expression that a condition over the blackboard is.
-
-        Raises:
-            NoEquivalentError: it does more than return one.
-        """
+        """Return the expression that a condition over the blackboard is."""
         try:
             body = _returned(getattr(function, "func", function))
             text = ast.unparse(_Renamed(self, client).visit(body))

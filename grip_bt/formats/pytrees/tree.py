@@ -52,7 +52,7 @@ def to_task(tree: CompiledTree | Behaviour, name: str = "", built_by: str = "") 
         made = model.Task.model_validate({**task, "root": keys, **({"name": name} if name else {})})
         return Imported({made.name: made}, tuple(reader.issues))
     reader = _OtherReader(tree, built_by)
-    return _imported(reader, tree, name)
+    return imported(reader, tree, name)
 
 
 def drawn(root: Behaviour, source: str) -> tuple[model.Task, dict[str, Behaviour], Keys]:
@@ -62,11 +62,12 @@ def drawn(root: Behaviour, source: str) -> tuple[model.Task, dict[str, Behaviour
         source: where the tree comes from; it stands in the task, `x-tree`.
     """
     reader = _Drawer(root)
-    task = _imported(reader, root, "", {DRAWN: source}).task
+    task = imported(reader, root, "", {DRAWN: source}).task
     return task, reader.places, reader.keys
 
 
-def _imported(reader: Reader, root: Behaviour, name: str, more: Mapping[str, Any] | None = None) -> Imported:
+def imported(reader: Reader, root: Behaviour, name: str, more: Mapping[str, Any] | None = None) -> Imported:
+    """Return the task of what a reader reads. Raises ImportRefusedError: behaviours have no equivalent."""
     keys = reader.node(root, "/")
     reader.issues.raise_if_refused("the tree")
     task = {"grip": model.FORMAT_VERSION, "name": name or node_name(root.name) or "tree", **(more or {})}
@@ -97,10 +98,7 @@ class Reader:
             if not isinstance(behaviour.document, model.Foreign) or not behaviour.document.children:
                 return keys
             behaviour = behaviour.decorated
-        inner = path
-        for n in range(len(equal.around)):
-            inner = model.join(inner, _inside(n))
-        children = self.children(behaviour, inner)
+        children = self.children(behaviour, model.join(path, _INSIDE) if equal.inverted else path)
         if equal.failures:
             keys["exits"] = {
                 f"{name}.{label}": "failure"
@@ -112,8 +110,8 @@ class Reader:
             keys["rules"] = _rules(behaviour, children, equal.selected)
         if keys["kind"] == "parallel" and self.keys.names:
             keys["order"] = "declared"  # what one writes the next one reads, in the same tick
-        for n, around in reversed([*enumerate(equal.around)]):
-            children = {_inside(n): {**around, "child": children}}
+        if equal.inverted:
+            children = {_INSIDE: {"kind": "invert", "child": children}}
         if keys["kind"] == "foreign" and not children:
             return keys
         return {**keys, "children" if keys["kind"] in _COMPOSITES else "child": children}
@@ -134,22 +132,14 @@ class Reader:
             return NodeSettings({"kind": "sequence"})
 
     def other(self, behaviour: Behaviour, path: str) -> NodeSettings:
-        """Return what a behaviour is that comes from no task.
-
-        Raises:
-            NoEquivalentError: nothing.
-        """
+        """Return what a behaviour is that comes from no task. Raises NoEquivalentError: nothing."""
         try:
             return convert_behaviour(behaviour, self.keys)
         except NoEquivalentError as why:
             return self.foreign(behaviour, path, why)
 
     def foreign(self, behaviour: Behaviour, path: str, why: NoEquivalentError) -> NodeSettings:
-        """Return the foreign node that holds a behaviour without equivalent.
-
-        Raises:
-            NoEquivalentError: it can't be made again.
-        """
+        """Return the foreign node that holds a behaviour. Raises NoEquivalentError: it can't be made again."""
         if type(behaviour).__module__.startswith("py_trees."):
             raise why
         name = path.rsplit("/", 1)[-1] if path != "/" else behaviour.name
@@ -167,6 +157,7 @@ class Reader:
         return result
 
 
+_INSIDE = "inside"
 _LISTED = "kept as it is, as a foreign behaviour; list it under `code:` in grip.yaml"
 
 
@@ -208,12 +199,11 @@ class _Drawer(Reader):
         self.places: dict[str, Behaviour] = {}
 
     def equal(self, behaviour: Behaviour, path: str) -> NodeSettings:
-        """Return how it is drawn; there is always a way."""
         self.places[path] = behaviour
         if behaviour.children and not isinstance(behaviour, Node):
             with suppress(NoEquivalentError):
                 equal = convert_behaviour(behaviour)
-                if not equal.around:
+                if not equal.inverted:
                     return NodeSettings(equal.settings)
         words = {"args": _literals_of(behaviour)}
         words["in"], words["out"] = (
@@ -223,10 +213,6 @@ class _Drawer(Reader):
         return NodeSettings(
             {"kind": "foreign", "behaviour": _readable(behaviour)} | {k: v for k, v in words.items() if v}
         )
-
-
-def _inside(n: int) -> str:
-    return f"inside_{n + 1}" if n else "inside"
 
 
 def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[int, ...]) -> list[dict[str, Any]]:
@@ -243,10 +229,8 @@ def _rules(behaviour: Behaviour, children: Mapping[str, Any], selected: tuple[in
 
 
 def _ends(behaviour: Behaviour, keys: Mapping[str, Any]) -> Mapping[str, str]:
-    """Return each outcome of a node and what it means."""
-    if isinstance(behaviour, Node):
-        return behaviour.meaning
-    return _PLAIN if "precondition" in keys else ENDS.get(keys.get("node", ""), _PLAIN)
+    known: Mapping[str, str] | None = getattr(behaviour, "meaning" if isinstance(behaviour, Node) else "ends", None)
+    return known or (_PLAIN if "precondition" in keys else ENDS.get(keys.get("node", ""), _PLAIN))
 
 
 _OF_A_RUN = {

@@ -58,11 +58,7 @@ class KindSource:
         self._settings: dict[type, list[str]] = {}
 
     def made(self, part: Part, kind: base.Kind) -> Bracketed:
-        """Return the expression that makes a kind.
-
-        Raises:
-            NotExpressibleError: it asks what such a file doesn't answer.
-        """
+        """Return what makes a kind. Raises NotExpressibleError: it asks what such a file doesn't answer."""
         self._add(type(kind), _ASKED)
         if unknown := sorted(self.questions - _ANSWERED):
             raise NotExpressibleError(part.path, f"a {kind.kind}, which asks for `{unknown[0]}`,", TARGET)
@@ -180,14 +176,9 @@ _OWN_NAMES = (
 
 @dataclass
 class ModuleBuilder:
-    """The file under construction: the body of `create_root`, and what that uses.
+    """The file under construction: the body of `create_root`, and what that uses: parts, classes, manifests, cells.
 
-    Attributes:
-        codes: whether an edge asks for the code of a failure.
-        parts: names of the supporting parts that are used.
-        imports: module -> class -> its name in the file.
-        manifests: id -> name of its manifest in the file, for nodes that don't come with grip.
-        variables: id of a cell -> its name in the file.
+    `codes`: whether an edge asks for the code of a failure. `imports`: module -> class -> its name in the file.
     """
 
     grip: bool = False

@@ -37,11 +37,7 @@ def needs_grip(resolved: Resolved) -> bool:
 
 
 def leaf(part: Part, builder: ModuleBuilder, builtin: Catalog) -> Bracketed:
-    """Return the expression that makes a leaf.
-
-    Raises:
-        NotExpressibleError: it is a behaviour of py_trees and the task binds ports of it, or changes what it means.
-    """
+    """Return what makes a leaf. Raises NotExpressibleError: it is py_trees' own and the task changes what it means."""
     node, manifest = cast(model.Leaf, part.node), cast(Manifest, part.manifest)
     parameters = {k: p.default for k, p in manifest.parameters.items() if not p.required} | dict(node.with_)
     if not builder.grip and manifest.id in _EQUAL and not node.meaning:
@@ -202,27 +198,18 @@ class _Reading(ast.NodeTransformer):
         self.variables = variables
 
     def visit_Call(self, node: ast.Call) -> ast.Call:
-        """Go on with the arguments; the function isn't a variable."""
         node.args = [self.visit(argument) for argument in node.args]
         return node
 
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
         """Write `not a in b` as `a not in b`, as people do."""
         match node:
             case ast.UnaryOp(ast.Not(), ast.Compare(ops=[ast.In() | ast.Is() as way]) as inner):
                 inner.ops = [ast.NotIn() if isinstance(way, ast.In) else ast.IsNot()]
-                return self.visit_Compare(inner)
-        node.operand = self.visit(node.operand)
-        return node
-
-    def visit_Compare(self, node: ast.Compare) -> ast.Compare:
-        """Go on with the operands."""
-        node.left = self.visit(node.left)
-        node.comparators = [self.visit(other) for other in node.comparators]
-        return node
+                return self.generic_visit(inner)
+        return self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Read a variable."""
         if node.id in CONSTANTS:
             return ast.Constant(CONSTANTS[node.id])
         return ast.Call(ast.Attribute(ast.Name(self.variables[node.id]), "get"), [], [])

@@ -5,11 +5,12 @@ Each follows the rules of the node of its name, status in and status out, tick b
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from py_trees.common import Status
 
-from grip_bt.nodes.btcpp.script import Run
+from grip_bt.nodes.btcpp.script import EPSILON, Run, text_of
 from grip_bt.nodes.control import SKIPPED, Child, Control
 
 ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": SKIPPED, "RUNNING": "running"}
@@ -17,7 +18,6 @@ ENDS = {"SUCCESS": "success", "FAILURE": "failure", "SKIPPED": SKIPPED, "RUNNING
 
 class _Counting(Control):
     def number(self, port: str) -> int:
-        """Return a whole number, which may come as a text."""
         return int(self.get(port))
 
     def threshold(self, port: str) -> int:
@@ -36,46 +36,44 @@ class Parallel(_Counting):
 
     def decide(self) -> str:
         successes, failures, skipped = self.threshold("success_count"), self.threshold("failure_count"), 0
-        for i, child in enumerate(self.below):
-            if i not in self.done:
-                end = child.tick()
-                skipped += end == SKIPPED
-                if end in ("success", "failure"):
-                    self.done[i] = end
+        for _ in self.ticked():
             ends = list(self.done.values())
-            well, badly = ends.count("success"), ends.count("failure")
+            well, badly, skipped = ends.count("success"), ends.count("failure"), self.skipped
             if well + (skipped if self.number("success_count") < 0 else 0) >= successes:
                 return "success"
             if len(self.below) - badly < successes or badly == failures:
                 return "failure"
         return SKIPPED if skipped == len(self.below) else "running"
 
-
-class ParallelAll(_Counting):
-    """All children to their ends."""
-
-    def initialise(self) -> None:
-        self.done: dict[int, str] = {}
-
-    def decide(self) -> str:
-        failures, skipped = self.threshold("max_failures"), 0
+    def ticked(self) -> Iterator[int]:
+        """Tick those that haven't ended, and yield after each child."""
+        self.skipped = 0
         for i, child in enumerate(self.below):
             if i not in self.done:
                 end = child.tick()
-                skipped += end == SKIPPED
+                self.skipped += end == SKIPPED
                 if end in ("success", "failure"):
                     self.done[i] = end
-        if skipped == len(self.below):
+            yield i
+
+
+class ParallelAll(Parallel):
+    """All children to their ends."""
+
+    def decide(self) -> str:
+        failures, count = self.threshold("max_failures"), len([*self.ticked()])
+        if self.skipped == count:
             return SKIPPED
-        if skipped + len(self.done) < len(self.below):
+        if self.skipped + len(self.done) < count:
             return "running"
         return "failure" if list(self.done.values()).count("failure") >= failures else "success"
 
 
 class Series(Control):
-    """`AsyncSequence`, `AsyncFallback`: a tick of the rest of the tree between two children.
+    """The children in order, until one doesn't end `onward`; what sets its kinds apart are their settings.
 
-    `SequenceWithMemory` goes on where it was, after a failure and after a halt.
+    `waits`: a tick of the rest of the tree between two children. `keeps`: it goes on where it was, after a failure and
+    after a halt. `reactive`: from the first child on every tick.
     """
 
     at = 0
@@ -86,21 +84,23 @@ class Series(Control):
             self.at = 0
 
     def decide(self) -> str:
-        onward = self.manifest.settings["onward"]
+        onward, waits = str(self.manifest.settings["onward"]), self.manifest.settings["waits"]
+        if self.manifest.settings["reactive"]:
+            self.at = self.skips = 0
         while self.at < len(self.below):
             child = self.below[self.at]
             began = not child.running
             end = child.tick()
-            if end == "running":
-                return end
             if end not in (onward, SKIPPED):
+                for other in self.below[self.at + 1 :]:
+                    other.halt()
                 return end
             self.at, self.skips = self.at + 1, self.skips + (end == SKIPPED)
-            if began and end == onward and self.at < len(self.below):
+            if waits and began and end == onward and self.at < len(self.below):
                 self.context.wake()
                 return "running"
         self.at = 0
-        return SKIPPED if self.skips == len(self.below) else str(onward)
+        return SKIPPED if self.skips == len(self.below) else onward
 
 
 class Repeat(_Counting):
@@ -247,17 +247,13 @@ class Switch(Control):
 
 def same_text(value: object, case: object) -> bool:
     """Tell whether two texts are the same, or numbers that are."""
-    one, other = (_text(each) for each in (value, case))
+    one, other = text_of(value), text_of(case)
     if one == other:
         return True
     try:
-        return abs(float(one) - float(other)) <= 1.1920928955078125e-07
+        return abs(float(one) - float(other)) <= EPSILON
     except ValueError:
         return False
-
-
-def _text(value: object) -> str:
-    return str(int(value)) if isinstance(value, bool) else f"{value:f}" if isinstance(value, float) else str(value)
 
 
 class IfThenElse(Control):

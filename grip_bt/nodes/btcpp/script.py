@@ -1,15 +1,15 @@
-"""BehaviorTree.CPP's scripting language: text -> statements.
+"""BehaviorTree.CPP's scripting language: text -> statements as Python's syntax trees, and what they come to.
 
 The grammar is that of BT.CPP 4: `&&` and `||` bind equally and to the left, comparisons chain, `?:` and assignments
 don't, and an operand of a comparison is made of arithmetic, of bits (`! ~ & | ^`) or of text (`..`), which don't mix
-without parentheses.
+without parentheses. In the trees `!` is `not`, `..` is `@`, an assignment is `:=`.
 """
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from operator import add, and_, eq, ge, gt, le, lt, mul, ne, or_, sub, truediv, xor
 from typing import Any
 
@@ -24,84 +24,36 @@ _TOKEN = re.compile(
     r"|(?P<sign>:=|\+=|-=|\*=|/=|==|!=|<=|>=|&&|\|\||\.\.|[-+*/<>=!~&|^?:;()]))"
 )
 _SPACE = re.compile(r"\s*\Z")
-ASSIGNMENTS = (":=", "=", "+=", "-=", "*=", "/=")
-_COMPARISONS = ("==", "!=", "<", ">", "<=", ">=")
+_ASSIGNMENTS = (":=", "=", "+=", "-=", "*=", "/=")
+_COMPARISONS = {
+    **{"==": (ast.Eq, eq), "!=": (ast.NotEq, ne), "<": (ast.Lt, lt)},
+    **{">": (ast.Gt, gt), "<=": (ast.LtE, le), ">=": (ast.GtE, ge)},
+}
+_BITS = {"&": (ast.BitAnd, and_), "|": (ast.BitOr, or_), "^": (ast.BitXor, xor)}
+_SUMS = {"+": (ast.Add, add), "-": (ast.Sub, sub), "*": (ast.Mult, mul), "/": (ast.Div, truediv)}
+_UNARY = {"-": ast.USub, "!": ast.Not, "~": ast.Invert}
+_LOGIC = {"&&": ast.And, "||": ast.Or}
+_BINARY: dict[str, type[ast.operator]] = {
+    **{sign: operator for sign, (operator, _) in (*_BITS.items(), *_SUMS.items())},
+    "..": ast.MatMult,
+}
+SIGNS: dict[type[ast.AST], str] = {
+    **{operator: sign for sign, operator in (*_UNARY.items(), *_LOGIC.items(), *_BINARY.items())},
+    **{operator: sign for sign, (operator, _) in _COMPARISONS.items()},
+}
+"""Operator of the syntax trees -> how a script writes it."""
 
 
 class ScriptError(ValueError):
     """A text isn't a script; the message says where."""
 
 
-@dataclass(frozen=True)
-class Literal:
-    """A number, a truth value or a text."""
-
-    value: bool | int | float | str
-
-
-@dataclass(frozen=True)
-class Name:
-    """A blackboard entry, or an enum's word."""
-
-    name: str
-
-
-@dataclass(frozen=True)
-class Unary:
-    """`-`, `!` or `~` before an operand."""
-
-    sign: str
-    operand: Script
-
-
-@dataclass(frozen=True)
-class Binary:
-    """Two operands: arithmetic, bits, `..`, `&&` or `||`."""
-
-    left: Script
-    sign: str
-    right: Script
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """`operands[0] signs[0] operands[1] signs[1] ...`: all of them hold."""
-
-    operands: tuple[Script, ...]
-    signs: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Ternary:
-    """`condition ? then : otherwise`."""
-
-    condition: Script
-    then: Script
-    otherwise: Script
-
-
-@dataclass(frozen=True)
-class Assignment:
-    """`target sign value`."""
-
-    target: str
-    sign: str
-    value: Script
-
-
-Script = Literal | Name | Unary | Binary | Comparison | Ternary | Assignment
-
-
-def parse_script(text: str) -> list[Script]:
-    """Return the statements of a script.
-
-    Raises:
-        ScriptError: it isn't one.
-    """
+def parse_script(text: str) -> list[ast.expr]:
+    """Return the statements of a script. Raises ScriptError: it isn't one."""
     if len(text) > LONGEST:
         raise ScriptError(f"longer than {LONGEST} characters")
     parser = _Parser(_tokens(text))
-    statements: list[Script] = []
+    statements: list[ast.expr] = []
     while not parser.at_end():
         statements.append(parser.expression())
         if not parser.at_end():
@@ -109,30 +61,13 @@ def parse_script(text: str) -> list[Script]:
     return statements
 
 
-def names_of(statements: list[Script]) -> tuple[list[str], list[str], set[str]]:
+def names_of(text: str) -> tuple[list[str], list[str], set[str]]:
     """Return the entries that a script names, each once, those that it assigns, and those that it may read."""
-    names: dict[str, None] = {}
-    assigned: dict[str, None] = {}
-    read: set[str] = set()
-
-    def look(part: object) -> None:
-        match part:
-            case Name(name=name):
-                names[name] = None
-                read.add(name)
-            case Assignment(target=target, sign=sign, value=value):
-                look(value)
-                names[target] = assigned[target] = None
-                if sign != ":=":
-                    read.add(target)
-            case Unary() | Binary() | Comparison() | Ternary():
-                for below in vars(part).values():
-                    for each in below if isinstance(below, tuple) else (below,):
-                        look(each)
-
-    for statement in statements:
-        look(statement)
-    return list(names), list(assigned), read
+    tokens = [*_tokens(text), ("", "")]
+    pairs = zip(tokens, tokens[1:], strict=False)
+    found = [(said, after) for (kind, said), (_, after) in pairs if kind == "name" and said not in ("true", "false")]
+    assigned = dict.fromkeys(said for said, after in found if after in _ASSIGNMENTS)
+    return list(dict.fromkeys(said for said, _ in found)), list(assigned), {s for s, after in found if after != ":="}
 
 
 def parts_of(text: str) -> list[str]:
@@ -159,6 +94,12 @@ def _tokens(text: str) -> list[tuple[str, str]]:
     return tokens
 
 
+def _binary(left: ast.expr, sign: str, right: ast.expr) -> ast.expr:
+    if sign in _LOGIC:
+        return ast.BoolOp(_LOGIC[sign](), [left, right])
+    return ast.BinOp(left, _BINARY[sign](), right)
+
+
 class _Parser:
     def __init__(self, tokens: list[tuple[str, str]]):
         self.tokens, self.position, self.depth = tokens, 0, 0
@@ -166,99 +107,79 @@ class _Parser:
     def at_end(self) -> bool:
         return self.position == len(self.tokens)
 
-    def peek(self) -> str:
-        """Return the next sign, or an empty string."""
-        kind, text = self.tokens[self.position] if not self.at_end() else ("", "")
-        return text if kind == "sign" else ""
-
     def take(self, *signs: str) -> str:
         """Go past the next token when it is one of these signs, and return it."""
-        sign = self.peek()
-        if sign not in signs:
+        kind, text = self.tokens[self.position] if not self.at_end() else ("", "")
+        if kind != "sign" or text not in signs:
             return ""
         self.position += 1
-        return sign
+        return text
 
     def expect(self, sign: str) -> None:
         if not self.take(sign):
             said = "the end" if self.at_end() else repr(self.tokens[self.position][1])
             raise ScriptError(f"{sign!r} is missing before {said}")
 
-    def expression(self) -> Script:
+    def expression(self) -> ast.expr:
         self.depth += 1
         if self.depth > DEEPEST:
             raise ScriptError(f"nested deeper than {DEEPEST} levels")
         left = self.conditional()
-        sign = self.take(*ASSIGNMENTS)
-        if sign:
-            if not isinstance(left, Name):
+        if sign := self.take(*_ASSIGNMENTS):
+            if not isinstance(left, ast.Name):
                 raise ScriptError(f"left of {sign!r} stands something that isn't a blackboard entry")
-            left = Assignment(left.name, sign, self.conditional())
+            value = self.conditional()
+            left = ast.NamedExpr(left, value if sign in (":=", "=") else _binary(left, sign[0], value))
         self.depth -= 1
         return left
 
-    def conditional(self) -> Script:
-        condition = self.logical()
+    def conditional(self) -> ast.expr:
+        condition = self.chain(self.comparison, "||", "&&")
         if not self.take("?"):
             return condition
         then = self.expression()
         self.expect(":")
-        return Ternary(condition, then, self.logical())
+        return ast.IfExp(condition, then, self.chain(self.comparison, "||", "&&"))
 
-    def logical(self) -> Script:
-        left = self.comparison()
-        while sign := self.take("||", "&&"):
-            left = Binary(left, sign, self.comparison())
-        return left
+    def chain(self, below: Callable[[], ast.expr], *signs: str, left: ast.expr | None = None) -> ast.expr:
+        """Return operands that signs join, from the left."""
+        made = below() if left is None else left
+        while sign := self.take(*signs):
+            made = _binary(made, sign, below())
+        return made
 
-    def comparison(self) -> Script:
-        operands, signs = [self.operand()], []
+    def comparison(self) -> ast.expr:
+        first, operators, operands = self.operand(), list[ast.cmpop](), list[ast.expr]()
         while sign := self.take(*_COMPARISONS):
-            signs.append(sign)
+            operators.append(_COMPARISONS[sign][0]())
             operands.append(self.operand())
-        return Comparison(tuple(operands), tuple(signs)) if signs else operands[0]
+        return ast.Compare(first, operators, operands) if operators else first
 
-    def operand(self) -> Script:
+    def operand(self) -> ast.expr:
         """Return an operand of a comparison, in one of the three groups that don't mix."""
-        if self.peek() in ("!", "~"):
-            return self.bits(self.bit_prefix())
-        left = self.sum()
-        if self.peek() in ("&", "|", "^"):
-            return self.bits(left)
-        while self.take(".."):
-            left = Binary(left, "..", self.sum())
-        return left
+        prefixed = self.tokens[self.position : self.position + 1] in ([("sign", "!")], [("sign", "~")])
+        left = self.bit() if prefixed else self.sum()
+        some = self.chain(self.bit, "&", left=left)
+        bits = self.chain(lambda: self.chain(self.bit, "&"), "|", "^", left=some)
+        return bits if prefixed or bits is not left else self.chain(self.sum, "..", left=left)
 
-    def bits(self, left: Script) -> Script:
-        while self.take("&"):
-            left = Binary(left, "&", self.bit_prefix())
-        while sign := self.take("|", "^"):
-            right = self.bit_prefix()
-            while self.take("&"):
-                right = Binary(right, "&", self.bit_prefix())
-            left = Binary(left, sign, right)
-        return left
-
-    def bit_prefix(self) -> Script:
+    def bit(self) -> ast.expr:
         sign = self.take("!", "~")
-        return Unary(sign, self.atom()) if sign else self.atom()
+        return ast.UnaryOp(_UNARY[sign](), self.atom()) if sign else self.atom()
 
-    def sum(self) -> Script:
-        left = self.product()
-        while sign := self.take("+", "-"):
-            left = Binary(left, sign, self.product())
-        return left
+    def sum(self) -> ast.expr:
+        return self.chain(lambda: self.chain(self.negation, "*", "/"), "+", "-")
 
-    def product(self) -> Script:
-        left = self.negation()
-        while sign := self.take("*", "/"):
-            left = Binary(left, sign, self.negation())
-        return left
+    def negation(self) -> ast.expr:
+        if not self.take("-"):
+            return self.atom()
+        match self.atom():
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+                return ast.Constant(-number)
+            case operand:
+                return ast.UnaryOp(ast.USub(), operand)
 
-    def negation(self) -> Script:
-        return Unary("-", self.atom()) if self.take("-") else self.atom()
-
-    def atom(self) -> Script:
+    def atom(self) -> ast.expr:
         if self.take("("):
             inside = self.expression()
             self.expect(")")
@@ -269,13 +190,13 @@ class _Parser:
         self.position += 1
         match kind:
             case "int" | "hex":
-                return Literal(int(text, 16 if kind == "hex" else 10))
+                return ast.Constant(int(text, 16 if kind == "hex" else 10))
             case "real":
-                return Literal(float(text))
+                return ast.Constant(float(text))
             case "text":
-                return Literal(text[1:-1])
+                return ast.Constant(text[1:-1])
             case "name":
-                return Literal(text == "true") if text in ("true", "false") else Name(text)
+                return ast.Constant(text == "true") if text in ("true", "false") else ast.Name(text)
         raise ScriptError(f"{text!r} stands where a value is missing")
 
 
@@ -297,37 +218,34 @@ class Run:
             ScriptError: it isn't one.
             ValueError, TypeError: values don't fit.
         """
-        value: Any = None
+        value: Value = None
         for statement in parse_script(text):
-            value = self.value(statement)
+            value = self._value(statement)
         return value
 
-    def value(self, script: Script) -> Value:
-        """Return what a part of a script comes to."""
+    def _value(self, script: ast.expr) -> Any:
         match script:
-            case Literal(value=value):
-                return value
-            case Name(name=name):
+            case ast.Constant():
+                return script.value
+            case ast.Name(id=name):
                 return self.get(name)
-            case Unary(sign=sign, operand=operand):
-                number = _number(self.value(operand))
-                return -number if sign == "-" else float(~int(number)) if sign == "~" else not number
-            case Binary(left=left, sign=sign, right=right):
-                return _binary(self.value(left), sign, self.value(right))
-            case Comparison(operands=operands, signs=signs):
-                left = self.value(operands[0])
-                for sign, operand in zip(signs, operands[1:], strict=True):
-                    right = self.value(operand)
-                    if not _compared(left, sign, right):
+            case ast.UnaryOp(op=op, operand=operand):
+                number = _number(self._value(operand))
+                return -number if isinstance(op, ast.USub) else not number if isinstance(op, ast.Not) else ~int(number)
+            case ast.BoolOp(op=op, values=[left, right]) | ast.BinOp(left=left, op=op, right=right):
+                return _computed(self._value(left), SIGNS[type(op)], self._value(right))
+            case ast.Compare(left=first, ops=ops, comparators=others):
+                value = self._value(first)
+                for sign, other in zip(ops, others, strict=True):
+                    before, value = value, self._value(other)
+                    if not _compared(before, SIGNS[type(sign)], value):
                         return False
-                    left = right
                 return True
-            case Ternary(condition=condition, then=then, otherwise=otherwise):
-                return self.value(then if self.value(condition) else otherwise)
-            case Assignment(target=target, sign=sign, value=value):
-                made = self.value(value)
-                made = made if sign in (":=", "=") else _binary(self.get(target), sign[0], made)
-                self.put(target, _like(self.get(target), made))
+            case ast.IfExp(test=test, body=then, orelse=otherwise):
+                return self._value(then if self._value(test) else otherwise)
+            case ast.NamedExpr(target=ast.Name(id=name), value=given):
+                made = self._value(given)
+                self.put(name, _like(self.get(name), made))
                 return made
 
 
@@ -346,24 +264,24 @@ def _number(value: Any) -> float:
     return float(value)
 
 
-def _text(value: Any) -> str:
+def text_of(value: object) -> str:
+    """Return the text that BehaviorTree.CPP makes of a value."""
     if isinstance(value, bool):
         return str(int(value))
     return f"{value:f}" if isinstance(value, float) else str(value)
 
 
-def _binary(left: Any, sign: str, right: Any) -> Any:
+def _computed(left: Any, sign: str, right: Any) -> Any:
     if sign == ".." or (sign == "+" and isinstance(left, str) and isinstance(right, str)):
-        return _text(left) + _text(right)
+        return text_of(left) + text_of(right)
     if isinstance(left, str) or isinstance(right, str):
         raise TypeError(f"`{sign}` between {left!r} and {right!r}")
-    if sign in ("&&", "||"):
+    if sign in _LOGIC:
         return bool(left) and bool(right) if sign == "&&" else bool(left) or bool(right)
-    if sign in "&|^":
-        return float({"&": and_, "|": or_, "^": xor}[sign](int(left), int(right)))
-    whole = isinstance(left, int) and isinstance(right, int) and sign != "/"
-    made = {"+": add, "-": sub, "*": mul, "/": truediv}[sign](float(left), float(right))
-    return int(made) if whole else made
+    if sign in _BITS:
+        return float(_BITS[sign][1](int(left), int(right)))
+    made = _SUMS[sign][1](float(left), float(right))
+    return int(made) if isinstance(left, int) and isinstance(right, int) and sign != "/" else made
 
 
 def _compared(left: Any, sign: str, right: Any) -> bool:
@@ -371,4 +289,4 @@ def _compared(left: Any, sign: str, right: Any) -> bool:
         left, right = _number(left), _number(right)
         if sign in ("==", "!="):
             return bool(abs(left - right) <= EPSILON) == (sign == "==")
-    return bool({"==": eq, "!=": ne, "<": lt, ">": gt, "<=": le, ">=": ge}[sign](left, right))
+    return bool(_COMPARISONS[sign][1](left, right))

@@ -219,15 +219,15 @@ def test_ports_keys_and_switches_come_back() -> None:
                 "memory": False,
                 "children": {name: {"node": "test/work", "in": {"goal": "n"}} for name in "abc"},
             },
-            "if": {"node": "test/work", "precondition": "n > 1 and not word == 'no'"},
+            "if": {"node": "test/work", "precondition": "n > 1 and (not word == 'no')"},
         },
     }
     before = task(root, data={"n": "int", "word": "str"})
     written = to_xml(before, CATALOG)
     check_against_model(written)
     assert dumps(from_xml(written, CATALOG).task) == dumps(before)
-    assert '<test__tell name="tell" word="{word}" count="{n}"/>' in written
-    assert '<inout_port name="count" type="int"></inout_port>' in written
+    assert '<test__tell name="tell" word="{word}" count="{n}" />' in written
+    assert '<inout_port name="count" type="int" />' in written
     assert '<input_port name="speed" type="double" default="1.0">how fast</input_port>' in written
     assert "_failureIf=\"!(n &gt; 1 &amp;&amp; !(word == 'no'))\"" in written
 
@@ -241,7 +241,7 @@ def test_computed_values_are_scripts_and_come_back() -> None:
         "children": {
             "first": {"node": "flow/set", "with": {"value": 2}, "out": {"value": "n"}},
             "more": compute("a * (a + 1)", "n", a="n"),
-            "both": compute("a > 1 and not a == 3", "good", a="n"),
+            "both": compute("a > 1 and (not a == 3)", "good", a="n"),
             "copy": compute("a", "other", a="n"),
         },
     }

@@ -7,8 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from grip_bt.formats.draw import to_dot, to_mermaid, to_svg
-from grip_bt.formats.draw.layered import Edge, Item, place
-from grip_bt.formats.draw.layout import TreeItem, is_tall, place_tree
+from grip_bt.formats.draw.layout import Edge, Item, TreeItem, place, place_tree
 from grip_bt.formats.draw.views import flow_figure, tree_figure
 from grip_bt.task import Leaf, Sequence, StateMachine, Task, load, walk
 from grip_bt.task.catalog import Catalog
@@ -102,13 +101,6 @@ def test_every_edge_of_a_state_machine_is_drawn_with_its_label():
     }
 
 
-def test_a_long_sequence_is_wrapped_into_rows():
-    children = {f"step{i}": Leaf(node="flow/wait") for i in range(60)}
-    figure = flow_figure(Task(grip=1, name="t", root=Sequence(kind="sequence", children=children)), CATALOG)
-    assert 0.5 < figure.width / figure.height < 3
-    assert len(figure.lines) == 59
-
-
 def twigs():
     return st.recursive(
         st.builds(TreeItem, st.floats(10, 80)),
@@ -127,12 +119,11 @@ def test_a_tidy_tree_keeps_order_and_distance_in_each_column(root):
             assert upper.y + upper.height / 2 + 5.0 <= lower.y - lower.height / 2 + 1e-6
         for twig in column:
             if twig.below:
-                first, last = twig.below[0].y, twig.below[-1].y
-                assert twig.y == pytest.approx(first if is_tall(twig) else (first + last) / 2)
+                assert twig.y == pytest.approx(twig.below[0].y)
         column = [child for twig in column for child in twig.below]
 
 
-def test_in_a_tall_tree_every_parent_is_met_before_its_children():
+def test_every_parent_is_met_before_its_children():
     children = {f"step{i}": Leaf(node="flow/wait") for i in range(200)}
     figure = tree_figure(Task(grip=1, name="t", root=Sequence(kind="sequence", children=children)), CATALOG)
     root, first = figure.boxes[0], figure.boxes[1]

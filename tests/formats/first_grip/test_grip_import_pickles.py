@@ -86,7 +86,7 @@ class Runs:
         (b"PSome id\n.", "PERSID"),
         (b"\x82\x01.", "EXT1"),
         (b"\x8c\x02os\x8c\x06system\x93.", "os.system"),
-        (b"}q\x00h\x00R.", "REDUCE"),
+        (b"}q\x00h\x00R.", "not callable"),
         (b"\x80\x04}\x8c\x01a}\x92.", "NEWOBJ_EX"),
         (b"", "no pickle"),
         (b"nonsense", "no pickle"),
