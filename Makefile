@@ -26,7 +26,7 @@ $(STAMP): requirements/lock.txt requirements/build.txt pyproject.toml
 	@touch $@
 
 demo: $(STAMP) ## run the main job: a dexterous hand clears a table, in simulation
-	@$(BIN)/grip demo reactive $(ARGS)
+	@$(BIN)/grip demo $(ARGS)
 
 test: lint types contracts python-tests frontend e2e ## everything: lint, types, contracts, Python, frontend, browser
 	@echo "make test: all of the above passed"

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.runs.demo import ATTEMPT, CHECK, DEMO, Attempt, AttemptRecorder, attempt_line, demo_task, object_table
+from grip_bt.app.runs.demo import ATTEMPT, DEMOS, Attempt, AttemptRecorder, Demo, attempt_line, demo_task, object_table
 from grip_bt.app.runs.execute import Session, open_session
 from grip_bt.app.runs.verdict import Verdict
 from grip_bt.compilers.binding import parts_of
@@ -25,9 +25,8 @@ from .terminal import on_hang_up, on_stop
 
 def add_demo(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument(
-        "name", nargs="?", default="reactive", choices=("reactive",), help="which one (default: reactive)"
-    )
+    first, *_ = DEMOS
+    parser.add_argument("name", nargs="?", default=first, choices=tuple(DEMOS), help=f"which one (default: {first})")
     add_run_options(parser)
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     parser.add_argument("--gui", action="store_true", help="show the run live in a browser")
@@ -38,18 +37,18 @@ def add_demo(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
-    task = demo_task()
+    demo, task = DEMOS[args.name], demo_task(args.name)
     if args.gui:
         return _show(task, args)
     began = time.monotonic()
     say: Callable[[str], None] = (lambda text: None) if args.json else print
     form = "state machine" if args.target == "sm" else "behaviour tree"
-    say(f"GRIP demo {args.name!r} as a {form}, seed {args.seed}\n{DEMO}\n")
+    say(f"GRIP demo {args.name!r} as a {form}, seed {args.seed}\n{demo.doc}\n")
     with open_session(task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
         nodes = sum(1 for _ in walk(session.document.task.root))
         say(f"  {'task':<11} {task.name}: {nodes} nodes, no problems\n")
         on_stop(session.runner.stop)
-        recorder = _recorder(session, say)
+        recorder = _recorder(demo, session, say)
         session.runner.observe(recorder)
         verdict = Verdict(session)
         result = session.runner.run()
@@ -67,12 +66,12 @@ def run(args: argparse.Namespace) -> int:
     return exit_status(end)
 
 
-def _recorder(session: Session, say: Callable[[str], None]) -> AttemptRecorder:
+def _recorder(demo: Demo, session: Session, say: Callable[[str], None]) -> AttemptRecorder:
     referee = session.resources.referee
     clock = session.runner.context.clock
     return AttemptRecorder(
         ATTEMPT,
-        CHECK,
+        f"{ATTEMPT}/{demo.check}",
         clock.now,
         referee.truth if referee is not None else None,
         lambda attempt: say(attempt_line(attempt)),
@@ -89,6 +88,7 @@ def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: i
         "attempts": sum(a.outcome != "nothing_left" for a in attempts),
         "failures": [f"{a.where}: {a.failure.code}" for a in attempts if a.failure is not None],
         "false_placements": sum("place" in dict(a.steps) and not a.held for a in attempts),
+        "checks": [{"said": a.said, "held": bool(a.held)} for a in attempts if a.said],
         "simulated": result.duration,
         "wall_in_all": wall,
         "message": str(result.error or result.failure or ""),

@@ -73,14 +73,6 @@ def add_run(parser: argparse.ArgumentParser) -> None:
         "--mock", action="append", default=[], metavar="NODE=SCRIPT", help="script such as failure.no_ik,success"
     )
     mocked.add_argument("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
-    parser.add_argument(
-        "--fault",
-        dest="faults",
-        action="append",
-        default=[],
-        metavar="NAME: {fault: KIND, ...}",
-        help="what goes wrong in the simulated world, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'",
-    )
     way = parser.add_argument_group("control").add_mutually_exclusive_group()
     way.add_argument("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
     way.add_argument(
@@ -128,6 +120,14 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="playback speed: simulated seconds a second (default: as fast as it goes)",
     )
+    parser.add_argument(
+        "--fault",
+        dest="faults",
+        action="append",
+        default=[],
+        metavar="NAME: {fault: KIND, ...}",
+        help="what goes wrong in the simulated world, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'",
+    )
     shown = parser.add_argument_group("what the simulated world looks like")
     shown.add_argument(
         "--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run"
@@ -148,6 +148,7 @@ def options_of(args: argparse.Namespace) -> RunOptions:
         robot=args.robot,
         seed=args.seed,
         pace=args.pace,
+        faults=read_faults(args.faults),
         video=args.video and args.video.absolute(),
         picture=args.picture and args.picture.absolute(),
         view=args.view,
@@ -168,7 +169,6 @@ def run(args: argparse.Namespace) -> int:
         breaks=args.breaks,
         paused=debug and not args.breaks,
         mocks=read_mocks(args.mocks, args.mock),
-        faults=read_faults(args.faults),
         durable=args.durable,
         stand_ins=args.stand_ins,
     )

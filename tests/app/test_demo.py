@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from trial_project import grip, processes_in, result_of
 
-from grip_bt.app.runs.demo import ATTEMPT, CHECK, AttemptRecorder, demo_task, examples_folder
+from grip_bt.app.runs.demo import ATTEMPT, DEMOS, AttemptRecorder, demo_task, examples_folder
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.values import Pose
 from grip_bt.nodes.node import Observer
@@ -47,7 +47,7 @@ root:
 
 @pytest.mark.parametrize("form", ["bt", "sm"])
 def test_the_demo_clears_the_table_in_both_forms(form):
-    done = grip("demo", "reactive", "--seed", "3", "--as", form, "--json", domain=7, timeout=600)
+    done = grip("demo", "--seed", "3", "--as", form, "--json", domain=7, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     summary = json.loads(done.stdout.splitlines()[-1])
     assert summary["placed"] == summary["objects"] == 3
@@ -74,6 +74,9 @@ def test_an_object_out_of_reach_is_a_failure_with_its_reason(project: Path):
     assert result["code"] == "no_grasp"
     assert "no_ik" in result["message"]
     assert processes_in(project) == []
+
+
+CHECK = f"{ATTEMPT}/{DEMOS['clear_table'].check}"
 
 
 class Thief(Observer):

@@ -1,4 +1,4 @@
-"""The packaged demonstration: a task of the example project, and its attempts as a referee sees them."""
+"""The packaged demonstrations: tasks of the example project, and their attempts as a referee sees them."""
 
 from __future__ import annotations
 
@@ -19,21 +19,47 @@ from grip_bt.base.values import Failure, Grasp
 from grip_bt.nodes.node import Observer
 from grip_sim.referee import ObjectTruth
 
-DEMO = "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by images, place."
-ATTEMPT = "next_object/attempt"
-"""Path of the node that is one attempt."""
 _UNWANTED = frozenset({".grip", "__pycache__"})
-CHECK = "next_object/attempt/check/held"
-"""Path of the leaf that checks whether something is held."""
 
 
-def demo_task() -> Path:
-    """Return the demonstration's task file.
+@dataclass(frozen=True)
+class Demo:
+    """A demonstration.
+
+    Attributes:
+        task: its file's name without `.yaml`.
+        doc: a sentence for people.
+        check: path of the leaf that checks whether something is held, below `ATTEMPT`.
+    """
+
+    task: str
+    doc: str
+    check: str
+
+
+ATTEMPT = "next_object/attempt"
+"""Path of the node that is one attempt, in every demonstration."""
+DEMOS = {
+    "clear_table": Demo(
+        "reactive_pick",
+        "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by all evidence, place.",
+        "check/held",
+    ),
+    "reactive": Demo(
+        "reactive",
+        "Placing only after a component's image difference says that the object was taken; else another pose is drawn.",
+        "check/grasped",
+    ),
+}
+
+
+def demo_task(name: str = "clear_table") -> Path:
+    """Return a demonstration's task file.
 
     Raises:
         MissingPartError: this installation has no examples.
     """
-    return examples_folder() / "tasks" / "reactive_pick.yaml"
+    return examples_folder() / "tasks" / f"{DEMOS[name].task}.yaml"
 
 
 def examples_folder() -> Path:
@@ -90,6 +116,7 @@ class Attempt:
         failure: why.
         where: path of the leaf that failed first.
         held: objects that the referee saw in the hand when the task checked.
+        said: how the leaf ended that checks it; empty while it wasn't reached.
         duration: on the run's clock [s].
     """
 
@@ -100,6 +127,7 @@ class Attempt:
     failure: Failure | None = None
     where: str = ""
     held: tuple[str, ...] = ()
+    said: str = ""
     duration: float = 0.0
 
 
@@ -148,6 +176,8 @@ class AttemptRecorder(Observer):
         if path == self._path:
             self._end(outcome, failure)
         elif path.startswith(self._path + "/") and self.attempts:
+            if path == self._check:
+                self.attempts[-1].said = outcome
             attempt, step = self.attempts[-1], path.removeprefix(self._path + "/")
             attempt.steps.append((step, outcome if failure is None else f"{outcome}.{failure.code}"))
             if outcome == "success" and attempt.where.startswith(step + "/"):
@@ -180,6 +210,9 @@ def attempt_line(attempt: Attempt) -> str:
         how = (
             "held, and put into the crate" if attempt.held else "put into the crate, says the task; the hand was empty"
         )
+    elif attempt.said:
+        how = f"not placed: the check says {attempt.said}, the hand {'held' if attempt.held else 'held nothing'}"
+        how += f" {attempt.target}" if attempt.target in attempt.held else ""
     else:
         how = attempt.outcome.replace("_", " ")
     return f"attempt {attempt.number:<2} {attempt.duration:6.1f} s  {what:<12} {how}"
