@@ -9,7 +9,7 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 # Where a shell forbids it to keep compiled modules, each of the suite's many processes would compile all of them again.
 unexport PYTHONDONTWRITEBYTECODE PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH ROS_DISTRO ROS_VERSION RMW_IMPLEMENTATION
 
-.PHONY: help demo test quick lint types contracts python-tests frontend e2e fuzz soak gui lock clean
+.PHONY: help demo test quick lint types contracts python-tests frontend e2e fuzz soak docs gui lock clean
 
 help: ## show this list
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -26,7 +26,7 @@ $(STAMP): requirements/lock.txt requirements/build.txt pyproject.toml
 	@touch $@
 
 demo: $(STAMP) ## run the main job: a dexterous hand clears a table, in simulation
-	@$(BIN)/grip demo reactive $(ARGS)
+	@$(BIN)/grip demo $(ARGS)
 
 test: lint types contracts python-tests frontend e2e ## everything: lint, types, contracts, Python, frontend, browser
 	@echo "make test: all of the above passed"
@@ -77,6 +77,13 @@ soak: $(STAMP) ## 20 seeds of the demo, as a table; an hour of 20 pages
 	@$(BIN)/python benchmarks/demo_seeds.py
 	@$(BIN)/python benchmarks/gui_load.py soak
 
+docs: ## build the documentation as a site into build/site
+	@python=$$(sh tools/find_python.sh) && $$python -m venv .venv-docs
+	@.venv-docs/bin/python -m pip install --disable-pip-version-check -q -r requirements/docs.txt \
+	    2> >(grep -v '^WARNING: Location' >&2)
+	@.venv-docs/bin/zensical build --strict
+	@echo "open build/site/index.html"
+
 gui: ## build the page into gui/grip_gui/static
 	cd gui/frontend && npm ci --no-audit --no-fund && npm run build
 
@@ -88,4 +95,4 @@ lock: ## resolve the dependencies anew (needs uv)
 	    --no-emit-index-url --no-emit-find-links -o requirements/build.txt
 
 clean: ## remove the environment and everything built
-	rm -rf $(VENV) .pytest_cache .hypothesis .ruff_cache .mypy_cache examples/.grip
+	rm -rf $(VENV) .venv-docs build/site .pytest_cache .hypothesis .ruff_cache .mypy_cache examples/.grip

@@ -16,7 +16,7 @@ import time
 def one(seed: int, target: str) -> dict:
     """Run one seed in a process of its own and return its summary."""
     began = time.monotonic()
-    command = [sys.executable, "-m", "grip_bt.cli", "demo", "reactive", "--seed", str(seed), "--as", target, "--json"]
+    command = [sys.executable, "-m", "grip_bt.cli", "demo", "--seed", str(seed), "--as", target, "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     last = (done.stdout.strip().splitlines() or ["{}"])[-1]
     summary = json.loads(last) if last.startswith("{") else {}

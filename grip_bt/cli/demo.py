@@ -34,17 +34,43 @@ from grip_sim.referee import ObjectTruth
 from .run import add_run_options, exit_status, options_of, sentence
 from .terminal import on_hang_up, on_stop
 
-DEMO = "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by images, place."
-ATTEMPT = "next_object/attempt"
-"""Path of the node that is one attempt."""
 _UNWANTED = frozenset({".grip", "__pycache__"})
-CHECK = "next_object/attempt/check/held"
-"""Path of the leaf that checks whether something is held."""
+ATTEMPT = "next_object/attempt"
+"""Path of the node that is one attempt, in every demonstration."""
+
+
+@dataclass(frozen=True)
+class Demo:
+    """A demonstration.
+
+    Attributes:
+        task: its file's name without `.yaml`.
+        doc: a sentence for people.
+        check: path of the leaf that checks whether something is held.
+    """
+
+    task: str
+    doc: str
+    check: str
+
+
+DEMOS = {
+    "clear_table": Demo(
+        "reactive_pick",
+        "A Panda arm with an Allegro hand clears a table: look, choose a grasp, take, check by all evidence, place.",
+        f"{ATTEMPT}/check/held",
+    ),
+    "reactive": Demo(
+        "reactive",
+        "Placing only after a component's image difference says that the object was taken; else another pose is drawn.",
+        f"{ATTEMPT}/check/grasped",
+    ),
+}
 
 
 def add_demo(parser: argparse.ArgumentParser) -> None:
-    which = "which one (default: reactive)"
-    parser.add_argument("name", nargs="?", default="reactive", choices=("reactive",), help=which)
+    first, *_ = DEMOS
+    parser.add_argument("name", nargs="?", default=first, choices=tuple(DEMOS), help=f"which one (default: {first})")
     add_run_options(parser)
     parser.add_argument("--json", action="store_true", help="print the summary as one JSON object")
     parser.add_argument("--gui", action="store_true", help="show the run live in a browser")
@@ -54,13 +80,13 @@ def add_demo(parser: argparse.ArgumentParser) -> None:
 
 def run_demo(args: argparse.Namespace) -> int:
     """Run the demonstration; 0 only when the referee agrees that everything was done."""
-    task = demo_task()
+    demo, task = DEMOS[args.name], demo_task(args.name)
     if args.gui:
         return _show(task, args)
     began = time.monotonic()
     say: Callable[[str], None] = (lambda text: None) if args.json else print
     form = "state machine" if args.target == "sm" else "behaviour tree"
-    say(f"GRIP demo {args.name!r} as a {form}, seed {args.seed}\n{DEMO}\n")
+    say(f"GRIP demo {args.name!r} as a {form}, seed {args.seed}\n{demo.doc}\n")
     with open_session(task, options_of(args), progress=lambda p, d: say(f"  {p:<11} {d}")) as session:
         nodes = sum(1 for _ in walk(session.document.task.root))
         say(f"  {'task':<11} {task.name}: {nodes} nodes, no problems\n")
@@ -68,7 +94,7 @@ def run_demo(args: argparse.Namespace) -> int:
         referee = session.resources.referee
         recorder = AttemptRecorder(
             ATTEMPT,
-            CHECK,
+            demo.check,
             session.runner.context.clock.now,
             referee.truth if referee is not None else None,
             lambda attempt: say(attempt_line(attempt)),
@@ -100,6 +126,7 @@ def _summary(result: RunResult, attempts: list[Attempt], placed: int, objects: i
         "attempts": sum(a.outcome != "nothing_left" for a in attempts),
         "failures": [f"{a.where}: {a.failure.code}" for a in attempts if a.failure is not None],
         "false_placements": sum("place" in dict(a.steps) and not a.held for a in attempts),
+        "checks": [{"said": a.said, "held": bool(a.held)} for a in attempts if a.said],
         "simulated": result.duration,
         "wall_in_all": wall,
         "message": str(result.error or result.failure or ""),
@@ -116,9 +143,9 @@ def _show(task: Path, args: argparse.Namespace) -> int:
     return serve(task.parent.parent, task=task, autostart=options, port=args.port, open_browser=browser)
 
 
-def demo_task() -> Path:
-    """Return the demonstration's task file."""
-    return examples_folder() / "tasks" / "reactive_pick.yaml"
+def demo_task(name: str = "clear_table") -> Path:
+    """Return a demonstration's task file."""
+    return examples_folder() / "tasks" / f"{DEMOS[name].task}.yaml"
 
 
 def examples_folder() -> Path:
@@ -175,6 +202,7 @@ class Attempt:
     failure: Failure | None = None
     where: str = ""
     held: tuple[str, ...] = ()
+    said: str = ""
     duration: float = 0.0
 
 
@@ -218,6 +246,8 @@ class AttemptRecorder(Observer):
         if path == self._path:
             self._end(outcome, failure)
         elif path.startswith(self._path + "/") and self.attempts:
+            if path == self._check:
+                self.attempts[-1].said = outcome
             attempt, step = self.attempts[-1], path.removeprefix(self._path + "/")
             attempt.steps.append((step, outcome if failure is None else f"{outcome}.{failure.code}"))
             if outcome == "success" and attempt.where.startswith(step + "/"):
@@ -248,6 +278,9 @@ def attempt_line(attempt: Attempt) -> str:
         how = f"failed at {attempt.where or 'the task'}: {attempt.failure}"
     elif attempt.outcome == "success":
         how = "held, and put into the crate" if attempt.held else "put into the crate, it says; the hand was empty"
+    elif attempt.said:
+        how = f"not placed: the check says {attempt.said}, the hand {'held' if attempt.held else 'held nothing'}"
+        how += f" {attempt.target}" if attempt.target in attempt.held else ""
     else:
         how = attempt.outcome.replace("_", " ")
     return f"attempt {attempt.number:<2} {attempt.duration:6.1f} s  {what:<12} {how}"

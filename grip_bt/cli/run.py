@@ -60,13 +60,11 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     )
     add("--watchdog", type=seconds, action=_Given, default=_WATCHDOG, metavar="S", help=f"{doc}; 0: never)")
     add("--stand-ins", action="store_true", help="dry run of an imported SMACH task: what is missing is stood in for")
-    group = parser.add_argument_group("what goes wrong, or plays a script")
+    group = parser.add_argument_group("mocks")
     add = group.add_argument
     script = "what a node does in place of its work, such as failure.no_ik,success"
     add("--mock", action="append", default=[], metavar="NODE=SCRIPT", help=script)
     add("--mocks", type=Path, metavar="FILE", help="scripts of several nodes (YAML)")
-    fault = "in the simulated world, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'"
-    add("--fault", dest="faults", action="append", default=[], metavar="NAME: {fault: KIND, ...}", help=fault)
     group = parser.add_argument_group("control")
     add = group.add_mutually_exclusive_group().add_argument
     add("--control", action="store_true", help="JSON commands on stdin, JSON events on stdout")
@@ -99,7 +97,9 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     pace = number(above=0, advice="; leave it out for as fast as the simulation goes")
     fast = "simulated seconds a second (default: as fast as it goes)"
     add("--pace", type=pace, action=_Given, metavar="X", help=fast)
-    add = parser.add_argument_group("what the simulated world looks like").add_argument
+    add = parser.add_argument_group("the simulated world").add_argument
+    fault = "what goes wrong in it, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'"
+    add("--fault", dest="faults", action="append", default=[], metavar="NAME: {fault: KIND, ...}", help=fault)
     add("--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run")
     add("--picture", type=Path, metavar="FILE.png", help="take a picture in the end")
     view = "by this camera of the world (default: its first), or X,Y,Z,X,Y,Z: from where to where [m]"
@@ -149,6 +149,7 @@ def options_of(args: argparse.Namespace) -> RunOptions:
         robot=args.robot,
         seed=args.seed,
         pace=args.pace,
+        faults=read_faults(args.faults),
         video=args.video and args.video.absolute(),
         picture=args.picture and args.picture.absolute(),
         view=args.view,
@@ -169,7 +170,6 @@ def run_run(args: argparse.Namespace) -> int:
         breaks=args.breaks,
         paused=debug and not args.breaks,
         mocks=read_mocks(args.mocks, args.mock),
-        faults=read_faults(args.faults),
         durable=args.durable,
         stand_ins=args.stand_ins,
     )

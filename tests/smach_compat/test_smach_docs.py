@@ -10,7 +10,7 @@ PAGE = (HERE.parents[1] / "docs" / "smach.md").read_text()
 
 
 def test_the_porting_example_runs_as_printed(tmp_path):
-    files = re.findall(r"^```python (\w+\.py)\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    files = re.findall(r'^```python title="(\w+\.py)"\n(.*?)^```', PAGE, re.MULTILINE | re.DOTALL)
     (printed,) = re.findall(r"^```text\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
     assert [name for name, _ in files] == ["legacy_pick.py", "run_pick.py"]
     for name, text in files:

@@ -7,7 +7,7 @@ DOCS = (Path(__file__).parents[3] / "docs" / "porting.md").read_text()
 
 
 def block(name):
-    return re.search(rf"```\w+ {re.escape(name)}\n(.*?)```", DOCS, re.DOTALL).group(1)
+    return re.search(rf'```\w+ title="{re.escape(name)}"\n(.*?)```', DOCS, re.DOTALL).group(1)
 
 
 def test_the_example_of_the_guide_is_imported_as_it_says_and_runs(tmp_path):

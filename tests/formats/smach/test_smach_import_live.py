@@ -169,7 +169,7 @@ def test_what_has_no_equal_is_one_leaf_or_refused_with_words(tmp_path):
 
 def test_the_page_about_it_is_true(tmp_path, monkeypatch):
     page = (Path(__file__).parents[3] / "docs" / "smach.md").read_text()
-    legacy = page.split("```python legacy_pick.py\n")[1].split("```")[0]
+    legacy = page.split('```python title="legacy_pick.py"\n')[1].split("```")[0]
     shown, states = (
         block.split("```")[0] for block in page.split("## Machines and trees")[1].split("```python\n")[1:3]
     )

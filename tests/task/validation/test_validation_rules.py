@@ -12,7 +12,9 @@ DOC = (Path(__file__).parents[3] / "docs" / "validation_rules.md").read_text()
 EXAMPLES = {
     code: (bad, good)
     for code, bad, good in re.findall(
-        r"^## ([a-z-]+)\n.*?^```yaml bad\n(.*?)^```.*?^```yaml good\n(.*?)^```", DOC, re.DOTALL | re.MULTILINE
+        r'^## ([a-z-]+)\n.*?^```yaml title="bad"\n(.*?)^```.*?^```yaml title="good"\n(.*?)^```',
+        DOC,
+        re.DOTALL | re.MULTILINE,
     )
 }
 EQUIPMENT = ProjectParts(
@@ -29,8 +31,8 @@ EQUIPMENT = ProjectParts(
 @pytest.fixture(scope="module")
 def catalog(tmp_path_factory):
     file = tmp_path_factory.mktemp("catalogue") / "nodes.yaml"
-    file.write_text(re.search(r"```yaml catalogue\n(.*?)```", DOC, re.DOTALL)[1])
-    files = re.findall(r"^```yaml file (\S+)\n(.*?)^```", DOC, re.DOTALL | re.MULTILINE)
+    file.write_text(re.search(r'```yaml title="catalogue"\n(.*?)```', DOC, re.DOTALL)[1])
+    files = re.findall(r'^```yaml title="(tasks/\S+)"\n(.*?)^```', DOC, re.DOTALL | re.MULTILINE)
     tasks = TaskTexts({name: loads(text) for name, text in files})
     known = Catalog(read_manifests(file), tasks).with_(named=lambda: {"poses": {"above_bin"}})
     return known.with_(parts=lambda: EQUIPMENT)

@@ -1,0 +1,107 @@
+"""The tutorials: what each page has its reader type and save works in that order, and says what the page says.
+
+A fence with a title is a file that the reader saves, one of `sh` what is typed (its last line fails where a comment
+says so), one of `text` lines that are among what was said. One project goes through all pages: for a page, the files of
+those before it are saved, and their commands are left out that only look at or run something.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+TUTORIALS = Path(__file__).parents[2] / "docs" / "tutorials"
+PAGES = ("first_grasp", "own_node", "own_world", "own_component", "smach", "campaign", "real_robot")
+FENCE = re.compile(
+    r"(?P<fails>^<!-- fails -->\n)?^```(?P<kind>\w+)(?P<said>[^\n]*)\n(?P<body>.*?)^```$", re.DOTALL | re.MULTILINE
+)
+MAKES = re.compile(r"^(cd|mkdir|grip (new|component|import)|sed -i)\b")
+"""Commands that change the project, and so are typed for later pages too."""
+
+
+@dataclass(frozen=True)
+class Fence:
+    kind: str
+    said: str
+    body: str
+    fails: bool = False
+
+    @property
+    def file(self) -> str:
+        found = re.search(r'title="([^"]+)"', self.said)
+        return found[1] if found else ""
+
+
+def fences(page: str) -> Iterator[Fence]:
+    text = (TUTORIALS / f"{page}.md").read_text(encoding="utf-8")
+    return (Fence(found["kind"], found["said"], found["body"], bool(found["fails"])) for found in FENCE.finditer(text))
+
+
+class Reader:
+    """Somebody at a shell."""
+
+    def __init__(self, folder: Path, domain: int):
+        self.folder = folder
+        self._environment = {
+            **os.environ,
+            "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+            "ROS_DOMAIN_ID": str(domain),
+            "NO_COLOR": "1",
+        }
+
+    def saves(self, fence: Fence) -> None:
+        file = self.folder / fence.file
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(fence.body, encoding="utf-8")
+
+    def types(self, fence: Fence) -> str:
+        """Return what was said; the commands worked, or their last one didn't where the page says that."""
+        script = f"set -eu\n{fence.body}\npwd > {self.folder.parent}/where\n"
+        done = subprocess.run(
+            ["bash", "-c", script],
+            cwd=self.folder,
+            env=self._environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=600,
+            check=False,
+        )
+        assert (done.returncode != 0) == fence.fails, f"{fence.body}\n{done.stdout}"
+        if not done.returncode:
+            self.folder = Path((self.folder.parent / "where").read_text().strip())
+        return done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES)
+def test_a_reader_who_types_it_sees_what_it_says(page, tmp_path, domain):
+    (tmp_path / "work").mkdir()
+    reader, said = Reader(tmp_path / "work", domain), ""
+    for before in PAGES[: PAGES.index(page)]:
+        for fence in fences(before):
+            if fence.file:
+                reader.saves(fence)
+            elif fence.kind == "sh" and not fence.fails:
+                kept = "\n".join(line for line in fence.body.splitlines() if MAKES.match(line))
+                reader.types(Fence("sh", "", kept))
+    for fence in fences(page):
+        if fence.file:
+            reader.saves(fence)
+        elif fence.kind == "sh":
+            said = reader.types(fence)
+        elif fence.kind == "text":
+            for line in fence.body.splitlines():
+                assert line.strip() in said, f"{line}\n--- isn't in what was said:\n{said}"
+
+
+def test_every_page_is_one_of_the_course():
+    assert {page.stem for page in TUTORIALS.glob("*.md")} == set(PAGES)
