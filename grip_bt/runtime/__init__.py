@@ -1,6 +1,6 @@
 """Running compiled tasks: clock, context, runner, tick engine, journal, control.
 
-* Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine/` (py_trees trees as
+* Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine` (the same as
   closures), `lockstep` (turns of a run and its simulated world), `workers`.
 * Stopping: `stopping` (also of ticks that don't end), `motion_end` (what was told to stop is measured to rest),
   `observers` (also: what the parent sees).
@@ -15,7 +15,6 @@ from grip_bt.runtime.journal_events import NodeState, RunSnapshot
 from .clock import ManualClock, Waker, WallClock
 from .context import RunContext, RunParts
 from .control import serve_control
-from .engine import TickEngine
 from .journal import Journal, RunLog
 from .journal_events import Event
 from .journal_reader import JournalReader, RunRecord
@@ -37,7 +36,6 @@ __all__ = [
     "RunSnapshot",
     "NodeState",
     "Pacing",
-    "TickEngine",
     "Recording",
     "ReExecution",
     "RunContext",

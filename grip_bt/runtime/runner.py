@@ -10,8 +10,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from py_trees.behaviour import Behaviour
-
 from grip_bt.base.errors import NodeError, NotStoppedError
 from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
@@ -26,7 +24,7 @@ from grip_bt.runtime.stopping import Watchdog
 
 from .context import RunContext
 from .debugger import Debugger
-from .engine import TickEngine, make_ticker
+from .engine import make_ticker
 from .journal import Journal, RunLog
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
@@ -332,12 +330,8 @@ class Runner:
         if self._stale or self._engine is None:
             self._stale = False
             self._install()
-            self._engine = self.compiled.ticker() or self._made_engine(self.compiled.root)  # type: ignore[union-attr]
+            self._engine = self.compiled.ticker() or make_ticker(self.compiled.root)  # type: ignore[union-attr]
         self._engine()
-
-    def _made_engine(self, root: Behaviour) -> Callable[[], object]:
-        # Our nodes keep their methods; somebody's own behaviours may do what they like.
-        return TickEngine(root, fixed=not any(isinstance(node, Foreign) for node in root.iterate())).tick
 
     def _install(self) -> None:
         observers = [*self._observers, *([self.debugger] if self._debugged else [])]
