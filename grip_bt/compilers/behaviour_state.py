@@ -48,7 +48,6 @@ class Rushing:
     """A pacer that never waits, for leaves that need no time."""
 
     def turn(self) -> int:
-        """Tick at once."""
         return 0
 
     def rest(self, seen: int) -> None:
@@ -120,20 +119,16 @@ class MachineRun:
         return seen
 
     def rest(self, seen: int) -> None:
-        """Wait for something to look at."""
         self.pacer.rest(seen)
 
     def wake(self) -> None:
-        """Have every state look."""
         self.pacer.wake()
 
     def fork(self, count: int) -> list[AbstractContextManager[object]]:
-        """Return what threads enter that this thread starts, each for as long as it works."""
         fork = getattr(self.pacer, "fork", alone)  # a pacer may say in which order they work
         return fork(count)
 
     def joined(self) -> AbstractContextManager[object]:
-        """Return what this thread enters while it waits for them."""
         joined: Callable[[], AbstractContextManager[object]] = getattr(self.pacer, "joined", nullcontext)
         return joined()
 

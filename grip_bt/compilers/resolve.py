@@ -66,7 +66,6 @@ class Part:
         return self.scope.outer if self.declares and self.scope.outer is not None else self.scope
 
     def walk(self) -> Iterator[Part]:
-        """Yield this part and all below it, parents first."""
         stack = [self]
         while stack:
             part = stack.pop()

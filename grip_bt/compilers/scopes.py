@@ -51,15 +51,12 @@ class Cell:
 
     @property
     def initial(self) -> Any:
-        """The value that it has when its container is entered; `UNSET` for none."""
         return self._initial
 
     def reset(self) -> None:
-        """Take the initial value again, or become unwritten."""
         self.value = self._initial if self._initial is UNSET else deepcopy(self._initial)
 
     def preset(self, value: object) -> None:
-        """Replace the initial value, and take it."""
         self._initial = value
         self.reset()
 
@@ -72,7 +69,6 @@ class Scope:
         self.cells = {name: Cell(name, variable) for name, variable in declared.items()}
 
     def reset(self) -> None:
-        """Start anew; called when the container is entered."""
         for cell in self.cells.values():
             cell.reset()
 
@@ -86,7 +82,6 @@ class Scope:
         return None
 
     def cell(self, name: str) -> Cell:
-        """Return the visible variable of this name; resolved tasks declare all that they name."""
         cell = self.find(name)
         assert cell is not None, "resolved variables are declared"
         return cell

@@ -140,7 +140,6 @@ class CompiledMachine:
         }
 
     def observe(self, observer: Observer) -> None:
-        """Have every activation and every write reported to `observer`."""
         self.data.on_write = observer.wrote
         for node in self._nodes.values():
             node.observer = observer
@@ -161,7 +160,6 @@ class CompiledMachine:
                 state.decide.answers.context = context
 
     def release(self) -> None:
-        """Undo `prepare`; nothing runs any more."""
         nodes = {id(below): below for node in self._nodes.values() for below in node.iterate()}
         release(nodes.values())
 

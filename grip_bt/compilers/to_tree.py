@@ -71,7 +71,6 @@ class TreeBuilder:
         return node
 
     def _shared(self, part: Part, kind: model.Foreign) -> dict[str, Shared]:
-        """Return the variables that a foreign behaviour has on its blackboard."""
         found: dict[str, Shared] = {}
         for key, name in {**kind.in_, **kind.out}.items():
             cell = part.scope.cell(name)
@@ -115,7 +114,6 @@ class CompiledTree:
         prepare(self.root.iterate(), context)
 
     def release(self) -> None:
-        """Undo `prepare`; nothing runs any more."""
         release(self.root.iterate())
 
     def execute(self, pacer: Pacer, tick: Callable[[], None] | None = None) -> TaskEnd:

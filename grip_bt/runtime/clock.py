@@ -75,7 +75,6 @@ class ManualClock:
             listener()
 
     def on_advance(self, listener: Callable[[], None]) -> None:
-        """Call `listener()` after each advance."""
         with self._lock:
             self._listeners.append(listener)
 
@@ -104,11 +103,9 @@ class Waker:
 
     @property
     def due(self) -> float | None:
-        """The next moment for which a wake was asked [s]."""
         return self._times[0] if self._times else None
 
     def now(self) -> float:
-        """Return the run's time [s]."""
         return self._clock.now()
 
     def wake(self) -> None:

@@ -104,7 +104,6 @@ class RunContext:
         return self.preempt_requests > 0
 
     def request_preempt(self) -> None:
-        """Ask the task to come to an end on its own terms."""
         self.preempt_requests += 1
         self.wake()
 

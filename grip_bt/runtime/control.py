@@ -83,7 +83,6 @@ class Control:
             self.send("state", state="stopping")
 
     def end(self, runner: Runner) -> None:
-        """Have a run stop, for the reason that there is."""
         if self.lost:
             runner.lose(GONE)
         else:

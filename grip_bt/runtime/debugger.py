@@ -42,7 +42,6 @@ class Breakpoint:
     once: bool = False
 
     def facts(self) -> dict[str, Any]:
-        """Return it as the control protocol says it."""
         outcome = self.outcome if self.code is None else f"{self.outcome}.{self.code}"
         return {"id": self.id, "node": self.node, "when": self.when, "outcome": outcome, "if": self.condition or None}
 

@@ -62,9 +62,7 @@ def _is_known(node: Behaviour) -> bool:
     inner: Any = super(Conditional, node) if isinstance(node, Conditional) else node
     if _function(inner.tick) is not ours.tick or _function(node.stop) is not Node.stop:
         return False
-    if ours is Leaf:
-        return _function(super(Node, node).stop) is Behaviour.stop
-    return all(isinstance(child, Node) for child in node.children)
+    return all(isinstance(child, Node) for child in node.children) if ours is KindNode else not node.children
 
 
 def _function(method: object) -> object:

@@ -115,7 +115,6 @@ class RunLog:
         self.note(t, path, DetailedEvent(event, outcome, code, data))
 
     def note(self, t: float, path: str, what: DetailedEvent) -> None:
-        """Add an event at the time `t` on the run's clock [s]."""
         self.buffer.extend((path, what, time.monotonic(), t))
         if self.ended:
             self.journal.follow(self)

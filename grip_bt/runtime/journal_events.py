@@ -257,5 +257,4 @@ class RunSnapshot:
                 self.state = str(event.data.get("status"))
 
     def active(self) -> list[str]:
-        """Return the nodes that run, in the order in which they were entered first."""
         return [path for path, node in self.nodes.items() if node.phase == "running"]

@@ -77,7 +77,6 @@ class JournalReader(Closing):
 
     @property
     def damage(self) -> list[str]:
-        """What couldn't be read so far, in words."""
         return list(self._rows.damage)
 
     def raise_if_damaged(self) -> None:
@@ -90,7 +89,6 @@ class JournalReader(Closing):
             raise JournalError(f"{self.file}: is damaged, and not all of it could be read: {'; '.join(self.damage)}")
 
     def runs(self) -> list[RunRecord]:
-        """Return all runs, the newest first."""
         found = filter(None, map(self._record, self._run_rows("1")))
         return sorted(found, key=lambda record: (record.started, record.id), reverse=True)
 
@@ -109,7 +107,6 @@ class JournalReader(Closing):
         return bool(self._process(run))
 
     def count(self, run: str) -> int:
-        """Return how many events of a run there are so far."""
         sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
         try:
             return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
@@ -198,7 +195,6 @@ class JournalReader(Closing):
         return [event for event in self._writes(run, None) if event.data.get("variable") == variable][-limit:]
 
     def close(self) -> None:
-        """Let go of the file."""
         self._rows.close()
 
     # --- runs ---

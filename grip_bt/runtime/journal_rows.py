@@ -136,11 +136,9 @@ class Rows:
             raise JournalError(f"{file}: isn't a journal: {error}") from error
 
     def close(self) -> None:
-        """Let go of the file."""
         self._database.close()
 
     def note(self, words: str) -> None:
-        """Note that something can't be read."""
         self.damage.setdefault(words)
 
     def query(self, statement: str, *values: object) -> list[tuple[Any, ...]]:

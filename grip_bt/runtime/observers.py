@@ -32,29 +32,23 @@ class Recorder(Observer):
         self._append(self._now(), "/", "run_started", data=dict(facts) if facts else None)
 
     def resumed(self, t: float, facts: Mapping[str, object]) -> None:
-        """It goes on at `t` [s], in another process; `facts` are JSON about how."""
         self._append(t, "/", "run_resumed", data=dict(facts))
 
     def went_on(self, path: str, how: str) -> None:
-        """A leaf that was active when its process died goes on, or is started again."""
         self._append(self._now(), path, "went_on", data={"how": how})
 
     def state(self, state: str) -> None:
-        """It runs, pauses or is being stopped."""
         self._append(self._now(), "/", "state", data={"state": state})
 
     def preempt_requested(self) -> None:
-        """Somebody asks the task to come to an end on its own terms."""
         self._append(self._now(), "/", PREEMPT)
 
     def error(self, error: BaseException, trace: str) -> None:
-        """A node raised."""
         path, cause = (error.path, error.cause) if isinstance(error, NodeError) else ("/", error)
         data = {"type": type(cause).__name__, "message": str(cause), "traceback": trace}
         self._append(self._now(), path, "error", data=data)
 
     def zombie(self, path: str, where: str) -> None:
-        """A node's code hasn't returned and was left behind."""
         self._append(self._now(), path, "zombie", data={"where": where})
 
     def finished(self, outcome: str | None, status: str, rest: str = "") -> None:
@@ -68,7 +62,6 @@ class Recorder(Observer):
         self._append(self._now(), "/", "message", data={"part": part, "text": f"{part}: {text}"})
 
     def lost(self, why: str) -> None:
-        """Whoever controlled it has gone: it is cut off here."""
         self._log.cut(self._now(), why)
 
     # --- its nodes ---
@@ -191,7 +184,6 @@ class Heartbeat(Observer):
         threading.Thread(target=self._beat, name="grip_heartbeat", daemon=True).start()
 
     def stop(self) -> None:
-        """Count no more."""
         self._over.set()
 
     def _beat(self) -> None:
@@ -218,7 +210,6 @@ class HeartbeatReader:
 
     @property
     def count(self) -> int:
-        """How often the run's thread has counted."""
         return int.from_bytes(self._shared[:4], "little")
 
     def where(self, paths: Sequence[str]) -> tuple[str, list[str]]:

@@ -40,7 +40,6 @@ class Pacing:
 
     @property
     def state(self) -> State:
-        """What it does now."""
         return "stopping" if self.stopped else "paused" if self._paused else "running"
 
     @property

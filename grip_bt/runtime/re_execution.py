@@ -92,7 +92,6 @@ class ReExecution:
 
     @property
     def live(self) -> bool:
-        """Whether everything that was recorded has happened again."""
         return self.recording.complete
 
     @property
@@ -237,11 +236,9 @@ class _RecordedLeaf:
 
     @property
     def free(self) -> bool:
-        """Whether it needs nobody to stand in its way any more."""
         return self._released or (self._mode == "" and self._leaf.path not in self._re_execution.results)
 
     def release(self) -> None:
-        """Get out of the way."""
         if not self._released:
             self._released = True
             for name in ("initialise", "update", "terminate"):
@@ -250,7 +247,6 @@ class _RecordedLeaf:
     # --- the leaf's life cycle ---
 
     def initialise(self) -> None:
-        """An activation begins: one that the recording has, or has the beginning of, or a new one."""
         activation = self._recording.current.get(self._leaf.path)
         if activation is not None:
             self._mode = "recorded" if activation.end is not None else "open"
@@ -258,7 +254,6 @@ class _RecordedLeaf:
             self._mode = "new"
 
     def update(self) -> Status:
-        """End as recorded, wait for the others to come so far, or work."""
         if self._mode == "recorded":
             activation = self._recording.current.get(self._leaf.path)
             assert activation is not None, "it is under way"

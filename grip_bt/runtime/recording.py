@@ -143,7 +143,6 @@ class Recording:
             return True
 
     def begin(self) -> None:
-        """Look whether there is anything to happen again."""
         with self._lock:
             self._advance()
 
@@ -243,7 +242,6 @@ class Recording:
             return True if activation.result is not None else None
 
     def missing(self, most: int = 3) -> list[str]:
-        """Return what should have happened next, for messages."""
         with self._lock:
             left = [self.events[n] for n in range(self._next, len(self.events)) if not self._over[n]][:most]
         return [f"{event.path} {_words(event.event, event.outcome, event.code)} (event {event.seq})" for event in left]
@@ -264,7 +262,6 @@ class RecordedClock:
         return self._recording.end_time + (self._clock.now() - self._since)
 
     def go(self) -> None:
-        """Let time pass."""
         self._since = self._clock.now()
 
     def pause(self) -> None:

@@ -169,7 +169,6 @@ class Runner:
         self.pacing.pause()
 
     def resume(self) -> None:
-        """Go on, with the motions that were held too."""
         self.debugger.forget_step()
         self.pacing.resume()
 

@@ -148,7 +148,6 @@ class Watchdog:
         threading.Thread(target=self._watch, name="grip_watchdog", daemon=True).start()
 
     def stop(self) -> None:
-        """Look no more."""
         self._over.set()
 
     def _watch(self) -> None:

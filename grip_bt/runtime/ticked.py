@@ -28,12 +28,10 @@ class Tree(BehaviourTree):
 
     @property
     def outcome(self) -> str | None:
-        """The task's outcome; None while it runs."""
         return None if self._compiled.root.outcome is None else self._compiled.end().outcome
 
     @property
     def failure(self) -> Failure | None:
-        """Why it has failed."""
         return None if self.outcome is None else self._compiled.end().failure
 
     @property

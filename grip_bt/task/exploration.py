@@ -76,7 +76,6 @@ class Labels:
         return [[(end, self.exit(end)) for end in self.of(name)] for name in self.names]
 
     def exit(self, end: Ended) -> str | None:
-        """Return the outcome that an end is mapped to."""
         return self.exits.target(end.child, end.outcome, end.code)
 
     def of(self, child: str) -> Iterator[Ended]:
@@ -111,59 +110,47 @@ class Oracle:
         return tuple(answers[i] for answers, i in zip(self.asked, self.trail, strict=True))
 
     def at(self, name: str) -> int:
-        """Return the position of a child."""
         if name not in self.names:
             raise NoWayError
         return self.names.index(name)
 
     def now(self, *_: object, **__: object) -> State:
-        """Return a time, a number, a value or a list."""
         return UNKNOWN
 
     deadline = up = value = now
 
     def passed(self, at: object) -> bool:
-        """Answer both."""
         return bool(self._ask("before", "after"))
 
     def reached(self, count: object, limit: int) -> bool:
-        """Answer both."""
         return bool(self._ask("again", "enough"))
 
     def pick(self, count: object, size: int) -> int:
-        """Answer every number."""
         return self._ask(*(f"turn {i + 1}" for i in range(size)))
 
     def holds(self, key: str) -> bool:
-        """Answer both."""
         self.reads.append(key)
         return not self._ask("true", "false")
 
     def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
-        """Answer each literal, and that none is equal."""
         self.reads.append(key)
         answers = (*(json.dumps(literal) for _, literal in literals), "else")
         return (*(child for child, _ in literals), default)[self._ask(*answers)]
 
     def items(self, key: str) -> State:
-        """Return a list."""
         self.reads.append(key)
         return UNKNOWN
 
     def empty(self, left: State) -> bool:
-        """Answer both."""
         return bool(self._ask("next", "none"))
 
     def take(self, left: State) -> tuple[Value, State]:
-        """Return a value and a list."""
         return UNKNOWN, UNKNOWN
 
     def put(self, key: str, value: Value) -> None:
-        """Note what is written."""
         self.puts.append(key)
 
     def exit(self, end: Ended) -> str | None:
-        """Return where the document leads."""
         return self.labels.exit(end)
 
     def edge(self, end: Ended) -> str:

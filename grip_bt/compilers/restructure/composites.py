@@ -51,7 +51,6 @@ class Composer:
         self.labels = {name: self.labelled(name) for name in children}
 
     def build(self, region: Region) -> Built:
-        """Return what the machine becomes."""
         old = self.part.node
         assert isinstance(old, StateMachine), "only a machine has regions"
         body = self.container(region, {})
@@ -90,7 +89,6 @@ class Composer:
         return item.node.model_copy(update={"on": FrozenDict(on)})
 
     def item(self, region: Region, wishes: Wishes) -> Item:
-        """Return a child for a region."""
         if isinstance(region, State):
             return self.state(region)
         made = self.container(region, wishes)
@@ -99,7 +97,6 @@ class Composer:
         return self.named(name, made.node, ends, made.places)
 
     def state(self, region: State) -> Item:
-        """Return the child that a state becomes: itself, without edges."""
         node = self.children[region.entry].node.model_copy(update={"on": FrozenDict()})
         return Item(region.entry, node, region.leaving, {region.entry: (region.entry,)})
 
@@ -128,7 +125,6 @@ class Composer:
         return Item("", node, (), {state: place for item in items for state, place in item.places.items()})
 
     def parts_of(self, chain: Chain, wishes: Wishes) -> Iterator[Item]:
-        """Yield the children of a chain."""
         for part, following in zip(chain.parts, chain.parts[1:], strict=False):
             yield self.going_on(part, following.entry, chain.goes_on, wishes)
         yield self.item(chain.parts[-1], wishes)
@@ -183,7 +179,6 @@ class Composer:
         return tuple(Arc("", self.label(t), None, self.meaning(t, wishes), t) for t in targets(leaving))
 
     def label(self, target: str) -> str:
-        """Return the outcome of a new container that stands for `target`."""
         return self.labels.get(target, target)
 
     def labelled(self, state: str) -> str:
@@ -194,7 +189,6 @@ class Composer:
         return label
 
     def meaning(self, target: str, wishes: Wishes) -> str:
-        """Return what the label of `target` means."""
         return wishes[target] if target in self.children else self.part.meaning[target]
 
 

@@ -31,7 +31,6 @@ class Arc:
 
     @property
     def label(self) -> str:
-        """The outcome, with its code."""
         return self.outcome if self.code is None else f"{self.outcome}.{self.code}"
 
     def __str__(self) -> str:
@@ -47,7 +46,6 @@ class State:
 
     @property
     def last(self) -> str:
-        """The state itself."""
         return self.entry
 
 
@@ -65,17 +63,14 @@ class Chain:
 
     @property
     def entry(self) -> str:
-        """The state that it begins with."""
         return self.parts[0].entry
 
     @property
     def last(self) -> str:
-        """The last state in its order."""
         return self.parts[-1].last
 
     @cached_property
     def leaving(self) -> tuple[Arc, ...]:
-        """The arcs that lead out."""
         inner = [
             arc
             for part, following in zip(self.parts, self.parts[1:], strict=False)
@@ -93,17 +88,14 @@ class Loop:
 
     @property
     def entry(self) -> str:
-        """The state that it begins with."""
         return self.body.entry
 
     @property
     def last(self) -> str:
-        """The last state in its order."""
         return self.body.last
 
     @cached_property
     def leaving(self) -> tuple[Arc, ...]:
-        """The arcs that lead out."""
         return tuple(arc for arc in self.body.leaving if arc.target != self.entry)
 
 
@@ -124,7 +116,6 @@ class Tangle:
 
     @property
     def is_partly_structured(self) -> bool:
-        """Whether some of its states could be joined."""
         return any(not isinstance(region, State) for region in self.regions.values())
 
 

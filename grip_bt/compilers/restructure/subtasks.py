@@ -118,7 +118,6 @@ class _Merging:
         return {**self.node.in_, **self.node.out}
 
     def check(self) -> None:
-        """Refuse what can't be said with shared variables."""
         node, path = self.node, self.placed.path
         face = manifest_of_task(node.task, self.inside)
         root = self.analysis.root

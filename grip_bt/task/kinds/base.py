@@ -231,11 +231,11 @@ class Kind(BaseNode):
         kind: str
 
         @property
-        def data(self) -> FrozenDict[Name, Variable | str]: ...  # noqa: D102
+        def data(self) -> FrozenDict[Name, Variable | str]: ...
         @property
-        def outcomes(self) -> FrozenDict[Name, Meaning]: ...  # noqa: D102
+        def outcomes(self) -> FrozenDict[Name, Meaning]: ...
         @property
-        def exits(self) -> FrozenDict[str, str]: ...  # noqa: D102
+        def exits(self) -> FrozenDict[str, str]: ...
 
     @classmethod
     def kind_name(cls) -> str:
