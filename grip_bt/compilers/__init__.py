@@ -4,9 +4,7 @@
 and `.by_path` what was made, `prepare(context)` sets up, `observe(observer)` reports, `execute(pacer)` runs to its end.
 """
 
-from grip_bt.compilers.behaviour_state import Halted, Pacer, Rushing, TaskEnd, drive
-
-from .behaviour_state import BehaviourState
+from .behaviour_state import BehaviourState, Halted, Pacer, Rushing, TaskEnd, drive
 from .to_machine import CompiledMachine, to_machine
 from .to_tree import CompiledTree, to_tree
 

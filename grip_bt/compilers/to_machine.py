@@ -10,7 +10,6 @@ from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import NotExpressibleError
-from grip_bt.compilers.behaviour_state import Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import (
     BehaviourFactory,
     LeafFactory,
@@ -21,17 +20,16 @@ from grip_bt.compilers.binding import (
     release,
     variables_of,
 )
-from grip_bt.compilers.task_machine import enclose
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .behaviour_state import BehaviourState, MachineRun, MakeTicker, Refined, TaskState, labels
+from .behaviour_state import BehaviourState, Halted, MachineRun, MakeTicker, Pacer, Refined, TaskEnd, TaskState, labels
 from .machine_table import AGAIN, asks, first_step, interrupts, kind_of, state_labels, table_of
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
-from .task_machine import Decide, TaskConcurrence, TaskContainer, TaskMachine
+from .task_machine import Decide, TaskConcurrence, TaskContainer, TaskMachine, enclose
 from .to_tree import TreeBuilder
 
 _log = logging.getLogger("grip_bt.smach")

@@ -15,8 +15,7 @@ from grip_bt.base.values import JointState, Plan, Pose, WayPoint
 from grip_bt.commanders.joined import execute_together
 from grip_bt.nodes.arm import ArmLeaf, KeepingLeaf
 from grip_bt.nodes.leaf import OperationLeaf, Status
-from grip_bt.nodes.motion import go, go_straight
-from grip_bt.nodes.path_constraints import read_keep, verify_keep
+from grip_bt.nodes.motion import go, go_straight, read_keep, verify_keep
 
 THERE = 0.005
 """An arm so near to the beginning of a trajectory [rad or m] needn't be led there."""

@@ -18,10 +18,9 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
 from grip_bt.base.types import Value
 from grip_bt.base.values import Failure
-from grip_bt.nodes.node import AskedContext, Asker
 from grip_bt.task.catalog.manifest import Manifest
 
-from .node import STATUS, Node
+from .node import STATUS, AskedContext, Asker, Node
 
 T = TypeVar("T")
 STOPPING = 60.0

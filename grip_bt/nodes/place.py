@@ -20,12 +20,23 @@ from grip_bt.base.failures import (
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Pose
-from grip_bt.nodes.objects import Disc, free_spots, opening_room, turned
 
 from .evidence import EvidenceLimits, hand_evidence
 from .grasping import ArmHandLeaf
 from .motion import first_of, go, go_straight, widened
-from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
+from .objects import (
+    PLACED,
+    TABLE_GAP,
+    Disc,
+    Region,
+    free_name,
+    free_spots,
+    objects_near,
+    opening_room,
+    region_of,
+    rename,
+    turned,
+)
 
 YAWS = np.radians(np.arange(0, 360, 15))
 _TRIES = 4

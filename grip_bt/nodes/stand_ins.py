@@ -194,21 +194,7 @@ def _comparison(work: Callable[..., Any], sign: str) -> Callable[..., Any]:
     return lambda self, other: self._asked(work, sign, other)
 
 
-for _name in (
-    "add",
-    "sub",
-    "mul",
-    "truediv",
-    "floordiv",
-    "mod",
-    "pow",
-    "or",
-    "and",
-    "xor",
-    "lshift",
-    "rshift",
-    "matmul",
-):
+for _name in "add sub mul truediv floordiv mod pow or and xor lshift rshift matmul".split():
     _work = getattr(operator, f"__{_name}__")
     setattr(StandIn, f"__{_name}__", _operation(_work, False))
     setattr(StandIn, f"__r{_name}__", _operation(_work, True))

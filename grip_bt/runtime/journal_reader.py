@@ -13,11 +13,9 @@ from typing import Any
 
 from grip_bt.base.closing import Closing
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.runtime.journal_events import expanded
-from grip_bt.runtime.journal_rows import is_there
 
-from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, unpacked
-from .journal_rows import DamagedError, JournalError, Rows
+from .journal_events import DAMAGED, MOST, Event, Name, checksum, expanded, is_name, is_time, unpacked
+from .journal_rows import JournalError, Rows, is_there
 from .value_codec import OpaqueValueError, decode
 
 PAGE = 10_000
@@ -73,7 +71,6 @@ class JournalReader(Closing):
         self._rows = Rows(self.file)
         self._names: dict[str, dict[int, Name]] = {}
         self._meanings: dict[str, dict[str, Any]] = {}
-        self._found: dict[str, list[tuple[Any, ...]]] = {}  # blocks of runs whose tables are damaged
 
     @property
     def damage(self) -> list[str]:
@@ -89,7 +86,7 @@ class JournalReader(Closing):
             raise JournalError(f"{self.file}: is damaged, and not all of it could be read: {'; '.join(self.damage)}")
 
     def runs(self) -> list[RunRecord]:
-        found = filter(None, map(self._record, self._run_rows("1")))
+        found = filter(None, map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs")))
         return sorted(found, key=lambda record: (record.started, record.id), reverse=True)
 
     def run(self, id: str) -> RunRecord:
@@ -98,7 +95,7 @@ class JournalReader(Closing):
         Raises:
             UnknownNameError: there is none of this id.
         """
-        for record in filter(None, map(self._record, self._run_rows("id=?", id))):
+        for record in filter(None, map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs WHERE id=?", id))):
             return record
         raise UnknownNameError("run", id, [r.id for r in self.runs()[:20]], str(self.file))
 
@@ -108,10 +105,7 @@ class JournalReader(Closing):
 
     def count(self, run: str) -> int:
         sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
-        try:
-            return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
-        except DamagedError:
-            return max((row[1] for row in self._all_blocks(run)), default=0)
+        return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
 
     def damage_of(self, run: str) -> str:
         """Return which events of a run can't be read, by their numbers and checksums; empty where nothing is known.
@@ -199,16 +193,9 @@ class JournalReader(Closing):
 
     # --- runs ---
 
-    def _run_rows(self, condition: str, *values: object) -> list[tuple[Any, ...]]:
-        return self._rows.whole(f"SELECT {_COLUMNS} FROM runs", "runs", condition, *values)
-
     def _process(self, run: str) -> bool | None:
         """Tell whether the process that executes a run is there; None where that isn't known."""
-        rows: list[tuple[Any, ...]] = []
-        try:
-            rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
-        except DamagedError as error:
-            self._rows.note(f"{error}; which process executes run {run} isn't known")
+        rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
         return is_there(dict(zip(("pid", "since", "host"), rows[0], strict=True)) if rows else {})
 
     def _record(self, row: tuple[Any, ...]) -> RunRecord | None:
@@ -240,14 +227,9 @@ class JournalReader(Closing):
 
     def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
         until, done = 2**62 if until_seq is None else until_seq, 0
-        bounds: list[tuple[int, int]] | None
         some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
         sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND first<=? AND {_GOOD} ORDER BY first"
-        try:
-            bounds = [(row[0], row[1]) for row in self._rows.query(sql, run, until)]
-        except DamagedError:
-            bounds = None
-        pages = [self.iterate(run)] if bounds is None else (self.events(run, a - 1, b - a + 1) for a, b in bounds)
+        pages = (self.events(run, first - 1, last - first + 1) for first, last in self._rows.query(sql, run, until))
         for event in chain.from_iterable(pages):
             if event.event == "write" and done < event.seq <= until:  # pages overlap where blocks are damaged
                 done = event.seq
@@ -286,34 +268,16 @@ class JournalReader(Closing):
             since = rows[-1][0]
 
     def _page(self, run: str, after: int, since: int) -> list[tuple[Any, ...]]:
-        if run not in self._found:
-            try:
-                if after == since == 0 and self._rows.query(
-                    f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run
-                ):
-                    self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
-                condition = f"run=? AND first>? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
-                return self._rows.query(f"{_BLOCKS} WHERE {condition}", run, since, after)
-            except DamagedError:
-                self._all_blocks(run)
-        return [row for row in self._found[run] if row[0] > since and row[1] > after][:64]
+        if after == since == 0 and self._rows.query(f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run):
+            self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
+        condition = f"run=? AND first>? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
+        return self._rows.query(f"{_BLOCKS} WHERE {condition}", run, since, after)
 
     def _end_of(self, run: str, row: tuple[Any, ...]) -> int:
         """Return where a block ends that is damaged: at the latest where the next one begins, whatever it says."""
         first, last = row[:2]
-        if run not in self._found:
-            sql = f"SELECT min(?, first - 1) FROM blocks WHERE run=? AND first>? AND {_GOOD} ORDER BY first LIMIT 1"
-            try:
-                return int(next((end for (end,) in self._rows.query(sql, last, run, first)), last))
-            except DamagedError:
-                self._all_blocks(run)
-        return int(min([last, *(row[0] - 1 for row in self._found[run] if row[0] > first)]))
-
-    def _all_blocks(self, run: str) -> list[tuple[Any, ...]]:
-        if run not in self._found:
-            rows = self._rows.whole(_BLOCKS, "blocks", f"run=? AND {_GOOD}", run)
-            self._found[run] = sorted(rows, key=lambda row: (row[0], row[1]))
-        return self._found[run]
+        sql = f"SELECT min(?, first - 1) FROM blocks WHERE run=? AND first>? AND {_GOOD} ORDER BY first LIMIT 1"
+        return int(next((end for (end,) in self._rows.query(sql, last, run, first)), last))
 
     def _hole(self, run: str, first: int, last: int, t: float, why: str) -> Event:
         which = f"event {first}" if first == last else f"events {first} to {last}"
@@ -337,22 +301,9 @@ class JournalReader(Closing):
 
     def _names_of(self, run: str) -> dict[int, Name]:
         """Return what the numbers of a run's events stand for; names are only ever added."""
-        columns = "id, path, event, outcome, code"
-        found: dict[int, Name] = {}
-        try:
-            rows = self._rows.query(f"SELECT {columns} FROM names WHERE run=?", run)
-        except DamagedError:
-            rows = []  # events whose names aren't found are left out, and say so
-            for number in range(1000):
-                try:
-                    rows += self._rows.query(f"SELECT {columns} FROM names WHERE run=? AND id=?", run, number)
-                except DamagedError:
-                    continue
-        for number, *name in rows:
-            if isinstance(number, int) and is_name(*name):
-                found[number] = tuple(name)
-        self._names[run] = found
-        return found
+        rows = self._rows.query("SELECT id, path, event, outcome, code FROM names WHERE run=?", run)
+        self._names[run] = {number: tuple(name) for number, *name in rows if isinstance(number, int) and is_name(*name)}
+        return self._names[run]
 
     def _meaning(self, run: str, path: str, event: str, outcome: str | None, code: str | None) -> Any:
         """Return what an end means; labels that say so themselves, and codes of failures, need no table."""

@@ -14,7 +14,6 @@ from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, Journal, RunLog
 from grip_bt.runtime.journal_rows import JournalError
-from grip_bt.runtime.recording import PREEMPT
 from grip_bt.runtime.value_codec import snapshot
 
 
@@ -27,39 +26,22 @@ class Recorder(Observer):
 
     # --- the run ---
 
-    def started(self, facts: Mapping[str, object] | None = None) -> None:
-        """The run begins; `facts` are JSON about how."""
-        self._append(self._now(), "/", "run_started", data=dict(facts) if facts else None)
+    def say(self, event: str, path: str = "/", /, **data: object) -> None:
+        """Note an event of the run, or about a node; `data` is JSON."""
+        self._append(self._now(), path, event, data=data or None)
 
     def resumed(self, t: float, facts: Mapping[str, object]) -> None:
         self._append(t, "/", "run_resumed", data=dict(facts))
 
-    def went_on(self, path: str, how: str) -> None:
-        self._append(self._now(), path, "went_on", data={"how": how})
-
-    def state(self, state: str) -> None:
-        self._append(self._now(), "/", "state", data={"state": state})
-
-    def preempt_requested(self) -> None:
-        self._append(self._now(), "/", PREEMPT)
-
     def error(self, error: BaseException, trace: str) -> None:
         path, cause = (error.path, error.cause) if isinstance(error, NodeError) else ("/", error)
-        data = {"type": type(cause).__name__, "message": str(cause), "traceback": trace}
-        self._append(self._now(), path, "error", data=data)
-
-    def zombie(self, path: str, where: str) -> None:
-        self._append(self._now(), path, "zombie", data={"where": where})
+        self.say("error", path, type=type(cause).__name__, message=str(cause), traceback=trace)
 
     def finished(self, outcome: str | None, status: str, rest: str = "") -> None:
         """The run has ended; `rest` tells what was measured of the robot then."""
         data = {"status": status, "rest": rest} if rest else {"status": status}
         self._append(self._now(), "/", "run_ended", outcome, data=data)
         self._log.end(status, outcome)
-
-    def told(self, part: str, text: str) -> None:
-        """A part of the robot says something of itself, such as that its process has died."""
-        self._append(self._now(), "/", "message", data={"part": part, "text": f"{part}: {text}"})
 
     def lost(self, why: str) -> None:
         self._log.cut(self._now(), why)
@@ -84,7 +66,7 @@ class Recorder(Observer):
         self._extend((path, INTERRUPTED, time.monotonic(), self._now()))
 
     def message(self, path: str, text: str) -> None:
-        self._append(self._now(), path, "message", data={"text": text})
+        self.say("message", path, text=text)
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """A node wrote a variable; its value is kept as it is now."""

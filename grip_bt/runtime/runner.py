@@ -20,7 +20,6 @@ from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended
 from grip_bt.runtime.observers import Recorder, SideState, SideStateObserver
-from grip_bt.runtime.stopping import Watchdog
 
 from .context import RunContext
 from .debugger import Debugger
@@ -29,9 +28,10 @@ from .journal import Journal, RunLog
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
 from .re_execution import ReExecution
-from .recording import NewEvents
+from .recording import PREEMPT, NewEvents
 from .stopping import (
     EndedObserver,
+    Watchdog,
     Zombie,
     code_running,
     in_background,
@@ -142,8 +142,7 @@ class Runner:
         self._thread: int | None = None
         self._start = 0.0
         self._result: RunResult | None = None
-        if self._recorder is not None:
-            self.pacing.on_state(self._recorder.state)
+        self.pacing.on_state(lambda state: self._say("state", state=state))
         self._lockstep = context.lockstep if re_execution is None else None
         self.pacing.on_state(self._hold_parts)
 
@@ -199,8 +198,7 @@ class Runner:
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms; leaves that care end soon, and recovery still runs."""
-        if self._recorder is not None:
-            self._recorder.preempt_requested()
+        self._say(PREEMPT)
         self._ask()
 
     def _ask(self) -> None:
@@ -235,10 +233,10 @@ class Runner:
         self._install()
         if self._recorder is not None:
             if self._re_execution is None:
-                self._recorder.started(self._facts)
+                self._recorder.say("run_started", **self._facts)
             else:
                 self._recorder.resumed(self._re_execution.recording.end_time, self._facts)
-                self._re_execution.tell = self._recorder.went_on
+                self._re_execution.tell = lambda path, how: self._say("went_on", path, how=how)
         if self._re_execution is not None:
             self._re_execution.ask, self._re_execution.pacing = self._ask, self.pacing
         self._start = self.context.clock.now()
@@ -253,8 +251,12 @@ class Runner:
 
     def tell(self, part: str, text: str) -> None:
         """Have the journal say what a part of the robot tells while the task runs; from any thread."""
-        if self._recorder is not None and self._thread is not None and not self._returned.is_set():
-            self._recorder.told(part, text)
+        if self._thread is not None and not self._returned.is_set():
+            self._say("message", part=part, text=f"{part}: {text}")
+
+    def _say(self, event: str, path: str = "/", /, **data: object) -> None:
+        if self._recorder is not None:
+            self._recorder.say(event, path, **data)
 
     def dismiss(self) -> None:
         """Have the journal say of a new run that wasn't begun, and won't be, that it was stopped."""
@@ -356,9 +358,8 @@ class Runner:
         if self._thread is None:
             return  # not begun; it ends when it begins
         threads = terminate_outside(self.compiled.leaves) + self._hold_robot()
-        if self._recorder is not None:
-            for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
-                self._recorder.message(path, "terminated externally: the run did not respond to the stop")
+        for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
+            self._say("message", path, text="terminated externally: the run did not respond to the stop")
         join_all(threads, called + ABANDON)
         if not self._returned.wait(called + ABANDON - time.monotonic()) and self._ending.acquire(blocking=False):
             self._abandon(self._made(None, "stopped"))
@@ -395,9 +396,9 @@ class Runner:
             workers = [zombie for zombie in left_working(self.compiled.leaves) if zombie.path not in named]
             zombies = [*hanging, *workers]
         self._result = replace(result, zombies=tuple(zombies))
+        for zombie in zombies:
+            self._say("zombie", zombie.path, where=zombie.where)
         if self._recorder is not None:
-            for zombie in zombies:
-                self._recorder.zombie(zombie.path, zombie.where)
             self._recorder.finished(result.outcome, result.status, str(result.rest))
         if self._lockstep is not None:
             self._lockstep.leave()

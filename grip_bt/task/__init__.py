@@ -6,13 +6,13 @@ and `comments` (task -> text), `exploration` and `kind_analysis` (what a kind ca
 """
 
 from grip_bt.base.frozen import FrozenDict as FrozenDict
+from grip_bt.task.document import schema as schema
 from grip_bt.task.model import children_of as children_of
 from grip_bt.task.model import expressions_of as expressions_of
 from grip_bt.task.model import join as join
 from grip_bt.task.model import outcomes_of as outcomes_of
 from grip_bt.task.model import walk as walk
 from grip_bt.task.model import with_refusal as with_refusal
-from grip_bt.task.shape import schema as schema
 
 from .canonical import dumps as dumps
 from .canonical import fmt as fmt

@@ -16,9 +16,8 @@ from grip_bt.base.yaml.writer import write
 from grip_bt.task import model
 
 from .comments import attach_comments
-from .document import read_text
+from .document import CHILDREN, DECLARING, child_nodes, keys_of, model_of, read_text
 from .parts import FREE_PREFIX
-from .shape import CHILDREN, DECLARING, child_nodes, keys_of, model_of
 
 
 def dumps(task: model.Task) -> str:

@@ -12,10 +12,9 @@ from functools import cached_property
 from typing import Any, NamedTuple, NoReturn
 
 from grip_bt.base.types import Value
-from grip_bt.task.parts import Edges
 
 from .kinds.base import ChildEnds, End, Ended, Kind, Next, Run, State, Stay, Step
-from .parts import Case
+from .parts import Case, Edges
 
 LIMIT = 100_000
 """Steps of one exploration; beyond them a kind is taken to be able to do everything."""

@@ -4,12 +4,11 @@ What is exact, and what has no equal in the other form and stays with a note tha
 """
 
 from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees
-from grip_bt.compilers.restructure.result import to_text
 from grip_bt.compilers.restructure.subtasks import Extracted, extracted, inlined
 
 from .as_edit import expanded
 from .equivalence import Comparison, Difference, compare, moved, play
-from .result import Note, Restructured
+from .result import Note, Restructured, to_text
 
 __all__ = [
     "Comparison",

@@ -180,9 +180,6 @@ def manifest_text(manifest: Manifest, header: str) -> str:
     given = {key: dumped.get(key) for key in keys if key in dumped or key == "outcomes"}
     data = {"id": manifest.id, "doc": manifest.doc, "implementation": manifest.implementation, **given}
     data["outcomes"] = dict(manifest.outcomes)
-    for name, said in dumped.get("parameters", {}).items():
-        if not manifest.parameters[name].required:  # also where it is null
-            said["default"] = manifest.parameters[name].default
     tree = from_data(data)
     assert isinstance(tree, YamlMapping)
     blocks = {id(tree.entries[key].value) for key in ("parameters", "inputs", "outputs", "settings") if key in data}

@@ -8,14 +8,12 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, kind_in_words, path_in_words
-from grip_bt.task.model import children_of
 
+from ..document import CHILDREN, keys_of, model_of_kind
 from ..kind_analysis import following
-from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine
+from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine, children_of
 from ..parts import FREE_PREFIX
-from ..shape import CHILDREN, keys_of, model_of_kind
-from .editing import Edit, holds_nodes, kind_of, slot
+from .editing import BaseCommand, Edit, holds_nodes, kind_in_words, kind_of, path_in_words, slot
 
 STANDARD = ("success", "failure")
 

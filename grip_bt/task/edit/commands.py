@@ -9,13 +9,11 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Discriminator, TypeAdapter
 from typing_extensions import override
 
-from grip_bt.task.edit.editing import BaseCommand
-
 from ..model import Task
 from .change_kind import ChangeKind, Convert, Extract, Inline
 from .comment import Comment
 from .containers import Unwrap, Wrap
-from .editing import Edit
+from .editing import BaseCommand, Edit
 from .keys import Connect, Disconnect, Set, SetMeaning, Unset
 from .nodes import Add, Move, Remove, Rename
 from .outcomes import RenameOutcome

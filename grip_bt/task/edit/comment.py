@@ -11,10 +11,9 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
 
 from ..document import Document
-from .editing import Edit
+from .editing import BaseCommand, Edit, path_in_words
 from .steps import FILE_COMMENT, Place, Remark
 from .text_places import content_end, line_end, line_start, one_entry_a_line, region_end
 

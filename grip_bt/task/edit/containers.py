@@ -10,13 +10,11 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, kind_in_words, path_in_words
-from grip_bt.task.model import children_of, outcomes_of
 
-from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task
-from ..shape import model_of_kind
+from ..document import model_of_kind
+from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task, children_of, outcomes_of
 from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
-from .editing import Edit, expect_free, slot
+from .editing import BaseCommand, Edit, expect_free, kind_in_words, path_in_words, slot
 from .steps import Place
 
 _SHOWN = 3

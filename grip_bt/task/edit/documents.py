@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from hashlib import blake2b
 
 from grip_bt.base.errors import DocumentError, EditError
-from grip_bt.task.document import Document, read_text
+from grip_bt.task.document import CHILDREN, Document, read_text
 from grip_bt.task.model import Task
 from grip_bt.task.parts import FREE_PREFIX
-from grip_bt.task.shape import CHILDREN
 
 from ..canonical import file_data
 from .commands import AnyCommand, Patch, Restore, Splice, apply
@@ -63,7 +62,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
         for splice in splices:
             text = text[: splice.start] + splice.new + text[splice.start + len(splice.old) :]
     else:
-        draft = Text(document.text, document.tree)
+        draft = Text(document.text)
         taken = [draft.take(step) for step in done.steps]
         draft.flush()
         text, splices = draft.text, tuple(draft.splices)

@@ -11,10 +11,10 @@ from pydantic_core import ErrorDetails
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.types import Value
 from grip_bt.task.canonical import file_data
+from grip_bt.task.document import CHILDREN
 from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
 from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
 from grip_bt.task.parts import FREE_PREFIX
-from grip_bt.task.shape import CHILDREN
 
 
 class Draft:

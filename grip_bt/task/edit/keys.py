@@ -8,13 +8,11 @@ from pydantic import Field
 from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
-from grip_bt.task.model import children_of, outcomes_of
 
-from ..model import Meaning, StateMachine
+from ..document import CHILDREN, keys_of
+from ..model import Meaning, StateMachine, children_of, outcomes_of
 from ..parts import FREE_PREFIX
-from ..shape import CHILDREN, keys_of
-from .editing import Edit, kind_of
+from .editing import BaseCommand, Edit, kind_of, path_in_words
 from .steps import Place
 
 _STRUCTURE = {

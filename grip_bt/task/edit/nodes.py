@@ -13,12 +13,10 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
-from grip_bt.task.model import children_of
 
 from ..canonical import file_data
-from ..model import Name, StateMachine
-from .editing import Edit, expect_free, expect_others, expect_room, slot
+from ..model import Name, StateMachine, children_of
+from .editing import BaseCommand, Edit, expect_free, expect_others, expect_room, path_in_words, slot
 from .steps import Assign, Place
 
 

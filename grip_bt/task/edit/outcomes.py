@@ -8,13 +8,11 @@ from typing import ClassVar, Literal
 from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
-from grip_bt.task.edit.editing import BaseCommand
-from grip_bt.task.model import default_outcome, outcomes_of
 
 from ..canonical import file_data
-from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task
+from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task, default_outcome, outcomes_of
 from .change_kind import STANDARD
-from .editing import Edit, kind_of
+from .editing import BaseCommand, Edit, kind_of
 from .steps import Place
 
 

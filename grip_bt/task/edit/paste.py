@@ -10,12 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field
 from typing_extensions import override
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
-from grip_bt.task.model import children_of, outcomes_of
 
 from ..canonical import file_data
-from ..model import AnyNode, Name, Sequence, StateMachine, Task
-from .editing import Edit, expect_free, expect_room, slot
+from ..model import AnyNode, Name, Sequence, StateMachine, Task, children_of, outcomes_of
+from .editing import BaseCommand, Edit, expect_free, expect_room, path_in_words, slot
 from .variables import RenameVariable, declared_by, used_by
 
 _ANY = "Any"

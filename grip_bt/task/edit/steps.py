@@ -14,8 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grip_bt.task.model import join
 
+from ..document import CHILDREN, key_rank
 from ..parts import FREE_PREFIX
-from ..shape import CHILDREN, key_rank
 
 Place = tuple[str, ...]
 

@@ -6,13 +6,10 @@ one entry a line.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.scalars import write_scalar
 from grip_bt.base.yaml.tree import (
     YamlEntry,
-    YamlList,
     YamlMapping,
     YamlScalar,
     YamlValue,
@@ -46,23 +43,15 @@ from .text_places import (
 
 
 class Text:
-    """A text under edit; `splices` are the changes, in their order.
+    """A text under edit, whose lines end in one way; `splices` are the changes, in their order."""
 
-    Args:
-        tree: its syntax, where it is known already; it stays as it is.
-
-    Raises:
-        EditError: its lines end in a way that can't be kept.
-    """
-
-    def __init__(self, text: str, tree: YamlMapping | None = None):
+    def __init__(self, text: str):
         if "\r" in text.replace("\r\n", ""):
             raise EditError("", NOT_EDITABLE)
         self.text = text
         self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
-        self._tree: YamlMapping | None = tree
-        self._lent = tree is not None
+        self._tree: YamlMapping | None = None
         self._pending: dict[int, tuple[int, str]] = {}
 
     def take(self, step: Step) -> str | None:
@@ -97,26 +86,8 @@ class Text:
         if self._tree is None:
             tree = parse(self.text)
             assert isinstance(tree, YamlMapping)
-            self._tree, self._lent = tree, False
+            self._tree = tree
         return self._tree
-
-    def _own(self, at: Place) -> None:
-        """Make the entries on the way to a place our own, so that a syntax that was lent stays as it is."""
-        if not self._lent:
-            return
-        value: YamlValue = _copied(self.tree)
-        assert isinstance(value, YamlMapping)
-        self._tree = value
-        for key in at:
-            entry = _inner(value, key)
-            if entry is None:
-                raise EditError("/".join(at), NOT_EDITABLE)
-            mine = replace(entry, value=_copied(entry.value))
-            if isinstance(value, YamlMapping):
-                value.entries[key] = mine
-            elif isinstance(value, YamlList):
-                value.entries[int(key)] = mine
-            value = mine.value
 
     def _value(self, at: Place) -> YamlValue:
         value: YamlValue = self.tree
@@ -161,8 +132,7 @@ class Text:
             self.flush()
             entry = self._entry(step.at, step.key)
         self._pending[entry.start] = (entry.key_end, write_scalar(step.to, flow=True))
-        self._own((*step.at, step.key))
-        inside, entry = self._mapping(step.at), self._entry(step.at, step.key)
+        inside = self._mapping(step.at)
         entry.key = step.to
         inside.entries = {e.key: e for e in inside.entries.values()}
 
@@ -325,15 +295,6 @@ class Text:
                 begin, end, written = expand(self.text, at, depth)
                 self._splice(begin, end, self._joined(written, end) if depth else self._newline.join([*written, ""]))
                 return
-
-
-def _copied(value: YamlValue) -> YamlValue:
-    """Return a value with entries of its own; what these hold is shared."""
-    if isinstance(value, YamlMapping):
-        return replace(value, entries=dict(value.entries))
-    if isinstance(value, YamlList):
-        return replace(value, entries=list(value.entries))
-    return replace(value)
 
 
 def _inner(value: YamlValue, key: str) -> YamlEntry | None:

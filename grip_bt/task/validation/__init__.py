@@ -6,11 +6,10 @@ from grip_bt.base.issue import Issue, Report, ordered
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
-from grip_bt.task.validation.dataflow import PossibleOutcomes
 
 from .analysis import TaskAnalysis
 from .codes import SEVERITY, STRUCTURAL
-from .dataflow import check_dataflow
+from .dataflow import PossibleOutcomes, check_dataflow
 from .expressions import check_expressions
 from .leaves import check_names, check_numbers, check_subtasks
 from .outcomes import check_outcomes, check_reach

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.shape import keys_of, model_of_kind
+from grip_bt.task.document import keys_of, model_of_kind
 
 CATALOG = Catalog.builtin()
 WORDS = ["success", "failure", "a", "b", "done", "zz", "failure.zz", "", "."]

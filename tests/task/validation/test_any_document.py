@@ -13,7 +13,7 @@ import survival
 from hypothesis import HealthCheck, given, settings
 
 from grip_bt.compilers.restructure import equivalence
-from grip_bt.task.shape import keys_of, model_of_kind
+from grip_bt.task.document import keys_of, model_of_kind
 
 FUZZ = int(os.environ.get("GRIP_FUZZ_DOCUMENTS", "0"))
 SOME = FUZZ or 40
