@@ -64,11 +64,7 @@ def make_leaf(part: Part, factory: LeafFactory, scopes: Scopes) -> Leaf:
 
 
 def prepare(nodes: Iterable[Behaviour], context: object) -> None:
-    """Set up nodes, each once.
-
-    Raises:
-        NodeError: one raised; it is named.
-    """
+    """Set up nodes, each once; a NodeError names the one that raised."""
     for node in nodes:
         try:
             node.setup(context=context)

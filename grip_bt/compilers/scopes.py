@@ -1,8 +1,4 @@
-"""The variables of one run: a scope per declaring container, a cell per variable, closures for ports.
-
-Names are resolved once, when a task is compiled; at run time a port reads and writes its cell and looks nothing up. A
-scope is reset each time its container is entered anew: each variable gets its initial value again, or is unwritten.
-"""
+"""The variables of one run: a scope per declaring container, a cell per variable, closures for ports."""
 
 from __future__ import annotations
 

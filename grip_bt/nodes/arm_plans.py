@@ -160,11 +160,7 @@ class _ThroughLeaf(KeepingLeaf):
             raise ValueError(f"{self.path}: {_mismatch(radii, offsets)}")
 
     def way_points(self) -> list[WayPoint]:
-        """Return them, with their radii.
-
-        Raises:
-            PathInvalidError: none are bound, or there is another number of radii.
-        """
+        """Return them, with their radii; PathInvalidError where none are bound, or there is another number of radii."""
         here = self.arm.grasp_pose() if self.params["offsets"] else Pose()
         goals: list[Any] = [here.moved(offset) for offset in self.params["offsets"]] or self.read("way_points")
         radii: list[float] = self.params["radii"] or [self.params["radius"]] * (len(goals) - 1)

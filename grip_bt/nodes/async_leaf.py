@@ -43,11 +43,7 @@ class _HeldCoroutine:
         self._task: asyncio.Task[Value] | None = None
 
     def run(self) -> Value:
-        """Run it to its end; for the worker.
-
-        Raises:
-            CanceledError: it was cancelled.
-        """
+        """Run it to its end, in the worker; CanceledError where it was cancelled."""
         try:
             with asyncio.Runner(loop_factory=_Loop) as runner:
                 return runner.run(self._main())

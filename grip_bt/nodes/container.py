@@ -1,7 +1,4 @@
-"""The behaviour of every container whose kind is an automaton: it ticks children as the kind says.
-
-Statuses, halts and reports are py_trees' and ours, and stand here; what follows what is the kind's.
-"""
+"""The behaviour of every container whose kind is an automaton: it ticks children as the kind says."""
 
 from __future__ import annotations
 

@@ -76,11 +76,7 @@ class PlayStatuses(Leaf):
     _at = 0
 
     def prepare(self) -> None:
-        """Read the list.
-
-        Raises:
-            ValueError: it is empty, or holds something else than statuses.
-        """
+        """Read the list; ValueError where it is empty, or holds something else than statuses."""
         rows = [each.partition("*") for each in self.params["statuses"]]
         self._list = [word for word, _, count in rows for _ in range(int(count or 1))]
         then = self.params["then"]

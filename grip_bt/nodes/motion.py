@@ -146,11 +146,7 @@ _BOX = ("position", "quaternion", "size")
 
 
 def verify_keep(leaf: Leaf, keep: Mapping[str, object]) -> None:
-    """Verify before the run what a leaf's motion has to keep to.
-
-    Raises:
-        ValueError: it is said twice, or wrongly.
-    """
+    """Verify before the run what a leaf's motion has to keep to; ValueError where it is said twice, or wrongly."""
     if not keep:
         return
     if "constraint" in leaf.readers:

@@ -61,11 +61,7 @@ class ManualClock:
         return self._time
 
     def advance(self, seconds: float) -> None:
-        """Let `seconds` [s] pass, and have those woken who wait for the time.
-
-        Raises:
-            ValueError: time doesn't go back.
-        """
+        """Let `seconds` [s] pass, and have those woken who wait for the time; ValueError where they are negative."""
         if seconds < 0:
             raise ValueError(f"time doesn't go back: {seconds} s")
         with self._lock:

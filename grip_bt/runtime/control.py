@@ -1,8 +1,4 @@
-"""Control of a run over two streams: one JSON object a line, commands in, events out; see `docs/running.md`.
-
-Commands are obeyed as soon as there are streams: a stop that comes before there is a run interrupts whatever starts it,
-everything else waits for the run. The end of input without a stop halts the run, which can be resumed.
-"""
+"""Control of a run over two streams: one JSON object a line, commands in, events out; see `docs/running.md`."""
 
 from __future__ import annotations
 

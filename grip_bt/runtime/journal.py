@@ -304,11 +304,7 @@ class Journal(Closing):
         self._listeners.append(listener)
 
     def flush(self) -> None:
-        """Wait until everything appended so far is committed.
-
-        Raises:
-            JournalError: it couldn't be written.
-        """
+        """Wait until everything appended so far is committed; JournalError where it couldn't be written."""
         mark = threading.Event()
         self._jobs.put(mark)
         while not mark.wait(0.2) and self.writing:

@@ -26,11 +26,7 @@ def pack_numbers(ids: NDArray[np.int64]) -> bytes:
 
 
 def unpack_numbers(packed: bytes, count: int) -> NDArray[np.int64]:
-    """Undo `pack_numbers`.
-
-    Raises:
-        ValueError: these aren't `count` numbers.
-    """
+    """Undo `pack_numbers`; ValueError where these aren't `count` numbers."""
     width = packed[0]
     if width not in (1, 2, 4):
         raise ValueError(f"numbers of {width} bytes")
@@ -44,11 +40,7 @@ def pack_times(times: NDArray[np.float64]) -> bytes:
 
 
 def unpack_times(packed: bytes, count: int) -> NDArray[np.float64]:
-    """Undo `pack_times`.
-
-    Raises:
-        ValueError: these aren't `count` times.
-    """
+    """Undo `pack_times`; ValueError where these aren't `count` times."""
     planes = np.frombuffer(_expanded(packed, 8 * count), np.uint8).reshape(8, -1)
     return np.ascontiguousarray(planes.T).view("<f8").reshape(-1)
 
@@ -138,11 +130,7 @@ def checksum(columns: tuple[object, ...]) -> int:
 
 
 def sound(kind: str, data: object) -> dict[str, Any]:
-    """Return an event's data with fields of the types that readers rely on.
-
-    Raises:
-        ValueError: it has no such data.
-    """
+    """Return an event's data with fields of the types that readers rely on; ValueError where it has no such data."""
     if not isinstance(data, dict) or any(not isinstance(data.get(key, {}), dict) for key in _TABLES):
         raise ValueError(f"the data of an event ({kind}) isn't what its kind has")
     for key in _WORDS:

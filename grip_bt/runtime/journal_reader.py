@@ -90,11 +90,7 @@ class JournalReader(Closing):
         return sorted(found, key=lambda record: (record.started, record.id), reverse=True)
 
     def run(self, id: str) -> RunRecord:
-        """Return a run.
-
-        Raises:
-            UnknownNameError: there is none of this id.
-        """
+        """Return a run; UnknownNameError where there is none of this id."""
         for record in filter(None, map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs WHERE id=?", id))):
             return record
         raise UnknownNameError("run", id, [r.id for r in self.runs()[:20]], str(self.file))

@@ -1,7 +1,4 @@
-"""Tables and rows of a journal's file, how large it may become, and the processes that execute its runs.
-
-Of too large a journal the oldest runs make room, never the newest nor one that is under way.
-"""
+"""Tables and rows of a journal's file, how large it may become, and the processes that execute its runs."""
 
 from __future__ import annotations
 
@@ -141,11 +138,7 @@ class Rows:
         self.damage.setdefault(words)
 
     def query(self, statement: str, *values: object) -> list[tuple[Any, ...]]:
-        """Return rows.
-
-        Raises:
-            JournalError: they can't be read, now or since the file is damaged.
-        """
+        """Return rows; JournalError where they can't be read, now or since the file is damaged."""
         try:
             with self._lock:
                 return self._database.execute(statement, values).fetchall()

@@ -1,7 +1,4 @@
-"""The certain end of a run: ticks that hang are noticed, leaves terminated from outside, the robot held.
-
-What hangs all the same is named and left behind.
-"""
+"""The certain end of a run: ticks that hang are noticed, leaves terminated from outside, the robot held."""
 
 from __future__ import annotations
 

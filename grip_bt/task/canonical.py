@@ -1,8 +1,4 @@
-"""The canonical form: the order of keys, what is left out because it says nothing, what stands one entry a line.
-
-`dumps` writes a task in it, `fmt` brings a person's text into it and keeps the comments; without comments and
-blank lines both give the same bytes.
-"""
+"""The canonical form: the order of keys, what is left out because it says nothing, what stands one entry a line."""
 
 from __future__ import annotations
 
@@ -21,11 +17,7 @@ from .parts import FREE_PREFIX
 
 
 def dumps(task: model.Task) -> str:
-    """Return a task as canonical YAML.
-
-    Raises:
-        TypeError: a literal is of a type that a task file can't hold.
-    """
+    """Return a task as canonical YAML; TypeError where a literal is of a type that a task file can't hold."""
     tree = from_data(file_data(task))
     assert isinstance(tree, YamlMapping)
     return _write_canonical(tree)

@@ -1,7 +1,4 @@
-"""Task files in: text -> syntax tree -> task, with every wrong key found, and the places of everything for messages.
-
-The keys of a file are the fields of the models (by their aliases), plus free keys `x-*` in a task and in a node.
-"""
+"""Task files in: text -> syntax tree -> task, with every wrong key found, and the places of everything for messages."""
 
 from __future__ import annotations
 
@@ -237,11 +234,7 @@ def read(source: Path | str) -> Document:
 
 
 def read_text(text: str, source: str = "") -> Document:
-    """Read a task from a text; `source` names it in messages.
-
-    Raises:
-        DocumentError: it isn't a task.
-    """
+    """Read a task from a text, which `source` names in messages; DocumentError where it isn't a task."""
     tree = parse(text, source)
     _check_version(tree, source)
     task = read_task(tree, source)
@@ -266,20 +259,12 @@ def _check_version(tree: YamlValue, source: str) -> None:
 
 
 def load(path: Path | str) -> Task:
-    """Read a task file.
-
-    Raises:
-        DocumentError: it can't be read, or isn't a task.
-    """
+    """Read a task file; DocumentError where it can't be read, or isn't a task."""
     task = read_text(read_file(path), str(path)).task
     task._file = str(Path(path).absolute())
     return task
 
 
 def loads(text: str, source: str = "") -> Task:
-    """Read a task from text; `source` names it in messages.
-
-    Raises:
-        DocumentError: it isn't a task.
-    """
+    """Read a task from text, which `source` names in messages; DocumentError where it isn't a task."""
     return read_text(text, source).task

@@ -1,7 +1,4 @@
-"""Every way that a container can go: each question of its kind is answered with every answer in turn.
-
-Possible outcomes, surely written variables and drawings are made of it (`kind_analysis`), and transitions of machines.
-"""
+"""Every way that a container can go: each question of its kind is answered with every answer in turn."""
 
 from __future__ import annotations
 
@@ -291,11 +288,7 @@ def _taken(
 
 
 def graph(kind: Kind, labels: Labels) -> list[Way]:
-    """Return every way of `explore`, found once.
-
-    Raises:
-        TooManyError: there are too many.
-    """
+    """Return every way of `explore`, found once; TooManyError where there are too many."""
     if labels.ways is None:
         labels.ways = list(explore(kind, labels))
     return labels.ways

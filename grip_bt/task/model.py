@@ -1,8 +1,4 @@
-"""The task document as frozen models; the models' fields are the file's keys. `grip_bt.task.validation` checks meaning.
-
-A node is a leaf (`node:`) or a container (`kind:`); the path of names to it is its identity (`attempt/grasp`), and that
-of the root is `/`. Where outcomes lead: docs/task_format.md.
-"""
+"""The task document as frozen models, whose fields are the file's keys; see docs/task_format.md."""
 
 from __future__ import annotations
 

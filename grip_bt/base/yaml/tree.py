@@ -290,11 +290,7 @@ class _Builder:
 
 
 def read_file(path: Path | str) -> str:
-    """Return a file's text.
-
-    Raises:
-        DocumentError: there is no such file, or it isn't UTF-8 text of a sensible size.
-    """
+    """Return a file's text; DocumentError where there is no such file, or it isn't UTF-8 text of a sensible size."""
     name = str(path)
     if not name:  # of an unset variable of a shell, say; to `Path` it is the folder around
         raise DocumentError("a file's name is needed; this one is empty", "''")

@@ -1,7 +1,4 @@
-"""Task -> task in the other form: composites as state machines, state machines as composites. Exact, or left as it is.
-
-What is exact, and what has no equal in the other form and stays with a note that says why: docs/conversion.md.
-"""
+"""Task -> task in the other form, exact or left as it is with a note that says why; see docs/conversion.md."""
 
 from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees
 from grip_bt.compilers.restructure.subtasks import Extracted, extracted, inlined

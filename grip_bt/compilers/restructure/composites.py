@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.model import AnyNode, Fallback, Force, Leaf, Meaning, Repeat, Sequence, StateMachine, outcomes_of
+from grip_bt.task.model import AnyNode, Fallback, Force, Meaning, Repeat, Sequence, StateMachine
 
 from ..resolve import Part
 from .regions import Arc, Chain, Loop, Region, State
@@ -59,34 +59,6 @@ class Composer:
             places.update(self.children[state].below(place))
         outcomes = FrozenDict({k: v for k, v in old.outcomes.items() if k not in PLAIN})
         return Built(body.node.model_copy(update={**common(old), "outcomes": outcomes}), places)
-
-    def build_machine(self, initial: str, regions: Mapping[str, Region]) -> Built:
-        """Return a machine in which regions are the states.
-
-        Args:
-            regions: entry of each region -> the region; edges between them lead to entries only.
-        """
-        old = self.part.node
-        assert isinstance(old, StateMachine), "only a machine has regions"
-        wishes = {state: "success" for state in self.children}
-        items = {entry: self.item(regions[entry], wishes) for entry in self.children if entry in regions}
-        names = {entry: item.name for entry, item in items.items()}
-        children = {item.name: self.led_on(item, names) for item in items.values()}
-        places: dict[str, Place] = {self.part.path: ()}
-        for item in items.values():
-            for state, place in item.places.items():
-                places.update(self.children[state].below(place))
-        update = {"initial": names[initial], "children": FrozenDict(children)}
-        return Built(old.model_copy(update=update), places)
-
-    def led_on(self, item: Item, names: Mapping[str, str]) -> AnyNode:
-        """Return a state of a machine with an edge for each of its ends; those that it never has lead somewhere."""
-        coded = sorted(item.ends, key=_code_first(item))
-        on = {end.label: names.get(end.target, end.target) for end in coded}
-        if not isinstance(item.node, Leaf):
-            anywhere = next(iter(on.values()), next(iter(self.part.meaning)))
-            on |= {outcome: anywhere for outcome in outcomes_of(item.node) if outcome not in on}
-        return item.node.model_copy(update={"on": FrozenDict(on)})
 
     def item(self, region: Region, wishes: Wishes) -> Item:
         if isinstance(region, State):

@@ -1,8 +1,4 @@
-"""Do two forms of a task do the same? Both are run with leaves that end as a script says, for every short script.
-
-A conversion is exact by construction; this looks at it from outside, and shows where a conversion that was asked to be
-inexact differs: as a script, a sequence of ends of leaves that both forms can be played with.
-"""
+"""Do two forms of a task do the same? Both are run with leaves that end as a script says, for every short script."""
 
 from __future__ import annotations
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import networkx as nx
 
@@ -102,23 +101,6 @@ class Loop:
 Region = State | Chain | Loop
 
 
-@dataclass(frozen=True)
-class Tangle:
-    """What is left of a machine that has no structure.
-
-    Attributes:
-        graph: entry of a region -> entries that it leads to; at least one loop in it has two entries.
-        regions: entry -> the region, which is a state where nothing could be joined to it.
-    """
-
-    graph: nx.DiGraph
-    regions: Mapping[str, Region]
-
-    @property
-    def is_partly_structured(self) -> bool:
-        return any(not isinstance(region, State) for region in self.regions.values())
-
-
 def flow_graph(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> nx.DiGraph:
     """Return which state leads to which, for the states that are reached at all."""
     graph = nx.DiGraph()
@@ -130,8 +112,8 @@ def flow_graph(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> nx.DiGraph:
     return graph.subgraph({initial, *nx.descendants(graph, initial)}).copy()
 
 
-def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | Tangle:
-    """Return a state machine's structure; or, when it has none, what is left after the reductions.
+def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | None:
+    """Return a state machine's structure; None when it has none.
 
     Args:
         arcs: state -> its arcs, the most usual first.
@@ -147,14 +129,14 @@ class _Reduction:
         self.order = list(reversed(list(nx.dfs_postorder_nodes(self.graph, initial))))
         self.dominator = nx.immediate_dominators(self.graph, initial)
 
-    def run(self) -> Region | Tangle:
+    def run(self) -> Region | None:
         for header in reversed(self.order):
             body = self.natural_loop(header)
             if body:
                 self.join(header, body)
                 self.close(header)
         self.join(self.initial, set(self.graph))
-        return self.regions[self.initial] if len(self.graph) == 1 else Tangle(self.graph, self.regions)
+        return self.regions[self.initial] if len(self.graph) == 1 else None
 
     def natural_loop(self, header: str) -> set[str]:
         """Return what reaches the edges back to `header` without passing it, itself included; empty without any."""
@@ -231,26 +213,7 @@ def going_on(region: Region, target: str) -> list[str]:
     return ["failure", "success"] if meanings == {"failure"} else ["success", "failure"]
 
 
-BUDGET = 500
-"""Sets of edges that are tried at most; beyond that, a set that is enough is given, not the smallest."""
-
 Edge = tuple[str, str]
-
-
-def offending_edges(graph: nx.DiGraph, initial: str) -> tuple[list[Edge], bool]:
-    """Return edges without which the graph would have a structure, and whether no smaller set is known to be enough."""
-    enough = unruly_edges(graph, initial)
-    tried = 0
-    for size in range(1, len(enough)):
-        for edges in combinations(graph.edges, size):
-            tried += 1
-            if tried > BUDGET:
-                return enough, False
-            rest = graph.copy()
-            rest.remove_edges_from(edges)
-            if not unruly_edges(rest.subgraph({initial, *nx.descendants(rest, initial)}), initial):
-                return list(edges), True
-    return enough, True
 
 
 def unruly_edges(graph: nx.DiGraph, initial: str) -> list[Edge]:

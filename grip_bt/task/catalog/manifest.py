@@ -1,7 +1,4 @@
-"""A node's manifest: ports, parameters, outcomes and documentation, read and written as YAML.
-
-Nobody imports a node to learn these.
-"""
+"""A node's manifest: ports, parameters, outcomes and documentation, read and written as YAML."""
 
 from __future__ import annotations
 

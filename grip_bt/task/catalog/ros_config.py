@@ -47,11 +47,7 @@ class TopicConfig(Settings):
         return self
 
     def message_type(self) -> str:
-        """Return the ROS type of the topic.
-
-        Raises:
-            ValueError: nothing says it.
-        """
+        """Return the ROS type of the topic; ValueError where nothing says it."""
         found = self.message or (self.type if "/" in self.type else MESSAGES.get(self.type))
         if found is None:
             raise ValueError(f"message: say which ROS type {self.topic} has, such as std_msgs/msg/Float64")

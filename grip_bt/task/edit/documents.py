@@ -105,11 +105,7 @@ TITLE = "edit the text"
 
 
 def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
-    """Return the command that gives a document another text.
-
-    Raises:
-        DocumentError: the text isn't a task.
-    """
+    """Return the command that gives a document another text; DocumentError where the text isn't a task."""
     after = read_text(text, document.source)
     steps = tuple(differences(file_data(document.task), file_data(after.task)))
     restore = Restore(digest=_digest_of(document.text), splices=(_splice(document.text, text),))

@@ -204,11 +204,7 @@ class Edit:
     # --- nodes, as they were before the command -------------------------------------------------------------------
 
     def node(self, path: str) -> AnyNode:
-        """Return the node at a path.
-
-        Raises:
-            EditError: there is none.
-        """
+        """Return the node at a path; EditError where there is none."""
         node = self.task.root
         if path == "/":
             return node
@@ -221,11 +217,7 @@ class Edit:
         return node
 
     def container(self, path: str) -> AnyNode:
-        """Return the container at a path.
-
-        Raises:
-            EditError: there is none, or a leaf is there.
-        """
+        """Return the container at a path; EditError where there is none, or a leaf is there."""
         node = self.node(path)
         if not holds_nodes(node):
             raise EditError(path, f"a {kind_of(node)} holds no nodes; wrap it in a container first")
@@ -311,11 +303,7 @@ class BaseCommand(BaseModel):
         return self.words.format_map({key: path_in_words(value) if key in _PATHS else value for key, value in self})
 
     def plan(self, edit: Edit) -> None:
-        """Take the steps of which the command consists.
-
-        Raises:
-            EditError: it can't be carried out.
-        """
+        """Take the steps of which the command consists; EditError where it can't be carried out."""
         raise NotImplementedError
 
 

@@ -1,8 +1,4 @@
-"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable.
-
-Of too many moments the oldest ends of other branches are forgotten first. What changed a task's file outside of its
-history, which is kept beside it, is one more moment.
-"""
+"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable."""
 
 from __future__ import annotations
 
@@ -107,11 +103,7 @@ class History:
         return edited
 
     def undo(self) -> Edited:
-        """Go to the moment before.
-
-        Raises:
-            EditError: this is the first.
-        """
+        """Go to the moment before; EditError where this is the first."""
         moment = self._moments[self._at]
         if moment.back is None or moment.parent is None:
             raise EditError("", "there is nothing to undo")
@@ -276,11 +268,7 @@ def _corrupt(words: str, where: str) -> DocumentError:
 
 
 def _checked(found: _Stored) -> _Stored:
-    """Refuse moments that aren't one tree with a way back from each.
-
-    Raises:
-        ValueError: they aren't.
-    """
+    """Refuse moments that aren't one tree with a way back from each; ValueError where they aren't."""
     numbers = [m.number for m in found.moments]
     parents = {m.number: m.parent for m in found.moments}
     children = sorted((m.number, child) for m in found.moments for child in m.children)

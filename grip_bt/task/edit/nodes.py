@@ -1,8 +1,4 @@
-"""Commands on whole nodes, and what the nodes around one say about it by its name.
-
-That is the container's `initial`, `default`, `cases`, `exits`, `rules` and `wait_for`, and the `on` of siblings in a
-machine.
-"""
+"""Commands on whole nodes, and what the nodes around one say about it by its name."""
 
 from __future__ import annotations
 

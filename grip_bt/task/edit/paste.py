@@ -112,11 +112,7 @@ def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, object]:
 
 
 def _parsed(clip: Clip) -> Task:
-    """Return a task that holds a copy alone.
-
-    Raises:
-        EditError: it isn't a node.
-    """
+    """Return a task that holds a copy alone; EditError where it isn't a node."""
     data: dict[str, object] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
     edit = Edit(Task.model_validate({**data, "root": {"kind": Sequence.kind_name(), "children": {}}}))
     edit.put(("root", "children"), clip.name, file_data(clip.node))

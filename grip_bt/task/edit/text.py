@@ -1,8 +1,4 @@
-"""Steps applied to a text: each changes only the lines of its own entries, and keeps comments.
-
-A mapping in braces is changed within its line where the result fits there; else it, and it alone, is written anew with
-one entry a line.
-"""
+"""Steps applied to a text: each changes only the lines of its own entries, and keeps comments."""
 
 from __future__ import annotations
 
