@@ -13,7 +13,6 @@ from py_trees.common import Status
 from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
 from grip_bt.compilers.binding import prepare
-from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import AskedContext, Node, halt
 from grip_bt.smach_compat import State
 
@@ -171,11 +170,6 @@ class BehaviourState(TaskState):
         self.path = node.path
         self._tick: Callable[[], object] = node.tick_once
         self._make_ticker: MakeTicker | None = None
-
-    @property
-    def embedded(self) -> bool:
-        """Whether this is a sub-tree and not one leaf."""
-        return not isinstance(self.node, Leaf)
 
     def prepare(self, context: Context) -> None:
         """Give every node below its context, in which a preempt request of this state is seen."""

@@ -117,7 +117,6 @@ class CompiledMachine:
     Attributes:
         machine: the machine; its one state is the root of the task, its outcomes are the task's.
         by_path: states and containers by path; inside an embedded sub-tree, behaviours.
-        leaves: the leaves, by path, in document order.
         ends: label of the root's end -> outcome of the task, as the document has it.
     """
 

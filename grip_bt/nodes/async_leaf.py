@@ -97,7 +97,6 @@ def run_coroutine(context: Context, make: Callable[[], Awaitable[Value]]) -> Ope
 
     Args:
         context: of the run; the coroutine stands still while that is paused.
-        make: returns the coroutine.
 
     Returns:
         What ends with it; cancelling it cancels the coroutine where it awaits, and it ends when what was awaited has.

@@ -21,8 +21,6 @@ class Condition:
     """An expression that is true or false.
 
     Attributes:
-        text: as it was written.
-        holds: computes it.
         watch: has a function called after each write of a variable that it reads.
     """
 

@@ -27,12 +27,9 @@ class KindNode(Node):
 
     Attributes:
         kind: says who is ticked; another one of the same class may take its place between ticks.
-        answers: what the kind is answered.
-        state: the kind's.
         running: positions of the children that run.
         resting: whether nobody runs until the next tick.
         ended: whether a child has ended in this tick.
-        last: the child that has ended last.
         enter: called when it is entered anew; it resets the container's variables.
         leave: called when it has ended by itself, before anybody learns of it.
     """

@@ -32,8 +32,6 @@ class Leaf(Node):
     """A node of the catalogue in a tree.
 
     Attributes:
-        path: the node's path in the task.
-        manifest: its face.
         params: the literals of `with:`, defaults filled in.
         outcome: the label of the last end, None while running or after an interruption.
         failure: why it failed, None otherwise.
@@ -44,7 +42,6 @@ class Leaf(Node):
     """
 
     context: Context
-    resumable: ClassVar[bool] = False
     waits: ClassVar[bool | None] = None
     watched: ClassVar[tuple[str, ...]] = ()
     _since: float | None = None

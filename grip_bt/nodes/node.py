@@ -60,8 +60,6 @@ class Node(Behaviour):
         path: the node's path in the task; `/` for the root.
         meaning: each outcome that the node can end with -> `success` or `failure`.
         outcome: the label of the last end, None while running or after an interruption.
-        failure: the reason of the last end, where there is one.
-        active: whether an activation is under way.
         document: what it was made of; None where it wasn't compiled.
     """
 

@@ -76,16 +76,7 @@ class ManualClock:
 
 
 class Waker:
-    """Counts wakes; who has seen number n waits for a later one.
-
-    Attributes:
-        wakes: how many there were.
-        condition: told of every wake.
-        turns: with what the run takes turns, if it does.
-
-    Args:
-        clock: the run's clock, for `wake_at`.
-    """
+    """Counts wakes; who has seen number n waits for a later one."""
 
     def __init__(self, clock: Clock):
         self._clock = clock

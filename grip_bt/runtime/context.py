@@ -40,13 +40,6 @@ class RunParts:
     """What a run offers to its leaves.
 
     Attributes:
-        arms: by name.
-        hands: by name.
-        cameras: by the sensor's name.
-        components: external components, by name.
-        sensors: sensors on topics, by name.
-        scene: the planning scene, where there is one.
-        ros: the connection to ROS, where there is one.
         messages: the project's named values, where there are some.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
         lockstep: with the simulated world with which the run takes turns, where there is one.
@@ -70,8 +63,6 @@ class RunContext:
     """Implements `grip_bt.base.ports.Context`, where its methods are described, over mappings.
 
     Args:
-        clock: the run's clock; the wall's by default.
-        parts: what leaves are offered; nothing by default.
         workers: how many threads run blocking code at most; as many as are needed where a simulated world waits for it.
     """
 

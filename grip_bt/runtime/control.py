@@ -42,8 +42,6 @@ class Control:
     """One end of the protocol; `lost` says whether whoever controls the run has gone, without a stop.
 
     Args:
-        commands: what to obey, such as `sys.stdin`.
-        events: where to tell, such as `sys.stdout`.
         interrupt: called by a stop that comes before there is a run; it has whatever starts the run end.
     """
 

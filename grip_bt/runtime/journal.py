@@ -62,10 +62,6 @@ class DetailedEvent:
     """An event that says more than that a node began or ended.
 
     Attributes:
-        event: its kind.
-        outcome: of an end.
-        code: of a failure.
-        data: anything else, as JSON.
         written: a variable's value, to be encoded by the writer; whoever appends it promises not to change it.
     """
 
@@ -80,17 +76,11 @@ class RunLog:
     """The log of one run.
 
     Attributes:
-        id: the run's id.
         buffer: four entries an event: path, what (`ENTER`, `INTERRUPTED`, an outcome, or a `DetailedEvent`), the moment
             [s, monotonic] and the time on the run's clock [s]. It is extended by whole events, at once, and only the
             writer takes from its front.
-        ended: whether the run's end was entered.
         last: the event after which nothing is written any more; None as long as the run isn't cut off.
         over: whether the writer has written that one; kept here, since a log that has ended may be followed again.
-
-    Args:
-        journal: that it belongs to.
-        run: the run's id.
     """
 
     def __init__(self, journal: Journal, run: str):

@@ -91,10 +91,6 @@ class Event:
         t: the run's clock [s].
         wall: wall time [s since 1970].
         path: the node; `/` for the root and for the run itself.
-        event: its kind.
-        outcome: of an end.
-        code: of a failure.
-        data: anything else.
         meaning: of an end's outcome: `success` or `failure`; None where the journal doesn't say.
     """
 
@@ -182,10 +178,6 @@ class NodeState:
     Attributes:
         phase: running, ended with an outcome, interrupted, or it raised.
         since: when this phase began, on the run's clock [s].
-        activations: how often it was entered.
-        outcome: of an end.
-        code: of a failure.
-        message: why it failed, or what it says about its work.
     """
 
     phase: Phase

@@ -32,16 +32,10 @@ class RunRecord:
 
     Attributes:
         id: its id; ids sort by the time of their start.
-        task_name: name of the task.
-        task_path: the file that it came from.
-        task_text: the document as it was run.
-        target: `bt` or `sm`.
-        seed: of the simulation, if any.
         started: wall time [s since 1970].
         ended: wall time, None while it runs or when its process died.
         status: running, success, failure, error, stopped; died: its process isn't there any more; lost: it has no end,
             and nothing is known here about its process, which was of another machine.
-        outcome: the task's outcome.
     """
 
     id: str
@@ -121,8 +115,6 @@ class JournalReader(Closing):
         """Return the events of a run that come after `after_seq`, in order.
 
         Args:
-            run: its id.
-            after_seq: the last event that isn't wanted.
             limit: how many at most; None for all, which for a long run is a lot of memory: see `iterate`.
         """
         found: list[Event] = []

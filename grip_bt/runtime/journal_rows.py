@@ -23,11 +23,7 @@ def process_facts() -> dict[str, Any]:
 
 
 def is_there(facts: Mapping[str, object]) -> bool | None:
-    """Tell whether a process is there; None where that isn't known, such as of another machine.
-
-    Args:
-        facts: of `process_facts`.
-    """
+    """Tell whether a process is there; None where that isn't known, such as of another machine."""
     pid, since = facts.get("pid"), facts.get("since")
     if facts.get("host") != socket.gethostname() or type(pid) is not int or type(since) is not int:
         return None
@@ -106,9 +102,6 @@ class Rows:
     Attributes:
         damage: what couldn't be read so far, in words, each once.
 
-    Args:
-        file: the journal.
-
     Raises:
         JournalError: there is no such file, or it isn't a journal.
     """
@@ -174,7 +167,6 @@ def prune(file: Path, limit: int, keep: Callable[[str], bool] = lambda run: Fals
     for later runs.
 
     Args:
-        file: the journal.
         limit: how much it may hold [bytes]; nothing happens below that, and above it `ROOM` of it is left in use.
         keep: whether a run that has no end stays: it is under way. Ended ones are never asked about.
         give_back: whether free room is given back to the disk, which rewrites the file; left out while others use it.

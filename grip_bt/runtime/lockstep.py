@@ -92,9 +92,6 @@ class Lockstep:
     """The turns of one run at a time and its simulated world.
 
     Before `begin` and after `end` it changes nothing: the world goes by itself, and ends come when they come.
-
-    Args:
-        world: whose time stands still.
     """
 
     def __init__(self, world: Stepped):
@@ -154,7 +151,6 @@ class Lockstep:
         """Return an operation for the run, which hears of its end in turn.
 
         Args:
-            operation: what was begun just now.
             holds: whether time stands still until then.
             patient: whether it surely ends, however long that takes.
         """

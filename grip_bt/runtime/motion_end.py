@@ -130,7 +130,6 @@ class Rest:
     """What was measured of the robot when a run had told everything to stop.
 
     Attributes:
-        at_rest: the parts that were measured to stand still.
         unconfirmed: part, or node whose work was told to stop -> why nobody can say that it has.
     """
 

@@ -104,7 +104,6 @@ class SideStateObserver(Observer):
 
     Args:
         note: `note(path, part, state)` enters one into the journal.
-        parts: by name.
         leaves: leaf -> names of the parts that its work may change.
     """
 

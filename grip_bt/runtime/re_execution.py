@@ -50,9 +50,6 @@ class ReExecution:
 
     Args:
         compiled: the task; `install` is called after its `prepare`.
-        events: what is to happen again.
-        value: restores what a `write` event wrote.
-        clock: the run's clock from then on.
         how: leaf that was active at the end -> whether it is resumed; those not named are started again.
         results: leaf -> how its first activation ends that the recording doesn't have the end of: outcome and failure
             code, empty for none.
@@ -100,11 +97,7 @@ class ReExecution:
         return self.live and not self._leaves
 
     def install(self, wake: Callable[[], None]) -> None:
-        """Take over the leaves, and the clocks of nodes that decide by the time; after `prepare`.
-
-        Args:
-            wake: has the task ticked soon.
-        """
+        """Take over the leaves, and the clocks of nodes that decide by the time; after `prepare`."""
         self.wake = wake
         parts = parts_of(self._compiled)
         for path, leaf in self._compiled.leaves.items():

@@ -31,10 +31,7 @@ class Activation:
     """One activation of a node.
 
     Attributes:
-        began: number of its first event.
         end: how it ended, an `exit` or `interrupted`; None when the recording ends first.
-        ended: number of that event.
-        writes: numbers of what it wrote.
     """
 
     began: int
@@ -54,7 +51,6 @@ class Recording:
     Attributes:
         events: of nodes, in order.
         complete: whether all of them have happened again.
-        done: how many have.
         current: node -> its recorded activation that is under way.
         end_time: the last time of the run that the journal knows [s].
         requests: numbers (`seq`) of the requests to come to an end.
@@ -64,7 +60,6 @@ class Recording:
 
     Args:
         events: of one run, in order.
-        leaves: paths of the task's leaves.
         put: sets a variable that somebody set by hand, given the event; see `write` events with `set`.
     """
 

@@ -63,8 +63,6 @@ class RunResult:
         outcome: the task's outcome; None after a stop or an error.
         meaning: `success` or `failure`; None after a stop or an error.
         status: the meaning, or `error`, or `stopped`; `died` where whoever controlled it had gone.
-        failure: the reason of a failure.
-        ticks: how often the task was ticked.
         duration: on the run's clock [s].
         error: what a leaf raised, in a NodeError that names it; the journal has the traceback.
         zombies: leaves whose code hadn't returned at the end; it was left behind.
@@ -87,10 +85,6 @@ class Runner:
 
     The task is ticked in a thread of its own, so that code that hangs in a leaf keeps nobody waiting: `run` returns
     when the task has ended or, after a stop, when everything was terminated that can be.
-
-    Attributes:
-        run_id: the run's id in the journal; None without one.
-        debugger: breakpoints and steps.
 
     Args:
         clock: the run's clock; it is the context's.
@@ -154,7 +148,6 @@ class Runner:
         """Have the journal keep the states of parts beside the task; before `run`.
 
         Args:
-            parts: by name.
             leaves: leaf -> names of the parts that its work may change.
         """
         if self._recorder is not None and parts:

@@ -28,7 +28,6 @@ class Zombie:
     """A leaf whose code hasn't returned when the run was over.
 
     Attributes:
-        path: the leaf.
         where: the function that hangs, such as `update` or `terminate`; `worker` for blocking code of an operation.
     """
 

@@ -16,10 +16,6 @@ class Tree(BehaviourTree):
 
     Visitors, handlers and displays of py_trees work on it. It has its robot until `shutdown`, or until the end of a
     `with` block. Nothing of it goes to a journal: `grip_bt.run` does that.
-
-    Args:
-        compiled: prepared.
-        close: gives its robot back.
     """
 
     def __init__(self, compiled: CompiledTree, close: Callable[[], None]):

@@ -140,7 +140,6 @@ def lines_of(key: str, value: object, node: bool, beside: str = "") -> list[str]
     """Return the lines of one entry in canonical order and layout, indented from column 0; nothing is left out.
 
     Args:
-        node: whether the value is a node.
         beside: a comment for the end of its first line.
     """
     entry = YamlEntry(key, from_data(value))

@@ -161,7 +161,6 @@ class CellMap(ComparesArrays):
         Args:
             points: shape (n, 3) [m]; what isn't finite is left out.
             resolution: edge length of a cell [m].
-            min_points: fewer are noise.
 
         Raises:
             ValueError: no cell holds so many.

@@ -103,6 +103,9 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     if error["type"] == "missing":
         message = f"the key {words[-1]!r} is missing"
         words = words[:-1]
+    elif error["type"] == "extra_forbidden" and words:
+        message = f"there is no key {words[-1]!r}; keys are those of the file"
+        words = words[:-1]
     elif error["type"] == "string_pattern_mismatch" and words[-1:] == ["behaviour"]:
         message = f"{error['input']!r} isn't an import path: write `package.module:Class`"
     elif error["type"] == "string_pattern_mismatch":

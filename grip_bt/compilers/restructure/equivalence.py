@@ -60,7 +60,6 @@ class Difference:
         script: how each activation of a leaf ends, in the order in which they end in the first form; last those that
             it interrupts.
         before: what the first form does: ends of leaves, then its own.
-        after: what the other form does.
     """
 
     script: tuple[End, ...]

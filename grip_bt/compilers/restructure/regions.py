@@ -53,7 +53,6 @@ class Chain:
     """Regions in order: from each but the last, the arcs to the next one's entry stay inside.
 
     Attributes:
-        parts: at least two regions.
         goes_on: meaning of the ends that go on to the next part.
     """
 
@@ -113,11 +112,7 @@ def flow_graph(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> nx.DiGraph:
 
 
 def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | None:
-    """Return a state machine's structure; None when it has none.
-
-    Args:
-        arcs: state -> its arcs, the most usual first.
-    """
+    """Return the structure of a state machine, given each state's arcs, the most usual first; None when it has none."""
     return _Reduction(initial, arcs).run()
 
 

@@ -97,10 +97,8 @@ class Catalog:
 
     Args:
         manifests: no two with the same id.
-        tasks: where the files of subtasks are; without it, there are none.
 
     Attributes:
-        tasks: likewise.
         named: returns store -> names of the messages that are there before a run; None where nobody can know.
         parts: returns what the project's arms, hands and nodes have; None where nobody can know.
         code: what tasks may import besides.

@@ -164,11 +164,7 @@ def find_manifests(folder: Path | str) -> list[Manifest]:
 
 
 def manifest_text(manifest: Manifest, header: str) -> str:
-    """Return the file `manifest.yaml` as a person would write it: without what is default, in a fixed order.
-
-    Args:
-        header: a comment for its first lines, each with `#`.
-    """
+    """Return the file `manifest.yaml` as a person would write it: without what is default, in a fixed order."""
     dumped = manifest.model_dump(exclude_defaults=True)
     for name, parameter in manifest.parameters.items():
         if not parameter.required:

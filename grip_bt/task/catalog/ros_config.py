@@ -289,7 +289,6 @@ class InterfaceSpec:
     Attributes:
         request: fields of the request or goal; of the message itself for a `msg`.
         response: fields of the response or result; empty for a `msg`.
-        feedback: fields of the feedback of an `action`.
     """
 
     package: str

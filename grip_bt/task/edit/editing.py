@@ -6,10 +6,11 @@ from collections.abc import Collection
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
-from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.types import Value
+from grip_bt.base.yaml.models import diagnostic_of
+from grip_bt.base.yaml.tree import YamlMapping, from_data
 from grip_bt.task.canonical import file_data
 from grip_bt.task.document import CHILDREN
 from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
@@ -90,7 +91,9 @@ class Draft:
         try:
             return Task.model_validate(self._top, strict=True, by_name=False)
         except ValidationError as error:
-            faults = "; ".join(dict.fromkeys(_said(e) for e in error.errors()))
+            tree = from_data(self._top)
+            assert isinstance(tree, YamlMapping), "a file is a mapping"
+            faults = "; ".join(dict.fromkeys(diagnostic_of(tree, e)[0] for e in error.errors()))
             raise EditError(where, faults) from None
 
 
@@ -126,17 +129,6 @@ def _expect(mapping: dict[str, object], at: Place, key: str, present: bool) -> N
     if _has(mapping, key) != present:
         where = "/".join(at) or "the task"
         raise EditError(where, f"there is no {key!r}" if present else f"there is a {key!r} already")
-
-
-def _said(error: ErrorDetails) -> str:
-    at = "/".join(str(step) for step in error["loc"][-2:] if step not in ("children", "child", "leaf"))
-    if error["type"] == "missing":
-        return f"the key {str(error['loc'][-1])!r} is missing"
-    if error["type"] == "extra_forbidden":
-        return f"there is no key {str(error['loc'][-1])!r}; keys are those of the file"
-    if error["type"] == "string_pattern_mismatch":
-        return f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
-    return f"{at}: {error['msg']}"
 
 
 class Edit:

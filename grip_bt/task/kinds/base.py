@@ -303,7 +303,6 @@ class Kind(BaseNode):
         """Return outcome -> what is surely written then.
 
         Args:
-            ends: of each child.
             after: child, what is written before it -> outcome -> what is written after it, as a set of bits.
             state: what is written on entry.
         """

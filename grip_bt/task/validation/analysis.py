@@ -75,7 +75,6 @@ class PlacedNode:
         manifest: of a leaf whose type is known, and of a subtask whose file is.
         outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
         reads: variables that it or anything below it reads.
-        writes: likewise.
     """
 
     def __init__(self, path: str, name: str, node: AnyNode, parent: PlacedNode | None, scope: Scope):

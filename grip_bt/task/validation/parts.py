@@ -54,8 +54,6 @@ class TaughtNames:
 
         Args:
             kind: `state` (looked up before a run), `posture` or `taught` (looked up when they are reached).
-            part: the arm or the hand.
-            name: the name.
             taught: what was taught to it so far, as states or poses.
 
         Returns:
