@@ -117,9 +117,6 @@ class Scopes:
     def __getitem__(self, path: str) -> Scope:
         return self._scopes[path]
 
-    def __contains__(self, path: str) -> bool:
-        return path in self._scopes
-
     def __iter__(self) -> Iterator[Scope]:
         return iter(self._scopes.values())
 

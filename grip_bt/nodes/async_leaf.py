@@ -217,8 +217,6 @@ class AsyncLeaf(OperationLeaf):
             )
         return super().end(outcome, **outputs)
 
-    # --- the activation ---
-
     def start(self) -> Operation[Value]:
         self._naps.clear()
         given = {port: self.read(port) for port in self.manifest.inputs}

@@ -79,8 +79,6 @@ class Place(ArmHandLeaf):
         self._let_go()
         return (yield from self._leave(spot, holding))
 
-    # --- where ---
-
     def _region(self) -> Region:
         region = region_of(self.context.scene(), self.params["target"])
         if region is None and self.params["position"]:
@@ -123,8 +121,6 @@ class Place(ArmHandLeaf):
     def _taken(self) -> list[Disc]:
         scene = self.context.scene()
         return [Disc.around(*scene.box(n)) for n in scene.names() if n.startswith(PLACED)]
-
-    # --- how ---
 
     def _go(self, candidates: list[Grasp]) -> Steps[Grasp]:
         if not candidates:

@@ -179,8 +179,6 @@ class JournalReader(Closing):
     def close(self) -> None:
         self._rows.close()
 
-    # --- runs ---
-
     def _process(self, run: str) -> bool | None:
         """Tell whether the process that executes a run is there; None where that isn't known."""
         rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
@@ -210,8 +208,6 @@ class JournalReader(Closing):
         if known["status"] == "running":
             known["status"] = {True: "running", False: "died", None: "lost"}[self._process(id)]
         return RunRecord(id, **known)
-
-    # --- events ---
 
     def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
         until, done = 2**62 if until_seq is None else until_seq, 0

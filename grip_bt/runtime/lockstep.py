@@ -145,8 +145,6 @@ class Lockstep:
         for pending in ready:
             _tell(pending, canceled)
 
-    # --- what is pending ---
-
     def through(self, operation: Operation[T], *, holds: bool = True, patient: bool = False) -> Operation[T]:
         """Return an operation for the run, which hears of its end in turn.
 
@@ -306,8 +304,6 @@ class Lockstep:
                 with self._changed:
                     self._driver = None
                     self._changed.notify_all()
-
-    # --- what happens next ---
 
     def _next(self) -> Callable[[], None] | None:
         """Give a thread its turn, or wait a little, or return what is to be done; nothing of the run works."""

@@ -24,8 +24,6 @@ class Recorder(Observer):
         self._append, self._note, self._now, self._log = log.append, log.note, clock.now, log
         self._extend = log.buffer.extend
 
-    # --- the run ---
-
     def say(self, event: str, path: str = "/", /, **data: object) -> None:
         """Note an event of the run, or about a node; `data` is JSON."""
         self._append(self._now(), path, event, data=data or None)
@@ -45,8 +43,6 @@ class Recorder(Observer):
 
     def lost(self, why: str) -> None:
         self._log.cut(self._now(), why)
-
-    # --- its nodes ---
 
     def entered(self, path: str) -> None:
         self._extend((path, ENTER, time.monotonic(), self._now()))

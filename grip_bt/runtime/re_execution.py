@@ -12,9 +12,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.errors import DivergedError
@@ -91,11 +90,6 @@ class ReExecution:
     def live(self) -> bool:
         return self.recording.complete
 
-    @property
-    def settled(self) -> bool:
-        """Whether every leaf works by itself again."""
-        return self.live and not self._leaves
-
     def install(self, wake: Callable[[], None]) -> None:
         """Take over the leaves, and the clocks of nodes that decide by the time; after `prepare`."""
         self.wake = wake
@@ -151,8 +145,6 @@ class ReExecution:
             self.ask()
         self.wake()
 
-    # --- as a pacer ---
-
     def turn(self) -> int:
         """Let leaves go that work by themselves; return when it is time to tick, which doesn't wait before `live`.
 
@@ -196,21 +188,6 @@ class ReExecution:
         if machine:
             time.sleep(0.0005)  # other threads come first; nothing is waited for
 
-    def make_ticker(self, make: Callable[[Any], Callable[[], object]]) -> Callable[[Any], Callable[[], object]]:
-        """Return what makes ticks: those of py_trees as long as leaves are taken over, those of `make` after it."""
-
-        def made(node: Behaviour) -> Callable[[], object]:
-            quick: list[Callable[[], object]] = []
-
-            def tick() -> object:
-                if not quick and self.settled and not node.status == Status.RUNNING:
-                    quick.append(make(node))
-                return quick[0]() if quick else node.tick_once()
-
-            return tick
-
-        return made
-
 
 class _RecordedLeaf:
     """Stands in the way of a leaf's life cycle, in the leaf itself: its class, ports and place stay as they are.
@@ -236,8 +213,6 @@ class _RecordedLeaf:
             self._released = True
             for name in ("initialise", "update", "terminate"):
                 delattr(self._leaf, name)
-
-    # --- the leaf's life cycle ---
 
     def initialise(self) -> None:
         activation = self._recording.current.get(self._leaf.path)

@@ -141,8 +141,6 @@ class Recording:
         with self._lock:
             self._advance()
 
-    # --- what happens again ---
-
     def happened(self, path: str, event: str, detail: str | None = None, code: str | None = None) -> bool:
         """Tick off the next event of a node: its kind, the outcome of an end or the variable that is written, a code.
 
@@ -186,8 +184,6 @@ class Recording:
         if not self.complete:
             self.complete = True
             self.on_complete()
-
-    # --- what nodes ask ---
 
     def time(self) -> float:
         """Return when this thread's last event took place, on the run's clock [s]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -127,7 +127,6 @@ class Runner:
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
         self._debugged = self._stale = False
-        self._engine: Callable[[], object] | None = None
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
         self._lost = False
         self._begun = threading.Lock()
@@ -152,8 +151,6 @@ class Runner:
         """
         if self._recorder is not None and parts:
             self._observers.insert(0, SideStateObserver(self._recorder.kept, parts, leaves))
-
-    # --- control ---
 
     def pause(self) -> None:
         """Tick no more until `resume` or `step`; the run's clock stands still, and motions are held, where they can."""
@@ -209,8 +206,6 @@ class Runner:
             self.context.release()
         else:
             self.context.resume()
-
-    # --- the run ---
 
     def run(self) -> RunResult:
         """Prepare every leaf, then run to the end. Returns in every case; nothing is left running but zombies.
@@ -301,31 +296,21 @@ class Runner:
                 self._lockstep.rest_until(lambda: self.pacing.stopped or not self.context.unfinished(), STOPPING)
 
     def _execute(self) -> TaskEnd:
-        pacer: Pacer = self.pacing if self._re_execution is None else self._re_execution
-        if isinstance(self.compiled, CompiledTree):
-            return self.compiled.execute(pacer, self._tick if self._re_execution is None else self._tick_again)
-        make = make_ticker if self._re_execution is None else self._re_execution.make_ticker(make_ticker)
-        return self.compiled.execute(pacer, make)
+        """Execute the task; one that happens again by py_trees' own ticks, since its leaves are replaced meanwhile."""
+        again = self._re_execution
+        pacer: Pacer = self.pacing if again is None else again
+        if isinstance(self.compiled, CompiledMachine):
+            return self.compiled.execute(pacer, make_ticker if again is None else None)
+        root = self.compiled.root
+        tick = root.tick_once if again is not None else self.compiled.ticker() or make_ticker(root)
 
-    def _tick_again(self) -> None:
-        """Tick a task that happens again by py_trees' own means; by the engine when its leaves work by themselves."""
-        if self._re_execution is None:
-            self._tick()
-        elif self._re_execution.settled:
-            self._re_execution, self._stale = None, True
-            self._tick()
-        else:
+        def tick_observed() -> None:
             if self._stale:
                 self._stale = False
                 self._install()
-            self.compiled.root.tick_once()  # type: ignore[union-attr]
+            tick()
 
-    def _tick(self) -> None:
-        if self._stale or self._engine is None:
-            self._stale = False
-            self._install()
-            self._engine = self.compiled.ticker() or make_ticker(self.compiled.root)  # type: ignore[union-attr]
-        self._engine()
+        return self.compiled.execute(pacer, tick_observed)
 
     def _install(self) -> None:
         observers = [*self._observers, *([self.debugger] if self._debugged else [])]
@@ -342,8 +327,6 @@ class Runner:
                 self._stale = True
             else:
                 self._install()
-
-    # --- the end ---
 
     def _insist(self, called: float) -> None:
         if self._returned.wait(called + INSIST - time.monotonic()):

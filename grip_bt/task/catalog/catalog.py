@@ -184,9 +184,6 @@ class Catalog:
     def __iter__(self) -> Iterator[Manifest]:
         return (self._manifests[id] for id in self.ids())
 
-    def __len__(self) -> int:
-        return len(self._manifests)
-
 
 @cache
 def _builtin_manifests() -> tuple[Manifest, ...]:

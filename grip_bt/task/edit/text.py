@@ -74,8 +74,6 @@ class Text:
         self._put(step.to, step.key, value, step.index, source)
         return None
 
-    # --- finding ---------------------------------------------------------------------------------------------------
-
     @property
     def tree(self) -> YamlMapping:
         """The syntax of the text as it is, but for replacements that `flush` hasn't done yet."""
@@ -105,8 +103,6 @@ class Text:
         if entry is None:
             raise EditError("/".join((*at, key)), NOT_EDITABLE)
         return entry
-
-    # --- replacing in place ----------------------------------------------------------------------------------------
 
     def flush(self) -> None:
         """Do the replacements that were collected, from the last to the first."""
@@ -183,8 +179,6 @@ class Text:
         self._splice(begin, end, self._joined(indented(lines, entry.column), end))
         return taken
 
-    # --- comments --------------------------------------------------------------------------------------------------
-
     def _remark(self, step: Remark) -> str:
         if is_head(step):
             head = head_at(self.text, self.tree)
@@ -209,8 +203,6 @@ class Text:
             self._splice(len(self.text[:begin].rstrip(" ")), end, "")
         self._splice(found.begin, found.end, "".join(line + self._newline for line in indented(lines, column)))
         return found.text
-
-    # --- taking out and putting in ---------------------------------------------------------------------------------
 
     def _drop(self, at: Place, key: str) -> str:
         inside, entry = self._mapping(at), self._entry(at, key)
@@ -280,8 +272,6 @@ class Text:
         """Return lines as text; without a final newline where they replace a last line that has none."""
         text = self._newline.join(lines)
         return text if self.text[end - 1 : end] != "\n" else text + self._newline
-
-    # --- spelling --------------------------------------------------------------------------------------------------
 
     def _make_tidy(self, at: Place, but_last: bool = False) -> None:
         """Write what holds this mapping, and is in braces, with one entry a line."""
