@@ -8,6 +8,5 @@
 * `mock` stands in for a leaf; `smach_*`: states of legacy machines as leaves.
 """
 
-from .leaf import Leaf, OperationLeaf
-
-__all__ = ["Leaf", "OperationLeaf"]
+from .leaf import Leaf as Leaf
+from .leaf import OperationLeaf as OperationLeaf

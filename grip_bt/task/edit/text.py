@@ -182,9 +182,10 @@ class Text:
     def _remark(self, step: Remark) -> str:
         if is_head(step):
             head = head_at(self.text, self.tree)
-            if head.text != step.text:
+            said = "\n".join(head.lines)
+            if said != step.text:
                 self._splice(*rewritten(head, step.text, self._newline))
-            return head.text
+            return said
         lines = lines_of_comment("/".join(step.at), step.text)
         if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
             return ""
