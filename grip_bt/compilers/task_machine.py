@@ -151,11 +151,7 @@ class TaskMachine(TaskContainer, StateMachine):
     """A container whose children run one after the other."""
 
     def __init__(
-        self,
-        path: str,
-        meaning: Mapping[str, str],
-        refined: Refined = (),
-        enter: Callable[[], None] | None = None,
+        self, path: str, meaning: Mapping[str, str], refined: Refined = (), enter: Callable[[], None] | None = None
     ):
         StateMachine.__init__(self, labels(meaning, refined))
         self.take(path, meaning, refined, enter)

@@ -214,10 +214,7 @@ def result_facts(result: RunResult) -> RunEnd:
 
 
 def serve_control(
-    runner: Runner,
-    commands: TextIO,
-    events: TextIO,
-    more: Callable[[RunResult], RunEnd] = lambda _: {},
+    runner: Runner, commands: TextIO, events: TextIO, more: Callable[[RunResult], RunEnd] = lambda _: {}
 ) -> RunResult:
     """Run to the end in this thread, obeying commands meanwhile; see `Control.run`."""
     control = Control(commands, events)

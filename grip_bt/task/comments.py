@@ -98,11 +98,7 @@ def _find(text: str, spans: list[tuple[int, int]], blocks: set[int]) -> Iterator
             line_end = len(text) if line_end < 0 else line_end
             before = text[line_start:at]
             yield _Comment(
-                text[at:line_end].rstrip(),
-                at,
-                at - line_start + 1,
-                not before.strip(),
-                _blank_above(text, line_start),
+                text[at:line_end].rstrip(), at, at - line_start + 1, not before.strip(), _blank_above(text, line_start)
             )
             at = text.find("#", line_end)
         else:

@@ -250,8 +250,7 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     moving = Edit(document.task)
     parent, name, container = moving.parent(command.path, "is the task already; wrap it, and take out the child")
     edit = Patch(
-        title=title_of(command),
-        steps=(Assign(at=(*moving.place(parent), slot(container)), key=name, value=record),),
+        title=title_of(command), steps=(Assign(at=(*moving.place(parent), slot(container)), key=name, value=record),)
     )
     return Extracted(command.file, _text(document, edit, part, inputs, outputs), edit)
 

@@ -34,9 +34,7 @@ def load_implementation(manifest: Manifest) -> type:
     where, colon, name = manifest.implementation.rpartition(":")
     if not colon or not where or not name.isidentifier():
         raise ImplementationError(
-            manifest.id,
-            manifest.implementation,
-            "write `package.module:Class` or `file.py:Class`",
+            manifest.id, manifest.implementation, "write `package.module:Class` or `file.py:Class`"
         )
     module = _import(manifest, where)
     found = getattr(module, name, None)

@@ -4,16 +4,7 @@ from __future__ import annotations
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.scalars import write_scalar
-from grip_bt.base.yaml.tree import (
-    YamlEntry,
-    YamlMapping,
-    YamlScalar,
-    YamlValue,
-    entries_of,
-    from_data,
-    parse,
-    to_data,
-)
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, parse, to_data
 from grip_bt.base.yaml.writer import in_braces
 
 from ..canonical import lines_of

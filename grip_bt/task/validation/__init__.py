@@ -47,11 +47,7 @@ _FURTHER_RULES = (check_numbers, check_messages, check_parts)
 
 
 def _checked(
-    task: Task,
-    catalog: Catalog,
-    document: Document | None,
-    subtasks: Subtasks | None,
-    structure_only: bool = False,
+    task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None, structure_only: bool = False
 ) -> TaskAnalysis:
 
     def inside(task: Task) -> Checked:

@@ -16,17 +16,7 @@ from grip_bt.base.issue import Issue
 from grip_bt.task import Leaf, Task
 from grip_bt.task.canonical import file_data
 from grip_bt.task.catalog import Catalog, InputPort, OutputPort, is_assignable, parse_type
-from grip_bt.task.edit import (
-    AnyCommand,
-    Connect,
-    Declare,
-    Group,
-    Remove,
-    Set,
-    Undeclare,
-    Unset,
-    apply,
-)
+from grip_bt.task.edit import AnyCommand, Connect, Declare, Group, Remove, Set, Undeclare, Unset, apply
 
 from .analysis import PlacedNode, TaskAnalysis, VariableDeclaration
 from .parts import known_messages, names_for
