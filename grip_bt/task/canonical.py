@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from pydantic import BaseModel
 
 from grip_bt.base.types import Value
@@ -12,7 +10,7 @@ from grip_bt.base.yaml.writer import write
 from grip_bt.task import model
 
 from .comments import attach_comments
-from .document import CHILDREN, DECLARING, child_nodes, keys_of, model_of, read_text
+from .document import CHILDREN, DECLARING, keys_of, model_of, nodes_below, read_text
 from .parts import FREE_PREFIX
 
 
@@ -26,7 +24,7 @@ def dumps(task: model.Task) -> str:
 def _write_canonical(tree: YamlMapping, header: list[str] | None = None) -> str:
     blocks = {id(tree)}
     _arrange(tree, model.Task)
-    for node in _below(tree.entries["root"].value):
+    for node in nodes_below(tree.entries["root"].value):
         _arrange_node(node, blocks)
     return write(tree, lambda value: id(value) in blocks and _filled(value), header)
 
@@ -42,15 +40,6 @@ def _arrange_node(node: YamlMapping, blocks: set[int], whole: bool = False) -> N
     if not shape.model_fields.keys().isdisjoint(CHILDREN):
         blocks.add(id(node))
         blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
-
-
-def _below(root: YamlValue) -> Iterator[YamlMapping]:
-    stack = [root]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, YamlMapping):
-            yield node
-            stack.extend(child.value for _, child in child_nodes(node))
 
 
 def _arrange(node: YamlMapping, shape: type[BaseModel], whole: bool = False) -> None:
@@ -146,7 +135,7 @@ def lines_of(key: str, value: object, node: bool, beside: str = "") -> list[str]
     entry.comments.beside = beside
     blocks: set[int] = set()
     if node and isinstance(entry.value, YamlMapping):
-        for inner in _below(entry.value):
+        for inner in nodes_below(entry.value):
             _arrange_node(inner, blocks, whole=True)
     text = write(YamlMapping({key: entry}), lambda part: id(part) in blocks and _filled(part))
     return text.removesuffix("\n").split("\n")

@@ -10,7 +10,16 @@ from pydantic import BaseModel, ValidationError
 
 from grip_bt.base.errors import DocumentError, listing, nearest
 from grip_bt.base.yaml.models import Diagnostic, diagnostic_of, document_error
-from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
+from grip_bt.base.yaml.tree import (
+    YamlEntry,
+    YamlMapping,
+    YamlScalar,
+    YamlValue,
+    inner,
+    parse,
+    read_file,
+    to_data,
+)
 from grip_bt.task import model
 from grip_bt.task.parts import FREE_PREFIX
 
@@ -65,21 +74,6 @@ def model_of(node: YamlMapping) -> type[BaseModel] | None:
     return model.KINDS.get(kind) if isinstance(kind, str) else None
 
 
-def model_of_kind(kind: str) -> type[model.Kind]:
-    """Return the model of a kind of container; KeyError when there is none."""
-    return model.KINDS[kind]
-
-
-def child_nodes(node: YamlMapping) -> Iterator[tuple[str, YamlEntry]]:
-    """Yield the entries of a node's children whose values are mappings, by name."""
-    for key in CHILDREN:
-        entry = node.entries.get(key)
-        if entry is not None and isinstance(entry.value, YamlMapping):
-            for name, child in entry.value.entries.items():
-                if isinstance(child.value, YamlMapping):
-                    yield name, child
-
-
 def read_task(tree: YamlValue, source: str) -> model.Task:
     """Turn a syntax tree into a task.
 
@@ -97,19 +91,21 @@ def read_task(tree: YamlValue, source: str) -> model.Task:
         raise document_error([diagnostic_of(tree, e) for e in error.errors()], source) from None
 
 
-def _nodes(tree: YamlMapping) -> Iterator[YamlMapping]:
-    root = tree.entries.get("root")
-    stack = [root.value] if root is not None and isinstance(root.value, YamlMapping) else []
+def nodes_below(root: YamlValue) -> Iterator[YamlMapping]:
+    """Yield a node and all below it that are mappings."""
+    stack = [root]
     while stack:
         node = stack.pop()
-        yield node
-        stack.extend(child.value for _, child in child_nodes(node))  # type: ignore[misc]
+        if isinstance(node, YamlMapping):
+            yield node
+            held = [node.entries[key].value for key in CHILDREN if key in node.entries]
+            stack.extend(e.value for value in held if isinstance(value, YamlMapping) for e in value.entries.values())
 
 
 def _key_faults(tree: YamlMapping) -> Iterator[Diagnostic]:
     yield from _unknown_keys(tree, model.Task, "a task")
     yield from _wrong_variables(tree)
-    for node in _nodes(tree):
+    for node in nodes_below(tree.entries["root"].value) if "root" in tree.entries else ():
         shape = model_of(node)
         if shape is None:
             entry = node.entries["kind"]
@@ -190,10 +186,10 @@ class Document:
             return None
         line, column, value = entry.line, entry.column, entry.value
         for step in (key,) if isinstance(key, str) else key or ():
-            inner = _inner(value, step)
-            if inner is None:
+            found = inner(value, step)
+            if found is None:
                 break
-            line, column, value = inner.line, inner.column, inner.value
+            line, column, value = found.line, found.column, found.value
         return line, column
 
     def _entry(self, path: str) -> YamlEntry | None:
@@ -213,13 +209,6 @@ def _child(entry: YamlEntry | None, name: str) -> YamlEntry | None:
         if children is not None and isinstance(children.value, YamlMapping):
             return children.value.entries.get(name)
     return None
-
-
-def _inner(value: YamlValue, step: str | int) -> YamlEntry | None:
-    if isinstance(value, YamlMapping):
-        return value.entries.get(str(step))
-    entries = getattr(value, "entries", [])
-    return entries[step] if isinstance(step, int) and 0 <= step < len(entries) else None
 
 
 def read(source: Path | str) -> Document:

@@ -117,6 +117,14 @@ def entries_of(value: YamlValue) -> list[YamlEntry]:
     return value.entries if isinstance(value, YamlList) else []
 
 
+def inner(value: YamlValue, step: str | int) -> YamlEntry | None:
+    """Return the entry of a mapping at a key, or of a list at an index, which may be a text; None where it isn't."""
+    if isinstance(value, YamlMapping):
+        return value.entries.get(str(step))
+    index = int(step) if str(step).isdecimal() else -1
+    return entries_of(value)[index] if 0 <= index < len(entries_of(value)) else None
+
+
 def to_data(value: YamlValue) -> Any:
     """Return the value as dicts, lists and scalars."""
     if isinstance(value, YamlScalar):

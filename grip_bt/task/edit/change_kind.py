@@ -9,11 +9,11 @@ from typing_extensions import override
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
 
-from ..document import CHILDREN, keys_of, model_of_kind
+from ..document import CHILDREN, keys_of
 from ..kind_analysis import following
 from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine, children_of
 from ..parts import FREE_PREFIX
-from .editing import BaseCommand, Edit, holds_nodes, kind_in_words, kind_of, path_in_words, slot
+from .editing import BaseCommand, Edit, kind_in_words, kind_of, path_in_words, slot, slot_of
 
 STANDARD = ("success", "failure")
 
@@ -38,10 +38,10 @@ class ChangeKind(BaseCommand):
     def plan(self, edit: Edit) -> None:
         node = edit.node(self.path)
         expect_kind(self.path, self.kind)
-        if not holds_nodes(node) or not holds_nodes_of_kind(self.kind):
+        if not slot(node) or not slot_of(KINDS[self.kind]):
             raise EditError(self.path, "only a container becomes another container; add a node, or wrap this one")
         names = list(children_of(node))
-        new_slot = slot_of_kind(self.kind)
+        new_slot = slot_of(KINDS[self.kind])
         if new_slot == "child" and len(names) != 1:
             held = listing(names, "no child")
             raise EditError(self.path, f"a {self.kind} has one child, this {kind_of(node)} has {held}")
@@ -49,10 +49,10 @@ class ChangeKind(BaseCommand):
         if self.kind != kind_of(node):
             _change_edges(edit, node, self)
             edit.set(place, "kind", self.kind)
-            allowed = {*keys_of(model_of_kind(self.kind)), *CHILDREN}
+            allowed = {*keys_of(KINDS[self.kind]), *CHILDREN}
             for key in [k for k in edit.draft.mapping(place) if k not in allowed and not k.startswith(FREE_PREFIX)]:
                 edit.drop(place, key)
-            if model_of_kind(self.kind).by_edges and "initial" not in self.fields and names:
+            if KINDS[self.kind].by_edges and "initial" not in self.fields and names:
                 edit.put(place, "initial", names[0])
             edit.rekey(place, slot(node), new_slot)
         for key, value in self.fields.items():
@@ -127,16 +127,6 @@ def expect_kind(path: str, kind: str) -> None:
         raise EditError(path, f"unknown kind {kind!r}{nearest(kind, KINDS)} (available: {listing(KINDS)})")
 
 
-def holds_nodes_of_kind(kind: str) -> bool:
-    """Tell whether nodes of a kind are containers."""
-    return not model_of_kind(kind).model_fields.keys().isdisjoint(CHILDREN)
-
-
-def slot_of_kind(kind: str) -> str:
-    """Return the key under which containers of a kind have their children."""
-    return "child" if "child" in model_of_kind(kind).model_fields else "children"
-
-
 def edges_of(container: AnyNode) -> dict[str, dict[str, str]]:
     """Return where each child's outcomes lead: outcome -> sibling or outcome of the container, by child.
 
@@ -164,7 +154,7 @@ def _change_edges(edit: Edit, node: AnyNode, command: ChangeKind) -> None:
     place = edit.place(command.path)
     below = (*place, slot(node))
     edges = edges_of(node)
-    if model_of_kind(command.kind).by_edges:
+    if KINDS[command.kind].by_edges:
         for name, on in edges.items():
             edit.set((*below, name), "on", on)
         reached = {target for on in edges.values() for target in on.values() if target in STANDARD}

@@ -10,11 +10,11 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
+from grip_bt.task.model import KINDS
 
-from ..document import model_of_kind
 from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task, children_of, outcomes_of
-from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
-from .editing import BaseCommand, Edit, expect_free, kind_in_words, path_in_words, slot
+from .change_kind import STANDARD, chain, edges_of, expect_kind
+from .editing import BaseCommand, Edit, expect_free, kind_in_words, path_in_words, slot, slot_of
 from .steps import Place
 
 _SHOWN = 3
@@ -46,14 +46,14 @@ class Wrap(BaseCommand):
     @override
     def plan(self, edit: Edit) -> None:
         expect_kind(self.paths[0], self.kind)
-        if not holds_nodes_of_kind(self.kind):
+        if not slot_of(KINDS[self.kind]):
             raise EditError(self.paths[0], f"a {self.kind} holds no nodes; choose a container")
         shell = _Shell(self)
         if self.paths == ("/",):
             _wrap_root(edit, shell)
             return
         parent, names, container = _neighbours(edit, self)
-        if slot_of_kind(self.kind) == "child" and len(names) > 1:
+        if slot_of(KINDS[self.kind]) == "child" and len(names) > 1:
             raise EditError(parent, f"a {self.kind} has one child; wrap {listing(names)} in a sequence first")
         expect_free(container, parent, self.name)
         shell.initial = names[0]
@@ -64,7 +64,7 @@ class Wrap(BaseCommand):
         at = (*edit.place(parent), slot(container))
         edit.put(at, self.name, shell.record(), list(children_of(container)).index(names[0]))
         for position, name in enumerate(names):
-            edit.shift(at, name, (*at, self.name, slot_of_kind(self.kind)), position)
+            edit.shift(at, name, (*at, self.name, slot_of(KINDS[self.kind])), position)
 
 
 class Unwrap(BaseCommand):
@@ -119,7 +119,7 @@ class _Shell:
 
     @property
     def machine(self) -> bool:
-        return model_of_kind(self.kind).by_edges
+        return KINDS[self.kind].by_edges
 
     def record(self) -> dict[str, object]:
         """Return the container as it stands in a file, still without children."""
@@ -129,7 +129,7 @@ class _Shell:
             self.outcomes = self.outcomes or {label: label for label in STANDARD}  # type: ignore[misc]
         parts = {"outcomes": self.outcomes, "exits": self.exits, "on": self.on}
         made |= {key: value for key, value in parts.items() if value}
-        return {**made, **self.fields, slot_of_kind(self.kind): {}}
+        return {**made, **self.fields, slot_of(KINDS[self.kind]): {}}
 
 
 def _neighbours(edit: Edit, command: Wrap) -> tuple[str, list[str], AnyNode]:
@@ -151,7 +151,7 @@ def _wrap_root(edit: Edit, shell: _Shell) -> None:
     aside = "x-aside"
     while aside in edit.draft.mapping(()):
         aside += "-"
-    inner = ("root", slot_of_kind(shell.kind))
+    inner = ("root", slot_of(KINDS[shell.kind]))
     edit.rekey((), "root", aside)
     edit.put((), "root", shell.record())
     edit.shift((), aside, inner)

@@ -211,7 +211,7 @@ class Edit:
     def container(self, path: str) -> AnyNode:
         """Return the container at a path; EditError where there is none, or a leaf is there."""
         node = self.node(path)
-        if not holds_nodes(node):
+        if not slot(node):
             raise EditError(path, f"a {kind_of(node)} holds no nodes; wrap it in a container first")
         return node
 
@@ -240,19 +240,19 @@ class Edit:
         return above or "/", name, self.node(above or "/")
 
 
+def slot_of(shape: type[BaseModel]) -> str:
+    """Return the key under which containers of a model have their children, `children` or `child`; empty for others."""
+    return next((key for key in CHILDREN if key in shape.model_fields), "")
+
+
 def slot(container: AnyNode) -> str:
-    """Return the key under which a container has its children: `children` or `child`."""
-    return "child" if hasattr(container, "child") else "children"
+    """Return the key under which a container has its children."""
+    return slot_of(type(container))
 
 
 def kind_of(node: AnyNode | Task) -> str:
     """Return a node's kind; `leaf` for a node of the catalogue."""
     return str(getattr(node, "kind", "leaf"))
-
-
-def holds_nodes(node: AnyNode) -> bool:
-    """Tell whether a node is a container."""
-    return not type(node).model_fields.keys().isdisjoint(CHILDREN)
 
 
 def expect_free(container: AnyNode, path: str, name: str) -> None:

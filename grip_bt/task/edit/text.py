@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.scalars import write_scalar
-from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, parse, to_data
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, from_data, inner, parse, to_data
 from grip_bt.base.yaml.writer import in_braces
 
 from ..canonical import lines_of
@@ -77,7 +77,7 @@ class Text:
     def _value(self, at: Place) -> YamlValue:
         value: YamlValue = self.tree
         for depth, key in enumerate(at):
-            entry = _inner(value, key)
+            entry = inner(value, key)
             if entry is None:
                 raise EditError("/".join(at[: depth + 1]), NOT_EDITABLE)
             value = entry.value
@@ -90,7 +90,7 @@ class Text:
         return value
 
     def _entry(self, at: Place, key: str) -> YamlEntry:
-        entry = _inner(self._value(at), key)
+        entry = inner(self._value(at), key)
         if entry is None:
             raise EditError("/".join((*at, key)), NOT_EDITABLE)
         return entry
@@ -273,10 +273,3 @@ class Text:
                 begin, end, written = expand(self.text, at, depth)
                 self._splice(begin, end, self._joined(written, end) if depth else self._newline.join([*written, ""]))
                 return
-
-
-def _inner(value: YamlValue, key: str) -> YamlEntry | None:
-    if isinstance(value, YamlMapping):
-        return value.entries.get(key)
-    entries = entries_of(value)
-    return entries[int(key)] if key.isdecimal() and int(key) < len(entries) else None
