@@ -65,15 +65,12 @@ _IDLE = 0.2
 
 
 class _SteeringLeaf(ArmLeaf):
-    """A leaf that tells an arm where to, again and again, while it moves."""
-
     _asked_before = False
 
     def initialise(self) -> None:
         self._asked_before = self.context.preempt_requested
 
     def steer(self) -> Operation[JointState]:
-        """Tell the arm where to now."""
         raise NotImplementedError
 
     def start(self) -> Operation[JointState]:

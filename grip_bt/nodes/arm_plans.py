@@ -136,8 +136,6 @@ class MoveStraight(ArmLeaf):
 
 @dataclass(frozen=True, slots=True)
 class _Passed:
-    """What came of a motion: the plan, and what was measured at its end."""
-
     plan: Plan
     reached: JointState
 

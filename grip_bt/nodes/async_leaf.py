@@ -21,12 +21,9 @@ from grip_bt.task.catalog.manifest import Manifest
 
 
 class _Loop(asyncio.SelectorEventLoop):
-    """An event loop whose time leaves out how long it was held."""
-
     held = 0.0
 
     def time(self) -> float:
-        """Return its time [s]."""
         return super().time() - self.held
 
 
@@ -54,7 +51,6 @@ class _HeldCoroutine:
                 self._loop = None
 
     def pause(self) -> None:
-        """Hold it where it awaits next."""
         with self._lock:
             if self._canceled or not self._free.is_set():
                 return
@@ -84,7 +80,6 @@ class _HeldCoroutine:
         return await self._make()
 
     def _stand(self) -> None:
-        """Stand still in the loop's own thread until it goes on."""
         loop = self._loop
         if loop is not None and not self._free.is_set():
             began = loop.time()

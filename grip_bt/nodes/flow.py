@@ -18,8 +18,6 @@ _POLL = 0.05
 
 
 class _ExpressionLeaf(Leaf):
-    """A leaf with a parameter `expression`, which names the inputs `a` to `h`."""
-
     def prepare(self) -> None:
         """Read the expression.
 

@@ -63,8 +63,6 @@ class ReadState(HandLeaf):
 
 
 class _MovingHandLeaf(HandLeaf):
-    """A leaf that moves the fingers without asking whether they touch."""
-
     def move(self, posture: JointState | str) -> Operation[JointState]:
         return self.hand.move(posture, self.params["torque_limit"], self.params["seconds"])
 

@@ -228,7 +228,6 @@ class Workers:
                 return
 
     def _do(self, operation: Operation[Any], work: Callable[[], object]) -> bool:
-        """Do one piece of work; return whether this thread still belongs to the pool."""
         left_alone = threading.Event()
         working = threading.Lock()
         over = False

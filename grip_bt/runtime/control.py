@@ -224,7 +224,6 @@ def serve_control(
 
 
 def _lines(stream: TextIO) -> Iterator[str]:
-    """Yield lines that aren't blank until the stream ends, breaks or is closed."""
     try:
         yield from (line for line in stream if line.strip())
     except (OSError, ValueError):

@@ -103,8 +103,6 @@ def _make_stop(node: Any, parts: Sequence[_Ticked]) -> Stop:
 
 
 def _leaf(node: Any, stop: Stop) -> Tick:
-    """Return what does `Leaf.tick`: an activation is reported, and what `update` raises becomes a NodeError."""
-
     def tick() -> Status:
         try:
             if node.status is not R:
@@ -128,8 +126,6 @@ def _leaf(node: Any, stop: Stop) -> Tick:
 
 
 def _conditional(node: Any, inner: Tick) -> Tick:
-    """Return what does `Conditional.tick`: look at the precondition before an activation begins."""
-
     def tick() -> Status:
         if node.status is R:
             return inner()
@@ -149,7 +145,6 @@ def _conditional(node: Any, inner: Tick) -> Tick:
 
 
 def _automaton(node: Any, parts: Sequence[_Ticked], stop: Stop) -> Tick:
-    """Return what does `KindNode.tick`, whatever the container's kind."""
     kids, ticks, kind = [part.node for part in parts], [part.tick for part in parts], node.kind
     reset = partial(_halt_all, parts)
     reactive, patient, again = kind.reactive, kind.concurrent or not kind.settles, kind.again

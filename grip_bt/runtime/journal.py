@@ -139,8 +139,6 @@ class RunLog:
 
 
 class _RunWriter:
-    """Writes the blocks of one run, in transactions; goes on where another process has stopped."""
-
     def __init__(self, database: sqlite3.Connection, log: RunLog, largest: int):
         self._database, self._log, self._largest = database, log, largest
         self._ids: dict[tuple[str, Any], int] = {}
@@ -153,7 +151,6 @@ class _RunWriter:
         self.last = last or 0
 
     def write(self) -> int:
-        """Take what has gathered and write it; return how many events that were."""
         log = self._log
         buffer = log.buffer
         total = len(buffer) // ENTRIES

@@ -168,13 +168,13 @@ class JournalReader(Closing):
             raise JournalError(f"{self.file}: the value {hash} is damaged: its bytes aren't those that were written")
         return content
 
-    def variables(self, run: str, until_seq: int | None = None) -> dict[str, Event]:
-        """Return the last write of each variable, up to and including the event `until_seq`."""
-        return {str(event.data.get("variable")): event for event in self._writes(run, until_seq)}
+    def variables(self, run: str) -> dict[str, Event]:
+        """Return the last write of each variable."""
+        return {str(event.data.get("variable")): event for event in self._writes(run)}
 
     def history(self, run: str, variable: str, limit: int = 20) -> list[Event]:
         """Return the last writes of one variable, the newest last."""
-        return [event for event in self._writes(run, None) if event.data.get("variable") == variable][-limit:]
+        return [event for event in self._writes(run) if event.data.get("variable") == variable][-limit:]
 
     def close(self) -> None:
         self._rows.close()
@@ -209,13 +209,13 @@ class JournalReader(Closing):
             known["status"] = {True: "running", False: "died", None: "lost"}[self._process(id)]
         return RunRecord(id, **known)
 
-    def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
-        until, done = 2**62 if until_seq is None else until_seq, 0
+    def _writes(self, run: str) -> Iterator[Event]:
+        done = 0
         some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
-        sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND first<=? AND {_GOOD} ORDER BY first"
-        pages = (self.events(run, first - 1, last - first + 1) for first, last in self._rows.query(sql, run, until))
+        sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND {_GOOD} ORDER BY first"
+        pages = (self.events(run, first - 1, last - first + 1) for first, last in self._rows.query(sql, run))
         for event in chain.from_iterable(pages):
-            if event.event == "write" and done < event.seq <= until:  # pages overlap where blocks are damaged
+            if event.event == "write" and done < event.seq:  # pages overlap where blocks are damaged
                 done = event.seq
                 yield event
 

@@ -218,7 +218,6 @@ def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], b
 
 
 def _take_note(database: sqlite3.Connection, users: dict[str, set[str]], after: int) -> int:
-    """Note who has written big values in blocks after a row; return the last row."""
     rows = database.execute("SELECT rowid, run, data FROM blocks WHERE rowid > ? ORDER BY rowid", (after,))
     for row, run, data in rows:
         after = row

@@ -71,7 +71,6 @@ class _Pending:
 
     @property
     def busy(self) -> bool:
-        """Whether code works for it although it has ended."""
         return self.whole is not None and self.whole.busy
 
     @property

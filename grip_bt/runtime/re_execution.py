@@ -52,9 +52,9 @@ class ReExecution:
         how: leaf that was active at the end -> whether it is resumed; those not named are started again.
         results: leaf -> how its first activation ends that the recording doesn't have the end of: outcome and failure
             code, empty for none.
-        tell: told `(leaf, how)` as each active leaf goes on.
 
     Attributes:
+        tell: told `(leaf, how)` as each active leaf goes on.
         pacing: of the run, from when on it is `live`.
         ask: asks the task to come to an end, as often as the recording says that somebody did.
     """
@@ -68,10 +68,10 @@ class ReExecution:
         *,
         how: Mapping[str, How] | None = None,
         results: Mapping[str, Sequence[str]] | None = None,
-        tell: Callable[[str, str], None] = lambda path, how: None,
     ):
         self._compiled, self.value = compiled, value
-        self.how, self.results, self.tell = dict(how or {}), dict(results or {}), tell
+        self.how, self.results = dict(how or {}), dict(results or {})
+        self.tell: Callable[[str, str], None] = lambda path, how: None
         self.recording = Recording(events, compiled.leaves.keys(), self._put)
         self.clock = RecordedClock(clock, self.recording)
         self.recording.on_complete = self._complete
@@ -246,12 +246,10 @@ class _RecordedLeaf:
             self._leaf.replay_ended(self._leaf.outcome)
 
     def untold(self) -> Activation | None:
-        """Return the recorded activation under way, if the leaf hasn't been told of it."""
         activation = self._recording.current.get(self._leaf.path)
         return None if activation is self._told else activation
 
     def tell_begun(self, activation: Activation) -> None:
-        """Tell the leaf that a recorded activation begins."""
         self._told = activation
         with _asked_until(self._leaf, self._recording.events[activation.began].seq, self._recording):
             self._leaf.replay_begun()

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from grip_bt.base.errors import NodeError, NotStoppedError
-from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import parts_of
@@ -87,7 +86,6 @@ class Runner:
     when the task has ended or, after a stop, when everything was terminated that can be.
 
     Args:
-        clock: the run's clock; it is the context's.
         journal: where to write what happens, with the task's path and text, the seed, and `facts` about how it is run.
         poll: how often leaves that wake nobody are looked at [s]; None for never.
         rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
@@ -100,7 +98,6 @@ class Runner:
         self,
         compiled: CompiledTree | CompiledMachine,
         context: RunContext,
-        clock: Clock | None = None,
         journal: Journal | None = None,
         *,
         task_path: str = "",
@@ -113,8 +110,6 @@ class Runner:
         re_execution: ReExecution | None = None,
         facts: Mapping[str, object] | None = None,
     ):
-        if clock is not None and clock is not context.clock:
-            raise ValueError("a run has one clock: make the context with it, RunContext(clock, ...)")
         self.compiled, self.context, self.journal = compiled, context, journal
         self.pacing = Pacing(context.waker, poll, rate)
         self.debugger = Debugger(compiled, self.pacing, self._observe_debugger)
@@ -320,7 +315,7 @@ class Runner:
         )
 
     def _observe_debugger(self, needed: bool) -> None:
-        """Have the debugger told of the nodes, or not; a tree is asked between ticks, where its engine is made anew."""
+        """Have the debugger told of the nodes, or not; a tree is told between ticks."""
         if needed != self._debugged:
             self._debugged = needed
             if isinstance(self.compiled, CompiledTree):
@@ -341,7 +336,6 @@ class Runner:
             self._abandon(self._made(None, "stopped"))
 
     def _hung(self, error: NodeError, trace: str) -> None:
-        """End a run whose tick doesn't; called by the watch-dog."""
         barked = time.monotonic()
         self.pacing.stop()
         join_all(terminate_outside(self.compiled.leaves) + self._hold_robot(), barked + ABANDON)
@@ -360,7 +354,6 @@ class Runner:
         self._finish(result, [Zombie(path, where) for path, where in hanging.items()])
 
     def _finish(self, result: RunResult, hanging: Sequence[Zombie] = ()) -> None:
-        """Have everything come to rest, then enter the result."""
         if self._watchdog is not None:
             self._watchdog.stop()
         if result.outcome is not None:

@@ -46,8 +46,6 @@ class EndedObserver(Observer):
 
 
 class _ClosedContext:
-    """The context of a leaf that was left behind; whatever it asks for ends it."""
-
     def __getattr__(self, name: str) -> Any:
         raise Halted
 

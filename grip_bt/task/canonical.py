@@ -34,7 +34,6 @@ def _filled(value: YamlValue) -> bool:
 
 
 def _arrange_node(node: YamlMapping, blocks: set[int], whole: bool = False) -> None:
-    """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
     shape = model_of(node) or model.Leaf
     _arrange(node, shape, whole)
     if not shape.model_fields.keys().isdisjoint(CHILDREN):
@@ -108,7 +107,6 @@ def data_of(shape: BaseModel) -> dict[str, object]:
 
 
 def _plain(value: object) -> object:
-    """Return a list of models as a list of the keys that were given; every other value as it is."""
     if not isinstance(value, list):
         return value
     return [entry.model_dump(exclude_defaults=True) if isinstance(entry, BaseModel) else entry for entry in value]

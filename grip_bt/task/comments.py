@@ -106,7 +106,6 @@ def _find(text: str, spans: list[tuple[int, int]], blocks: set[int]) -> Iterator
 
 
 def _attach_blank_lines(places: list[_Place], text: str) -> None:
-    """Mark entries that a blank line sets off from what is above, or from the comments above."""
     for place in places:
         line_start = text.rfind("\n", 0, place.entry.start) + 1
         if place.flow is None and not text[line_start : place.entry.start].strip(" -"):

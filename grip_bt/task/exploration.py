@@ -248,7 +248,6 @@ def _ways(kind: Kind, labels: Labels, at: Any) -> Iterator[Way]:
 
 
 def _further(kind: Kind, labels: Labels, at: Any, step: Step, oracle: Oracle) -> Iterator[Way]:
-    """Yield what comes after everybody was ticked: an end, or the next tick."""
     running, _, _, ends = at
     if type(step) is End:
         yield Way(at, None, None, oracle.said, tuple(oracle.reads), (), step, None)

@@ -193,7 +193,6 @@ def _plain(kind: Kind) -> Labels:
 
 
 def _starts(kind: Kind) -> dict[str, list[str]]:
-    """Return each child that may be run first -> under which answers."""
     starts: dict[str, list[str]] = {}
     for way in explore(kind, _plain(kind)):
         if way.at != START:

@@ -189,8 +189,6 @@ class _Clock:
 
 @dataclass
 class _Context:
-    """What leaves and time-outs ask for."""
-
     clock: _Clock = field(default_factory=_Clock)
     preempt_requested: bool = False
 
@@ -290,8 +288,6 @@ class _Run:
 
 
 class _Scripted(Leaf):
-    """A leaf that does nothing and ends as it is told."""
-
     run: _Run
     known_as: str
 

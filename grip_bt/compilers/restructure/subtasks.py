@@ -108,8 +108,6 @@ def _expect_same_ends(placed: PlacedNode, node: Subtask, inside: Task) -> None:
 
 
 class _Merging:
-    """The variables of a file among those of the task that runs it."""
-
     def __init__(self, placed: PlacedNode, node: Subtask, inside: Task, catalog: Catalog):
         self.placed, self.node, self.inside, self.catalog = placed, node, inside, catalog
         self.analysis = TaskAnalysis(inside, catalog)
@@ -278,7 +276,6 @@ def _below(path: str, above: str) -> bool:
 
 
 def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog: Catalog) -> Task:
-    """Return the part as a task whose variables are all those that were around it."""
     root = {key: value for key, value in file_data(placed.node).items() if key not in _AROUND}
     types = {name: str(declared.type or "Any") for name, declared in placed.around.items()}
     outcomes = dict(placed.outcomes)

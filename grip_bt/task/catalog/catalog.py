@@ -13,7 +13,6 @@ from pathlib import Path
 from types import ModuleType
 
 from grip_bt.base.errors import DocumentError, ImplementationError, UnknownNameError
-from grip_bt.base.types import Type
 
 from .manifest import Manifest, read_manifests
 from .project_parts import ProjectParts
@@ -141,16 +140,6 @@ class Catalog:
     def ids(self) -> tuple[str, ...]:
         """Return the ids, sorted."""
         return tuple(sorted(self._manifests))
-
-    def makers_of(self, type_: Type) -> tuple[str, ...]:
-        """Return the ids of nodes that give a value of a type; first what makes one, then what needs the least."""
-        found = []
-        for manifest in self:
-            if any(port.type == type_.name for port in manifest.outputs.values()):
-                needed = sum(port.required for port in manifest.inputs.values())
-                fails = "failure" in manifest.outcomes.values()
-                found.append((not manifest.id.endswith("/make"), needed, fails, len(manifest.outputs), manifest.id))
-        return tuple(id for *_, id in sorted(found))
 
     def with_manifests(self, more: Iterable[Manifest]) -> Catalog:
         """Return a catalogue with more nodes; one of `more` replaces the node of the same id (a mock, for instance).

@@ -152,7 +152,6 @@ class ComponentFile(Settings):
 
 
 def _numbered(outcomes: dict[object, object]) -> bool:
-    """Tell whether somebody wrote `{found: 0, none: 1}`."""
     return bool(outcomes) and all(isinstance(n, int) and not isinstance(n, bool) for n in outcomes.values())
 
 

@@ -138,7 +138,6 @@ def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
 
 
 def _of_topics(name: str, sensor: SensorConfig) -> Manifest:
-    """Return the manifest of the leaf that takes one message of each topic, from one moment."""
     several = f", from messages at most {sensor.slop} s apart" if len(sensor.topics) > 1 else ""
     outputs = {
         port: OutputPort(type=topic.type, doc=topic.doc or f"from {topic.topic}")

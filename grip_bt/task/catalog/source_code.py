@@ -102,7 +102,6 @@ def imported(module: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 def _syntax_of(file: Path) -> ast.Module | None:
-    """Return a file's syntax; None where it can't be read as Python."""
     try:
         there = file.stat()
     except OSError:

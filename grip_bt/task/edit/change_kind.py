@@ -150,7 +150,6 @@ def chain(container: AnyNode | None, names: list[str]) -> dict[str, dict[str, st
 
 
 def _change_edges(edit: Edit, node: AnyNode, command: ChangeKind) -> None:
-    """Turn edges into exits, or the order of the children and exits into edges."""
     place = edit.place(command.path)
     below = (*place, slot(node))
     edges = edges_of(node)

@@ -107,8 +107,6 @@ class Unwrap(BaseCommand):
 
 
 class _Shell:
-    """The new container: what of its neighbours' edges and exits goes on it."""
-
     def __init__(self, command: Wrap):
         self.kind, self.fields = command.kind, dict(command.fields)
         self.name = command.name
@@ -122,7 +120,6 @@ class _Shell:
         return KINDS[self.kind].by_edges
 
     def record(self) -> dict[str, object]:
-        """Return the container as it stands in a file, still without children."""
         made: dict[str, object] = {"kind": self.kind}
         if self.machine:
             made["initial"] = self.initial

@@ -97,7 +97,6 @@ def _with_source(step: Step, source: str | None) -> Step:
 
 
 def _digest_of(text: str) -> str:
-    """Return what tells whether a text is still the one that an inverse was made for."""
     return blake2b(text.encode(errors="surrogatepass"), digest_size=16).hexdigest()
 
 

@@ -170,7 +170,6 @@ class History:
         return line
 
     def _take(self, number: int, used: int, edited: Edited) -> None:
-        """Be at a moment; the branch that was used last is the one that a redo takes."""
         parent = self._moments[used].parent
         assert parent is not None
         siblings = self._moments[parent].children
@@ -180,8 +179,6 @@ class History:
 
 
 class _Stored(BaseModel):
-    """What the file holds."""
-
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     grip_history: Literal[1]

@@ -172,7 +172,6 @@ def _key(path: str, key: tuple[str, ...]) -> str:
 
 
 def _value(value: object) -> str:
-    """Return a short value in words; empty for one that is no word."""
     if isinstance(value, bool):
         return " to yes" if value else " to no"
     if isinstance(value, int | float | str) and 0 < len(str(value)) <= 20:
@@ -192,7 +191,6 @@ def _keys(edit: Edit, path: str, key: tuple[str, ...]) -> tuple[Place, *tuple[st
 
 
 def _edge(edit: Edit, path: str, outcome: str) -> tuple[Place, str, str]:
-    """Return the record, the field and the key that hold where an outcome leads."""
     if path == "/" or isinstance(edit.parent(path, "")[2], StateMachine):
         return edit.place(path), "on", outcome
     above, name, _ = edit.parent(path, "")

@@ -118,7 +118,6 @@ class Rename(BaseCommand):
 
 
 def _carry(edit: Edit, at: tuple[str, ...], name: str, into: tuple[str, ...], to: str, index: int | None) -> None:
-    """Shift an entry under a name that is free on both sides at each step."""
     if to == name:
         edit.shift(at, name, into, index)
     elif to not in edit.draft.mapping(at):

@@ -112,7 +112,6 @@ def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, object]:
 
 
 def _parsed(clip: Clip) -> Task:
-    """Return a task that holds a copy alone; EditError where it isn't a node."""
     data: dict[str, object] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
     edit = Edit(Task.model_validate({**data, "root": {"kind": Sequence.kind_name(), "children": {}}}))
     edit.put(("root", "children"), clip.name, file_data(clip.node))
@@ -133,7 +132,6 @@ def _outcomes(container: AnyNode) -> set[str]:
 
 
 def _free(node: AnyNode) -> set[str]:
-    """Return the variables that a node or what is below it uses and none of them declares."""
     around, inside = used_by(node)
     below = set().union(*(_free(child) for child in children_of(node).values()))
     return around | ((inside | below) - set(declared_by(node)))

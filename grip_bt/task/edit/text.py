@@ -135,7 +135,6 @@ class Text:
         return self._replace(step)
 
     def _taken(self, at: Place, entry: YamlEntry) -> str:
-        """Return the lines of an entry, without what is above it."""
         if not one_entry_a_line(self.text, self._value(at)):
             return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
         begin = line_start(self.text, entry.start)
@@ -240,7 +239,6 @@ class Text:
         self._insert(offset, indented(lines, column))
 
     def _open(self, at: Place, lines: list[str]) -> None:
-        """Write the first entry of a mapping that is `{}`."""
         holder = self._entry(at[:-1], at[-1])
         begin, end = holder.value.span
         if self.text[begin:end].strip("{} "):

@@ -62,7 +62,6 @@ def _near(name: str, allowed: Iterable[str]) -> list[str]:
 
 
 def _corrected(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) -> _Found:
-    """Write the nearest names, or the only one, in place of one that isn't there."""
     if placed is None:
         return
     key = tuple(map(str, issue.key))
@@ -102,7 +101,6 @@ def _removed(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) ->
 
 
 def _renamed(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) -> _Found:
-    """Correct a parameter, a port or a meaning to the nearest one, or take it out."""
     if placed is None or not isinstance(placed.node, Leaf) or placed.manifest is None:
         return
     side, name = str(issue.key[0]), str(issue.key[1])
@@ -160,7 +158,6 @@ def _binding(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) ->
 
 
 def _unused_variable(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) -> _Found:
-    """Take out a variable that nobody reads, with the bindings of those who write it."""
     name = str(issue.key[-1])
     writers = [
         Unset(path=other.path, key=("out", port))

@@ -194,7 +194,6 @@ def _problems(placed: PlacedNode, parts: ProjectParts, taught_names: TaughtNames
 
 
 def _of_part(side: str, value: object, parts: ProjectParts) -> Iterator[Problem]:
-    """Yield that there is no such arm or hand, else what is wrong with it."""
     named = parts.arms if side == "arm" else parts.hands
     code = f"unknown-{side}"
     if named is None:
@@ -214,7 +213,6 @@ def _of_part(side: str, value: object, parts: ProjectParts) -> Iterator[Problem]
 
 
 def _of_names(kind: str, value: object, part: str, there: PartNames, taught_names: TaughtNames) -> Iterator[Problem]:
-    """Yield which of the names that a literal holds aren't there; an empty one stands for nothing or for a default."""
     if kind not in there.known:
         return
     known, taught = there.known[kind], there.known.get("taught", ())
