@@ -176,7 +176,6 @@ class BehaviourState(TaskState):
         prepare(self.node.iterate(), AskedContext(context, self.preempt_requested))
 
     def execute(self, userdata: object) -> str:
-        """Tick to the end; a stop interrupts everything below, and unwinds."""
         run, node = self.run, self.node
         if self._make_ticker is not run.make_ticker:
             self._make_ticker = run.make_ticker

@@ -69,7 +69,6 @@ class Scope:
             cell.reset()
 
     def find(self, name: str) -> Cell | None:
-        """Return the innermost visible variable of this name, or None."""
         scope: Scope | None = self
         while scope is not None:
             if name in scope.cells:
@@ -83,7 +82,6 @@ class Scope:
         return cell
 
     def visible(self) -> list[str]:
-        """Return all names that can be seen from here, inner ones first."""
         names: dict[str, None] = {}
         scope: Scope | None = self
         while scope is not None:
@@ -121,7 +119,6 @@ class Scopes:
         return iter(self._scopes.values())
 
     def snapshot(self) -> dict[tuple[str, str], Any]:
-        """Return the value of every written variable by (container's path, name)."""
         return {
             (path, name): cell.value
             for path, scope in self._scopes.items()

@@ -46,7 +46,6 @@ class TaskContainer(TaskState):
         self._entries.append(reset)
 
     def execute(self, parent_ud: Any = None) -> Any:
-        """Execute as smach does, and report where the activation begins and ends."""
         self.outcome = self.failure = None
         self.observer.entered(self.path)
         try:

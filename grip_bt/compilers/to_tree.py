@@ -41,7 +41,6 @@ class TreeBuilder:
         self.leaves: dict[str, Leaf] = {}
 
     def build(self, part: Part) -> Node:
-        """Return the behaviour of `part`, with everything below it."""
         if isinstance(part.node, model.Leaf):
             node: Node = make_leaf(part, self.factory, self.scopes)
             self.leaves[part.path] = cast(Leaf, node)
@@ -100,7 +99,6 @@ class CompiledTree:
         return None
 
     def observe(self, observer: Observer) -> None:
-        """Have every activation and every write reported to `observer`."""
         self.data.on_write = observer.wrote
         for node in self.by_path.values():
             node.observer = observer

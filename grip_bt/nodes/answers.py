@@ -69,7 +69,6 @@ class Answers:
         return next((child for child, literal in literals if same_literal(value, literal)), default)
 
     def items(self, key: str) -> tuple[Value, ...]:
-        """Read the list."""
         items = self.value(key)
         if not isinstance(items, list | tuple):
             error = TypeError(f"`{key}` is {items!r}, a {type(items).__name__}, not a list")

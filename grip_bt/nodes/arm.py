@@ -31,7 +31,6 @@ class KeepingLeaf(ArmLeaf):
         verify_keep(self, self.params["keep"])
 
     def constraint(self) -> PathConstraint | None:
-        """Return what the motion that begins now keeps to."""
         bound: PathConstraint | None = self.read("constraint")
         keep = self.params["keep"]
         return read_keep(keep, self.arm.grasp_pose()) if keep else bound
@@ -126,7 +125,6 @@ class Follow(_SteeringLeaf):
         return super().update()
 
     def steer(self) -> Operation[JointState]:
-        """Go towards where the target is now, no quicker than allowed."""
         return self.arm.steer_to(self.read("pose"), self.params["speed"])
 
     def _at_target(self) -> bool:

@@ -29,7 +29,6 @@ class Condition:
     watch: Callable[[Callable[[], None]], None]
 
     def refusal(self, code: str) -> Failure:
-        """Return the reason of a node that ends because the condition is false."""
         return Failure(code, f"`{self.text}` is false")
 
 

@@ -114,7 +114,6 @@ class KindNode(Node):
         self.land(step)
 
     def run(self, step: Run) -> tuple[int, ...]:
-        """Return the positions of the children that are to be ticked now."""
         run, self.state, first = step
         if self.resting:
             self.resting, self.running = False, run
@@ -181,7 +180,6 @@ class KindNode(Node):
         return self.status
 
     def halt_others(self, run: Sequence[int]) -> None:
-        """Halt the children that run and aren't among these."""
         for i, child in enumerate(self.children):
             if child.status is R and i not in run:
                 child.stop(INVALID)
@@ -195,7 +193,6 @@ class KindNode(Node):
                 self.reset(self.children[self.children.index(child) + 1 :])
 
     def reset(self, children: Iterable[Node]) -> None:
-        """Stop those that aren't INVALID."""
         for child in children:
             if child.status is not INVALID:
                 child.stop(INVALID)
@@ -225,7 +222,6 @@ class RunAnswers(Answers):
         super().__init__(path, (), exits, edges)
 
     def written(self) -> None:
-        """Have the task ticked soon."""
         if self.node.active:
             self.node.context.wake()
 

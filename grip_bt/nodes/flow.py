@@ -86,7 +86,6 @@ class PlayStatuses(Leaf):
         self._at = 0 if self.params["anew"] else self._at
 
     def update(self) -> Status:
-        """Take the next one."""
         then: str | None = self.params["then"]
         if self._at >= len(self._list) and then is None:
             self._at = 0

@@ -78,7 +78,6 @@ class Leaf(Node):
         return value
 
     def note_write(self, port: str) -> None:
-        """Count a write to the variable at a port."""
         self.writes[port] += 1
 
     def running(self, message: str = "") -> Status:
@@ -183,7 +182,6 @@ class Leaf(Node):
 
     @property
     def unended(self) -> bool:
-        """Whether an interrupted operation hasn't ended."""
         return self._left is not None and not self._left.done()
 
     @property

@@ -75,7 +75,6 @@ class Node(Behaviour):
 
     @property
     def code(self) -> str | None:
-        """The code of the last failure, or None."""
         return self.failure.code if self.failure is not None else None
 
     def begin(self) -> None:
@@ -100,7 +99,6 @@ class Node(Behaviour):
             self.report()
 
     def report(self) -> None:
-        """Tell the observer how an activation that was under way is over."""
         if self.active:
             self.active = False
             if self.outcome is None:
@@ -146,7 +144,6 @@ class AskedContext:
 
     @property
     def preempt_requested(self) -> bool:
-        """Whether a leaf is asked to come to an end."""
         return self._asked()
 
 
@@ -159,5 +156,4 @@ class AskedBefore(AskedContext):
 
     @property
     def preempt_requests(self) -> int:
-        """How often the run was asked."""
         return int(getattr(self._context, "preempt_requests", 0)) if self.over else self._count

@@ -310,7 +310,6 @@ class StandInFinder(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, is_package=True)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Make the stand-in."""
         module = StandInModule(spec.name)
         if spec.name in self.made:
             self.made[spec.name](module)

@@ -36,7 +36,6 @@ class Recorder(Observer):
         self.say("error", path, type=type(cause).__name__, message=str(cause), traceback=trace)
 
     def finished(self, outcome: str | None, status: str, rest: str = "") -> None:
-        """The run has ended; `rest` tells what was measured of the robot then."""
         data = {"status": status, "rest": rest} if rest else {"status": status}
         self._append(self._now(), "/", "run_ended", outcome, data=data)
         self._log.end(status, outcome)

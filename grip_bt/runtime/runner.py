@@ -135,7 +135,6 @@ class Runner:
         self.pacing.on_state(self._hold_parts)
 
     def observe(self, observer: Observer) -> None:
-        """Have `observer` told of what the nodes do, after the journal; before `run`."""
         self._observers.append(observer)
 
     def keep(self, parts: Mapping[str, SideState], leaves: Mapping[str, tuple[str, ...]]) -> None:
@@ -157,7 +156,6 @@ class Runner:
         self.pacing.resume()
 
     def step(self, how: str = "tick") -> None:
-        """Pause, and go a little further; see `Debugger.step`."""
         self.debugger.step(how)
 
     def stop(self) -> None:

@@ -40,7 +40,6 @@ class Tree(BehaviourTree):
         """Do nothing: it was set up when it was made."""
 
     def shutdown(self) -> None:
-        """Stop what runs, and give the robot back."""
         self.interrupt()
         self.root.stop()
         self._close()

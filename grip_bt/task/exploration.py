@@ -68,7 +68,6 @@ class Labels:
 
     @cached_property
     def all(self) -> ChildEnds:
-        """Every end of every child, with the outcome that an exit makes of it."""
         return [[(end, self.exit(end)) for end in self.of(name)] for name in self.names]
 
     def exit(self, end: Ended) -> str | None:
@@ -102,7 +101,6 @@ class Oracle:
 
     @property
     def said(self) -> tuple[str, ...]:
-        """The answers that were given."""
         return tuple(answers[i] for answers, i in zip(self.asked, self.trail, strict=True))
 
     def at(self, name: str) -> int:

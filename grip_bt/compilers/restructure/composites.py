@@ -73,7 +73,6 @@ class Composer:
         return Item(region.entry, node, region.leaving, {region.entry: (region.entry,)})
 
     def container(self, region: Region, wishes: Wishes) -> Item:
-        """Return the container of a region; it has no name yet, and its places are those below it."""
         match region:
             case State():
                 items, goes_on = [self.state(region)], "success"
@@ -124,7 +123,6 @@ class Composer:
         return self.named(f"try_{item.name}", node, ends, places)
 
     def named(self, name: str, node: AnyNode, ends: tuple[Arc, ...], places: Mapping[str, Place]) -> Item:
-        """Return a new child under a name that nothing else has."""
         free, number = name, 1
         while free in self.taken:
             number += 1
@@ -147,7 +145,6 @@ class Composer:
                 yield f"{item.name}.{end.label}", label
 
     def ends(self, leaving: Iterable[Arc], wishes: Wishes) -> tuple[Arc, ...]:
-        """Return the ends of a new container: one for each target, by the label that stands for it."""
         return tuple(Arc("", self.label(t), None, self.meaning(t, wishes), t) for t in targets(leaving))
 
     def label(self, target: str) -> str:

@@ -77,7 +77,6 @@ class Built:
     places: Mapping[str, Place] = field(default_factory=dict)
 
     def below(self, place: Place) -> dict[str, Place]:
-        """Return the places as seen from a container that holds this node at `place`."""
         return {old: (*place, *names) for old, names in self.places.items()}
 
 

@@ -204,7 +204,6 @@ class Kind(BaseNode):
 
     @classmethod
     def kind_name(cls) -> str:
-        """Return what stands in the document as `kind`."""
         return str(cls.model_fields["kind"].annotation.__args__[0])  # type: ignore[union-attr]
 
     @property
@@ -293,7 +292,6 @@ class Kind(BaseNode):
         return ""
 
     def words(self) -> str:
-        """Return what it does in a few words."""
         settings = self.settings()
         return self.kind.replace("_", " ") + (f": {settings}" if settings else "")
 
@@ -357,7 +355,6 @@ class Composite(Declaring):
 
     @property
     def below(self) -> FrozenDict[Name, Node]:
-        """The children by name, in order."""
         return self.children
 
 
@@ -370,5 +367,4 @@ class Decorator(Declaring):
 
     @property
     def below(self) -> FrozenDict[Name, Node]:
-        """The child by name."""
         return self.child
