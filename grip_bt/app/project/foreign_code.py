@@ -11,8 +11,7 @@ from grip_bt.base.errors import GripError, UntrustedCodeError
 from grip_bt.compilers.resolve import resolve
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
-from grip_bt.task.catalog.component_file import load_component
-from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.catalog.component_file import Start, load_component
 from grip_bt.task.model import Foreign
 
 from .folder import Project

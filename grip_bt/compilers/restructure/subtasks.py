@@ -12,6 +12,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.yaml.scalars import write_scalar
 from grip_bt.base.yaml.tree import YamlMapping, parse
+from grip_bt.compilers.restructure.result import is_within
 from grip_bt.task import read_text
 from grip_bt.task.canonical import dumps, file_data, lines_of
 from grip_bt.task.catalog import Catalog, manifest_of_task
@@ -263,16 +264,12 @@ def _placed(command: Extract, task: Task, catalog: Catalog) -> tuple[PlacedNode,
     file = PurePosixPath(command.file)
     if file.is_absolute() or ".." in file.parts or file.suffix not in (".yaml", ".yml"):
         raise EditError(command.path, f"{command.file!r} isn't a task file of the project, such as `tasks/fetch.yaml`")
-    if any(inside.manifest is None for inside in analysis.leaves if _below(inside.path, placed.path)):
+    if any(inside.manifest is None for inside in analysis.leaves if is_within(inside.path, placed.path)):
         raise EditError(command.path, "it has a node that the catalogue doesn't know; fix it first (`grip check`)")
-    missing = [name for (path, _), name in DataFlow(analysis).missing.items() if _below(path, placed.path)]
+    missing = [name for (path, _), name in DataFlow(analysis).missing.items() if is_within(path, placed.path)]
     if missing:
         raise EditError(command.path, f"{missing[0]!r} may be read in it before it is written; fix that first")
     return placed, analysis
-
-
-def _below(path: str, above: str) -> bool:
-    return path == above or path.startswith(f"{above}/")
 
 
 def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog: Catalog) -> Task:
@@ -287,7 +284,7 @@ def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog:
 
 
 def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -> tuple[dict[str, str], dict[str, str]]:
-    types = {name: declared.type_text for name, declared in TaskAnalysis(part, catalog).task_scope.items()}
+    types = {name: type_of(declared.variable) for name, declared in TaskAnalysis(part, catalog).task_scope.items()}
     inputs: dict[str, str] = {}
     while True:  # an expression that reads several variables names one of them at a time
         asked = part.model_copy(update={"inputs": FrozenDict(inputs), "data": FrozenDict(types)})
@@ -299,7 +296,7 @@ def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -
     used, written, scope = analysis.root.reads, analysis.root.writes, analysis.task_scope
     # what is read only where nothing leads to has to be declared all the same, and need not be there on entry
     unread = {name for name, declared in scope.items() if declared.bit & used and name not in inputs}
-    outputs = {n: declared.type_text for n, declared in scope.items() if declared.bit & written or n in unread}
+    outputs = {n: type_of(declared.variable) for n, declared in scope.items() if declared.bit & written or n in unread}
     return inputs, outputs
 
 

@@ -10,7 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import parse_type
 from grip_bt.base.yaml.models import Identifier, RosName, Settings, exactly_one
-from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.catalog.component_file import Kind, Start
 from grip_bt.task.catalog.manifest import Manifest, OutputPort, Parameter
 
 MESSAGES = {
@@ -243,8 +243,6 @@ class RosRobotConfig(Settings):
             raise ValueError("name the controller of each arm and hand")
         return value
 
-
-Kind = Literal["msg", "srv", "action"]
 
 INTEGER_TYPES = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)) | {"byte", "char"}
 """Primitive types that hold whole numbers."""

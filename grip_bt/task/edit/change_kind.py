@@ -60,7 +60,7 @@ class ChangeKind(BaseCommand):
 
 
 class _TakesCatalog(BaseCommand):
-    """A command that is refused as it is: this room knows no nodes."""
+    """A command that needs a catalogue: `apply` takes what `grip_bt.compilers.restructure` makes of it."""
 
     path: str
 
@@ -73,11 +73,7 @@ class _TakesCatalog(BaseCommand):
 
 
 class Convert(_TakesCatalog):
-    """A container and those in it become their equals in the other form, exactly, or stay; see docs/conversion.md.
-
-    What is equal depends on how leaves can end, so this takes a catalogue: `expanded` of
-    `grip_bt.compilers.restructure` returns the edit that it comes to, and `apply` refuses it as it is.
-    """
+    """A container and those in it become their equals in the other form, exactly, or stay; see docs/conversion.md."""
 
     do: Literal["convert"] = "convert"
     path: str
@@ -92,11 +88,7 @@ class Convert(_TakesCatalog):
 
 
 class Extract(_TakesCatalog):
-    """A node with all below it goes to a file of its own, and a subtask that runs that file takes its place.
-
-    What goes in and out depends on what leaves read and write, so this takes a catalogue: `extracted` of
-    `grip_bt.compilers.restructure` returns the file and the edit, and `apply` refuses it as it is.
-    """
+    """A node with all below it goes to a file of its own, and a subtask that runs that file takes its place."""
 
     do: Literal["extract"] = "extract"
     words: ClassVar[str] = "extract {path} to {file}"
@@ -108,11 +100,7 @@ class Extract(_TakesCatalog):
 
 
 class Inline(_TakesCatalog):
-    """What is in a subtask's file takes the subtask's place; the reverse of `extract`.
-
-    It takes a catalogue, which knows the file: `expanded` of `grip_bt.compilers.restructure` returns the edit that it
-    comes to, and `apply` refuses it as it is.
-    """
+    """What is in a subtask's file takes the subtask's place; the reverse of `extract`."""
 
     do: Literal["inline"] = "inline"
     words: ClassVar[str] = "inline {path}"

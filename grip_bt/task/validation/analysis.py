@@ -51,11 +51,6 @@ class VariableDeclaration:
     """Where it is declared: `data`, or `inputs` or `outputs` of a task."""
 
     @property
-    def type_text(self) -> str:
-        """The type as it is written."""
-        return type_of(self.variable)
-
-    @property
     def has_value(self) -> bool:
         """Whether it has an initial value."""
         return has_value(self.variable)

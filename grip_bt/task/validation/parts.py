@@ -259,14 +259,11 @@ READ, PUT = "messages/get", "messages/put"
 
 def check_messages(analysis: TaskAnalysis) -> None:
     """Find messages that are read by name, and that are neither in the project nor put by the task."""
-    read = [placed for placed in analysis.leaves if isinstance(placed.node, Leaf) and placed.node.node == READ]
+    read = list(_messages(analysis, READ))
     names = known_messages(analysis) if read else None
-    if names is None:
-        return
-    for placed in read:
-        store, name = _place(placed)
-        if isinstance(store, str) and isinstance(name, str) and name not in names.get(store, ()):
-            there = names.get(store, ())
+    for placed, store, name in read if names is not None else ():
+        there = (names or {}).get(store, ())
+        if name not in there:
             hint = nearest(name, there)
             known_ones = f" (available: {listing(there)})" if there else ""
             message = f"store {store!r} has no message {name!r}{hint}{known_ones}"
@@ -280,22 +277,17 @@ def known_messages(analysis: TaskAnalysis) -> dict[str, set[str]] | None:
     if known is None:
         return None
     names = {store: set(there) for store, there in known.items()}
-    for store, name in _put(analysis.leaves):
+    for _, store, name in _messages(analysis, PUT):
         names.setdefault(store, set()).add(name)
     return names
 
 
-def _put(leaves: list[PlacedNode]) -> Iterator[tuple[str, str]]:
-    for placed in leaves:
-        if isinstance(placed.node, Leaf) and placed.node.node == PUT:
-            store, name = _place(placed)
+def _messages(analysis: TaskAnalysis, what: str) -> Iterator[tuple[PlacedNode, str, str]]:
+    for placed in analysis.leaves:
+        if isinstance(placed.node, Leaf) and placed.node.node == what:
+            store, name = placed.node.with_.get("store"), placed.node.with_.get("name")
             if isinstance(store, str) and isinstance(name, str):
-                yield store, name
-
-
-def _place(placed: PlacedNode) -> tuple[object, object]:
-    assert isinstance(placed.node, Leaf), "leaves read and put messages"
-    return placed.node.with_.get("store"), placed.node.with_.get("name")
+                yield placed, store, name
 
 
 DRAWN = "x-tree"

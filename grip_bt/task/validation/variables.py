@@ -5,6 +5,7 @@ from __future__ import annotations
 from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Foreign, Leaf, Parallel, Subtask, Variable
 from grip_bt.task.catalog import InputPort, OutputPort, Type, check_value, is_assignable, parse_type
+from grip_bt.task.parts import type_of
 
 from .analysis import Key, PlacedNode, TaskAnalysis, VariableDeclaration
 from .codes import has_literal_form
@@ -54,7 +55,7 @@ def _items(analysis: TaskAnalysis, placed: PlacedNode, key: str, items: str) -> 
 def _declaration(analysis: TaskAnalysis, declared: VariableDeclaration) -> None:
     where = (declared.key, declared.name)
     try:
-        type_ = parse_type(declared.type_text)
+        type_ = parse_type(type_of(declared.variable))
     except ValueError as error:
         analysis.add(declared.owner, where, "unknown-type", f"{declared.name!r}: {error}")
         return
