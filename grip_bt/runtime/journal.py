@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.base.closing import Closing
+from grip_bt.base.files import Closing
 
 from .journal_events import MOST, checksum, pack_numbers, pack_times
 from .journal_rows import JournalError, prepare_to_write, process_facts

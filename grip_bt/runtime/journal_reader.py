@@ -11,8 +11,8 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.files import Closing
 
 from .journal_events import DAMAGED, MOST, Event, Name, checksum, expanded, is_name, is_time, unpacked
 from .journal_rows import JournalError, Rows, is_there

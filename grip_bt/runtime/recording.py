@@ -142,10 +142,9 @@ class Recording:
             self._advance()
 
     def happened(self, path: str, event: str, detail: str | None = None, code: str | None = None) -> bool:
-        """Tick off the next event of a node: its kind, the outcome of an end or the variable that is written, a code.
+        """Tick off the next event of a node; return False when the recording has no more of it: the event is new.
 
-        Returns:
-            False when the recording has no more of this node, so that the event is new.
+        `detail` is the outcome of an end, or the variable that is written.
 
         Raises:
             DivergedError: the recording has something else there.

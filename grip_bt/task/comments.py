@@ -32,11 +32,7 @@ class _Place:
 
 
 def attach_comments(tree: YamlMapping, text: str) -> list[str]:
-    """Tie the comments and blank lines of `text` to the entries of its syntax tree.
-
-    Returns:
-        The lines before the first entry, which stay at the top of the file.
-    """
+    """Tie comments and blank lines to entries; return the lines before the first one, which stay at the file's top."""
     places = list(_places(tree))
     spans: list[tuple[int, int]] = []
     flows: list[YamlEntry] = []

@@ -171,15 +171,12 @@ class Document:
     source: str = ""
 
     def position(self, path: str, key: str | tuple[str | int, ...] | None = None) -> tuple[int, int] | None:
-        """Return the 1-based line and column of a node, or of a key within it.
+        """Return the 1-based line and column of a node, or of a key within it; None when there is no such node.
 
         Args:
             path: a node's path (`/` is the root); an empty path is the task itself.
             key: a key of the node, or keys from the outside inwards such as `("in", "cloud")`. Where a key isn't in the
                 file, the nearest place above it is returned.
-
-        Returns:
-            None when there is no node at `path`.
         """
         entry = self._entry(path)
         if entry is None:

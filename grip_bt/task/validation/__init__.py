@@ -21,13 +21,10 @@ __all__ = ["SEVERITY", "structural_issues", "analyse", "validate"]
 
 
 def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:
-    """Check a task against the nodes that exist.
+    """Check a task against the nodes that exist; return all issues, in the order of the text.
 
     Args:
         document: the text that the task was read from; with it, issues have lines and columns.
-
-    Returns:
-        All issues, in the order of the text.
     """
     return ordered(_checked(task, catalog, document, None).issues)
 
