@@ -133,16 +133,11 @@ def play(
     """Run one form with leaves that end as a script says, and tell an observer what all of its nodes do.
 
     Args:
-        task: the form; a script names leaves by their paths in it.
-        script: how activations of leaves end; those that it doesn't name end with their first success.
+        script: how activations of leaves end, by their paths here; others end with their first success.
         observe: given what tells the time of the run [s], returns who is told.
 
     Returns:
-        How the task ends: its outcome, with the failure's code after it; `error` and where or why; nothing where it
-        was stopped since it goes on and on.
-
-    Raises:
-        InvalidTaskError: the form isn't right.
+        Outcome and failure's code; or `error` and where or why; nothing where the task goes on and on.
     """
     return _Run(task, catalog, None, script, _codes(task), observe).end
 

@@ -18,7 +18,7 @@ from .keys import Connect, Disconnect, Set, SetMeaning, Unset
 from .nodes import Add, Move, Remove, Rename
 from .outcomes import RenameOutcome
 from .paste import Paste
-from .steps import Step, path_after
+from .steps import Step
 from .variables import Declare, RenameVariable, Undeclare
 
 LONGEST = 80
@@ -113,10 +113,6 @@ class Applied:
     task: Task
     inverse: Patch
     steps: tuple[Step, ...]
-
-    def path(self, before: str) -> str | None:
-        """Return where the node that was at a path is now; None when it is gone."""
-        return path_after(before, self.steps)
 
 
 def apply(task: Task, command: AnyCommand) -> Applied:
