@@ -7,7 +7,7 @@ waits calls `self.context.wake()` from any thread when there is something to loo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status as Status
@@ -22,7 +22,6 @@ from grip_bt.task.catalog.manifest import Manifest
 
 from .node import STATUS, AskedContext, Asker, Node
 
-T = TypeVar("T")
 STOPPING = 60.0
 """How long a leaf waits at most for what was told to stop, before it begins something that moves [s]. Actions and
 controllers have shorter limits of their own; this is for calls that can't be stopped, and code that doesn't return."""

@@ -38,7 +38,6 @@ from .model import Meaning as Meaning
 from .model import Name as Name
 from .model import Node as Node
 from .model import Parallel as Parallel
-from .model import ParallelRule as ParallelRule
 from .model import Repeat as Repeat
 from .model import Retry as Retry
 from .model import Sequence as Sequence

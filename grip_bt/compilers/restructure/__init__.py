@@ -2,7 +2,6 @@
 
 from grip_bt.compilers.restructure.conversion import to_state_machines as to_state_machines
 from grip_bt.compilers.restructure.conversion import to_trees as to_trees
-from grip_bt.compilers.restructure.subtasks import Extracted as Extracted
 from grip_bt.compilers.restructure.subtasks import extracted as extracted
 from grip_bt.compilers.restructure.subtasks import inlined as inlined
 
@@ -12,6 +11,5 @@ from .equivalence import Difference as Difference
 from .equivalence import compare as compare
 from .equivalence import moved as moved
 from .equivalence import play as play
-from .result import Note as Note
 from .result import Restructured as Restructured
 from .result import to_text as to_text
