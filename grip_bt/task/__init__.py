@@ -1,8 +1,7 @@
 """What a task is: frozen models, the text that they are read from and written to, and edits of both.
 
-`model`, `parts` and `kinds/`, `document` (text -> task, with places), `shape` (what a document may hold), `canonical`
-and `comments` (task -> text), `exploration` and `kind_analysis` (what a kind can do), `edit/`, `catalog/`,
-`validation/`.
+`model`, `parts` and `kinds/`, `document` (text -> task, with places), `canonical` and `comments` (task -> text),
+`exploration` and `kind_analysis` (what a kind can do), `edit/`, `catalog/`, `validation/`.
 """
 
 from grip_bt.base.frozen import FrozenDict as FrozenDict
