@@ -111,7 +111,6 @@ class MachineRun:
         self.error: BaseException | None = None
 
     def turn(self) -> int:
-        """Wait for the time to tick; raise Halted when something else has raised."""
         seen = self.pacer.turn()
         if self.error is not None:
             raise Halted

@@ -127,8 +127,6 @@ class Scopes:
         }
 
     def reader(self, path: str, port: str, cell: Cell) -> Callable[[], Any]:
-        """Return what the port of the node at `path` reads with."""
-
         def read() -> Any:
             value = cell.value
             if value is UNSET:

@@ -167,7 +167,6 @@ class TaskMachine(TaskContainer, StateMachine):
         self.register_transition_cb(decide.moved)
 
     def execute(self, parent_ud: Any = None) -> Any:
-        """Execute; a kind that asks learns when that begins and ends, whatever ends it."""
         if self.decide is None:
             return super().execute(parent_ud)
         self.decide.begin()
@@ -184,7 +183,6 @@ class Joining(Concurrence):
     """A Concurrence that leaves a preempt request to its children, and ends by its `outcome_cb` all the same."""
 
     def execute(self, parent_ud: Any = None) -> Any:
-        """Bring a request that came before to the children, then execute."""
         if self.preempt_requested():
             self._ask_children()
         return super().execute(parent_ud)

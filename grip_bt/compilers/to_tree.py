@@ -129,7 +129,6 @@ class CompiledTree:
         return self.end()
 
     def end(self) -> TaskEnd:
-        """Return how the task has ended; the root has ended."""
         assert self.root.outcome is not None, "the root has ended"
         outcome, meaning = self._resolved.end(self.root.outcome, self.root.code)
         return TaskEnd(outcome, meaning, self.root.failure if meaning == "failure" else None)

@@ -125,7 +125,6 @@ class KindNode(Node):
         return run
 
     def ticked(self, run: tuple[int, ...]) -> Step:
-        """Return the step that follows when all of them were ticked."""
         self.running = tuple(i for i in run if self.children[i].status is R)
         self.halt_others(run)
         ended, self.ended = self.ended, False

@@ -260,7 +260,6 @@ class OperationLeaf(Leaf):
         return ""
 
     def outputs_of_failure(self) -> dict[str, Value]:
-        """Return outputs to be written when the operation ends with an error."""
         return {}
 
     def update(self) -> Status:
