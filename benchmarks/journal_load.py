@@ -90,7 +90,7 @@ def monitored():
         file = Path(folder) / "runs.sqlite"
         with Journal(file) as book:
             recorder = Recorder(log := book.begin("watched"), WallClock())
-            recorder.started()
+            recorder.say("run_started")
             book.flush()
             for turn in range(40):
                 seen, done = turn % 2 == 0, threading.Event()

@@ -42,7 +42,7 @@ def delay_answers() -> None:
     """Have everything that isn't physics come late, each time by another random time."""
     from grip_bt.commanders.planning.service import PlanningProcess
     from grip_bt.ros.component import RosComponent
-    from grip_bt.runtime.workers import Workers
+    from grip_bt.runtime.context import Workers
 
     chance = random.SystemRandom()
 

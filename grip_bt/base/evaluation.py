@@ -42,13 +42,10 @@ _FUNCTIONS: dict[str, Callable[..., object]] = {"len": len, "min": min, "max": m
 
 
 def value_of(expression: Expression, readers: Mapping[str, Evaluator]) -> Evaluator:
-    """Return a function that computes the expression.
+    """Return a function that computes the expression, or raises EvaluationError where the values don't fit it.
 
     Args:
         readers: variable -> what returns its value; one for each of `expression.names`.
-
-    Returns:
-        A function that raises EvaluationError when the values don't fit the expression.
     """
     return _with_context(expression, _compile(expression.tree, readers))
 

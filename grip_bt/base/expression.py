@@ -60,11 +60,7 @@ class Expression:
 
 @lru_cache(maxsize=4096)
 def parse_expression(text: str) -> Expression:
-    """Read an expression.
-
-    Raises:
-        ExpressionError: it isn't one; the message says where, and what is allowed.
-    """
+    """Read an expression; ExpressionError where it isn't one; the message says where, and what is allowed."""
     text = text.strip()
     tree = _syntax(text)
     names: dict[str, None] = {}

@@ -1,7 +1,4 @@
-"""Failures that a task should expect: of arms, hands, planners, sensors, servers and message stores.
-
-Each has a `code`, which becomes the failure reason of the leaf that met it.
-"""
+"""Failures that a task should expect: of arms, hands, planners, sensors, servers and message stores."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that are replaced in one step: whoever reads one sees the old content or the new one."""
+"""Files that are replaced in one step: whoever reads one sees the old content or the new; and what a `with` closes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import errno
 import os
 import shutil
 import tempfile
+from abc import ABC, abstractmethod
 from pathlib import Path
+from typing import Self
 
 
 def replace_text(path: Path, text: str) -> None:
@@ -47,3 +49,17 @@ def replace_bytes(path: Path, data: bytes, durable: bool = False) -> None:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+class Closing(ABC):
+    """Something that holds a process, a connection or a file until it is closed."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of it; harmless when repeated."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

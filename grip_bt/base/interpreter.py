@@ -1,7 +1,4 @@
-"""How this Python is started once more, and how such a process has ended.
-
-The current folder isn't on its path, whatever modules somebody has in it.
-"""
+"""How this Python is started once more, and how such a process has ended."""
 
 from __future__ import annotations
 

@@ -19,11 +19,9 @@ class Issue:
         path: the node (`/` is the root), or the part of a file from elsewhere; empty for the task or file itself.
         code: stable word from `docs/validation_rules.md`.
         severity: an `error` can't be run or imported; a `warning` can; an `info` has only to be known.
-        message: what is wrong, with what was allowed.
         fix: what to do; empty where only a person can know.
         line: 1-based, None without a document.
         column: 1-based, None without a document.
-        source: the file's name as it was given.
         key: keys within the node that lead to it, such as `("in", "cloud")`; empty for the node as a whole.
     """
 

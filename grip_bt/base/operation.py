@@ -68,11 +68,7 @@ class Operation(Generic[T]):
         return self._ended.is_set()
 
     def result(self) -> T:
-        """Return the result, or raise the error that ended it.
-
-        Raises:
-            RuntimeError: it hasn't ended.
-        """
+        """Return the result, or raise the error that ended it; RuntimeError where it hasn't ended."""
         if not self.done():
             raise RuntimeError("the operation hasn't ended; wait for done() or add a callback")
         if self._error is not None:

@@ -55,11 +55,7 @@ ANY = Type("Any")
 
 @lru_cache(maxsize=4096)
 def parse_type(text: str) -> Type:
-    """Read a type expression.
-
-    Raises:
-        ValueError: it isn't one; the message names the nearest type.
-    """
+    """Read a type expression; ValueError where it isn't one; the message names the nearest type."""
     if len(text) > _LONGEST:
         raise ValueError(f"{text[:40]!r}... is longer than {_LONGEST} characters, which no type is")
     tokens, at = [], 0

@@ -15,8 +15,7 @@ from dataclasses import replace
 from grip_bt.base.errors import ContractError, listing, nearest
 from grip_bt.base.expression import parse_expression
 from grip_bt.base.types import BUILTINS, VALUES, Type, parse_type
-from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
-from grip_bt.task.catalog.component_parts import PortType
+from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile, PortType
 from grip_bt.task.catalog.ros_config import INTEGER_TYPES, FieldSpec, InterfaceSpec
 from grip_bt.task.validation.expressions import type_of
 

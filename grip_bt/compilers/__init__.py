@@ -4,21 +4,13 @@
 and `.by_path` what was made, `prepare(context)` sets up, `observe(observer)` reports, `execute(pacer)` runs to its end.
 """
 
-from grip_bt.compilers.behaviour_state import Halted, Pacer, Rushing, TaskEnd, drive
-
-from .behaviour_state import BehaviourState
-from .to_machine import CompiledMachine, to_machine
-from .to_tree import CompiledTree, to_tree
-
-__all__ = [
-    "BehaviourState",
-    "CompiledMachine",
-    "CompiledTree",
-    "Halted",
-    "Pacer",
-    "Rushing",
-    "TaskEnd",
-    "drive",
-    "to_machine",
-    "to_tree",
-]
+from .behaviour_state import BehaviourState as BehaviourState
+from .behaviour_state import Halted as Halted
+from .behaviour_state import Pacer as Pacer
+from .behaviour_state import Rushing as Rushing
+from .behaviour_state import TaskEnd as TaskEnd
+from .behaviour_state import drive as drive
+from .to_machine import CompiledMachine as CompiledMachine
+from .to_machine import to_machine as to_machine
+from .to_tree import CompiledTree as CompiledTree
+from .to_tree import to_tree as to_tree

@@ -13,7 +13,6 @@ from py_trees.common import Status
 from grip_bt.base.ports import Context
 from grip_bt.base.values import Failure
 from grip_bt.compilers.binding import prepare
-from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import AskedContext, Node, halt
 from grip_bt.smach_compat import State
 
@@ -48,7 +47,6 @@ class Rushing:
     """A pacer that never waits, for leaves that need no time."""
 
     def turn(self) -> int:
-        """Tick at once."""
         return 0
 
     def rest(self, seen: int) -> None:
@@ -113,27 +111,22 @@ class MachineRun:
         self.error: BaseException | None = None
 
     def turn(self) -> int:
-        """Wait for the time to tick; raise Halted when something else has raised."""
         seen = self.pacer.turn()
         if self.error is not None:
             raise Halted
         return seen
 
     def rest(self, seen: int) -> None:
-        """Wait for something to look at."""
         self.pacer.rest(seen)
 
     def wake(self) -> None:
-        """Have every state look."""
         self.pacer.wake()
 
     def fork(self, count: int) -> list[AbstractContextManager[object]]:
-        """Return what threads enter that this thread starts, each for as long as it works."""
         fork = getattr(self.pacer, "fork", alone)  # a pacer may say in which order they work
         return fork(count)
 
     def joined(self) -> AbstractContextManager[object]:
-        """Return what this thread enters while it waits for them."""
         joined: Callable[[], AbstractContextManager[object]] = getattr(self.pacer, "joined", nullcontext)
         return joined()
 
@@ -177,17 +170,11 @@ class BehaviourState(TaskState):
         self._tick: Callable[[], object] = node.tick_once
         self._make_ticker: MakeTicker | None = None
 
-    @property
-    def embedded(self) -> bool:
-        """Whether this is a sub-tree and not one leaf."""
-        return not isinstance(self.node, Leaf)
-
     def prepare(self, context: Context) -> None:
         """Give every node below its context, in which a preempt request of this state is seen."""
         prepare(self.node.iterate(), AskedContext(context, self.preempt_requested))
 
     def execute(self, userdata: object) -> str:
-        """Tick to the end; a stop interrupts everything below, and unwinds."""
         run, node = self.run, self.node
         if self._make_ticker is not run.make_ticker:
             self._make_ticker = run.make_ticker

@@ -64,11 +64,7 @@ def make_leaf(part: Part, factory: LeafFactory, scopes: Scopes) -> Leaf:
 
 
 def prepare(nodes: Iterable[Behaviour], context: object) -> None:
-    """Set up nodes, each once.
-
-    Raises:
-        NodeError: one raised; it is named.
-    """
+    """Set up nodes, each once; a NodeError names the one that raised."""
     for node in nodes:
         try:
             node.setup(context=context)
@@ -128,7 +124,6 @@ def adopter(code: AllowedImports) -> BehaviourFactory:
 
 
 def _built(path: str, where: str, code: AllowedImports) -> Mapping[str, Behaviour]:
-    """Return the behaviours of the tree that somebody's code builds, by path."""
     if not code.names(where):
         trouble = not_listed(where, code.listed)
         raise InvalidTaskError([Issue(path, trouble.code, "error", trouble.message, trouble.fix)])
@@ -141,7 +136,6 @@ def _built(path: str, where: str, code: AllowedImports) -> Mapping[str, Behaviou
 
 
 def _part_of(tree: Mapping[str, Behaviour], path: str, node: Foreign, children: Sequence[Behaviour]) -> Behaviour:
-    """Take a behaviour out of its tree; its children are replaced."""
     made = tree.get(node.at)
     if made is None or class_path(made) != node.behaviour:
         what = "nothing" if made is None else f"a {type(made).__name__}"

@@ -95,16 +95,16 @@ def table_of(part: Part, needed: Refined) -> Table:
     Args:
         needed: its own (outcome, code) pairs for which its parent needs a label.
     """
-    table, names, labels = Table(), state_labels(part), labels_of(part)
+    table, names = Table(), state_labels(part)
     own = part.edges if kind_of(part).by_edges else part.exits
     for index, child in enumerate(part.children):
         row: dict[str, str] = {}
         refined: set[tuple[str, str]] = set()
         for outcome in child.meaning:
-            row[outcome] = _target(_lead(part, labels, index, outcome, None), names)
+            row[outcome] = _target(lead(part, index, outcome, None), names)
             mine = set(own.codes(child.name, outcome))
             for code in sorted(mine | {code for _, code in needed}):
-                way = _lead(part, labels, index, outcome, code)
+                way = lead(part, index, outcome, code)
                 carried = way.end is not None and (way.end, code) in needed and part.meaning[way.end] == "failure"
                 if carried or code in mine:
                     refined.add((outcome, code))
@@ -113,11 +113,6 @@ def table_of(part: Part, needed: Refined) -> Table:
     first = first_step(part)
     table.initial = AGAIN if first is None else names[part.children[first.children[0]].name]
     return table
-
-
-def lead(part: Part, index: int, outcome: str, code: str | None) -> Lead:
-    """Return where the end of the child at `index` leads."""
-    return _lead(part, labels_of(part), index, outcome, code)
 
 
 def first_step(part: Part) -> Run | None:
@@ -140,7 +135,9 @@ def kind_of(part: Part) -> Kind:
     return part.node
 
 
-def _lead(part: Part, labels: Labels, index: int, outcome: str, code: str | None) -> Lead:
+def lead(part: Part, index: int, outcome: str, code: str | None) -> Lead:
+    """Return where the end of the child at `index` leads."""
+    labels = labels_of(part)
     kind, child = kind_of(part), part.children[index]
     end = Ended(child.name, outcome, child.meaning[outcome], code)
     taken = labels.exit(end)

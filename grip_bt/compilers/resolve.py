@@ -60,13 +60,11 @@ class Part:
 
     @property
     def around(self) -> Scope:
-        """The variables around the node, without its own."""
         if self.outside is not None:
             return self.outside
         return self.scope.outer if self.declares and self.scope.outer is not None else self.scope
 
     def walk(self) -> Iterator[Part]:
-        """Yield this part and all below it, parents first."""
         stack = [self]
         while stack:
             part = stack.pop()
@@ -88,7 +86,6 @@ class Resolved:
     ends: Edges
 
     def end(self, outcome: str, code: str | None) -> tuple[str, str]:
-        """Return the task's outcome for an end of the root, and its meaning."""
         label = self.ends.target("/", outcome, code)
         if label is None:
             raise LookupError(f"the root ended with {outcome!r}, which leads to no outcome of the task")

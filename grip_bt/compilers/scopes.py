@@ -1,8 +1,4 @@
-"""The variables of one run: a scope per declaring container, a cell per variable, closures for ports.
-
-Names are resolved once, when a task is compiled; at run time a port reads and writes its cell and looks nothing up. A
-scope is reset each time its container is entered anew: each variable gets its initial value again, or is unwritten.
-"""
+"""The variables of one run: a scope per declaring container, a cell per variable, closures for ports."""
 
 from __future__ import annotations
 
@@ -51,15 +47,12 @@ class Cell:
 
     @property
     def initial(self) -> Any:
-        """The value that it has when its container is entered; `UNSET` for none."""
         return self._initial
 
     def reset(self) -> None:
-        """Take the initial value again, or become unwritten."""
         self.value = self._initial if self._initial is UNSET else deepcopy(self._initial)
 
     def preset(self, value: object) -> None:
-        """Replace the initial value, and take it."""
         self._initial = value
         self.reset()
 
@@ -72,12 +65,10 @@ class Scope:
         self.cells = {name: Cell(name, variable) for name, variable in declared.items()}
 
     def reset(self) -> None:
-        """Start anew; called when the container is entered."""
         for cell in self.cells.values():
             cell.reset()
 
     def find(self, name: str) -> Cell | None:
-        """Return the innermost visible variable of this name, or None."""
         scope: Scope | None = self
         while scope is not None:
             if name in scope.cells:
@@ -86,13 +77,11 @@ class Scope:
         return None
 
     def cell(self, name: str) -> Cell:
-        """Return the visible variable of this name; resolved tasks declare all that they name."""
         cell = self.find(name)
         assert cell is not None, "resolved variables are declared"
         return cell
 
     def visible(self) -> list[str]:
-        """Return all names that can be seen from here, inner ones first."""
         names: dict[str, None] = {}
         scope: Scope | None = self
         while scope is not None:
@@ -126,14 +115,10 @@ class Scopes:
     def __getitem__(self, path: str) -> Scope:
         return self._scopes[path]
 
-    def __contains__(self, path: str) -> bool:
-        return path in self._scopes
-
     def __iter__(self) -> Iterator[Scope]:
         return iter(self._scopes.values())
 
     def snapshot(self) -> dict[tuple[str, str], Any]:
-        """Return the value of every written variable by (container's path, name)."""
         return {
             (path, name): cell.value
             for path, scope in self._scopes.items()
@@ -142,8 +127,6 @@ class Scopes:
         }
 
     def reader(self, path: str, port: str, cell: Cell) -> Callable[[], Any]:
-        """Return what the port of the node at `path` reads with."""
-
         def read() -> Any:
             value = cell.value
             if value is UNSET:

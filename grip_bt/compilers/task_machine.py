@@ -39,16 +39,13 @@ class TaskContainer(TaskState):
     hand_out: Callable[[], None] | None = None
 
     def take(self, path: str, meaning: Mapping[str, str], refined: Refined, enter: Callable[[], None] | None) -> None:
-        """Become the container of the node at `path`."""
         self.path, self.meaning, self.refined = path, dict(meaning), frozenset(refined)
         self._entries = [] if enter is None else [enter]
 
     def on_enter(self, reset: Callable[[], None]) -> None:
-        """Have `reset` called each time the container is entered."""
         self._entries.append(reset)
 
     def execute(self, parent_ud: Any = None) -> Any:
-        """Execute as smach does, and report where the activation begins and ends."""
         self.outcome = self.failure = None
         self.observer.entered(self.path)
         try:
@@ -82,7 +79,6 @@ class TaskContainer(TaskState):
         return False
 
     def reason(self) -> Failure | None:
-        """Return why the container fails."""
         raise NotImplementedError
 
 
@@ -115,11 +111,9 @@ class Decide(TaskState):
         self._at = self._before = ""
 
     def begin(self, *_: object) -> None:
-        """Forget the last activation."""
         self.state, self._at, self._before = self.first, "", ""
 
     def moved(self, userdata: Any, active: list[str], *_: Any) -> None:
-        """Note which state the machine has come to."""
         self._before, self._at = self._at, active[0]
 
     def execute(self, userdata: Any) -> str:
@@ -156,11 +150,7 @@ class TaskMachine(TaskContainer, StateMachine):
     """A container whose children run one after the other."""
 
     def __init__(
-        self,
-        path: str,
-        meaning: Mapping[str, str],
-        refined: Refined = (),
-        enter: Callable[[], None] | None = None,
+        self, path: str, meaning: Mapping[str, str], refined: Refined = (), enter: Callable[[], None] | None = None
     ):
         StateMachine.__init__(self, labels(meaning, refined))
         self.take(path, meaning, refined, enter)
@@ -172,13 +162,11 @@ class TaskMachine(TaskContainer, StateMachine):
         self._last = self[terminal_states[0]]  # type: ignore[assignment]
 
     def ask(self, decide: Decide) -> None:
-        """Have a state ask what follows."""
         self.decide = decide
         self.register_start_cb(decide.moved)
         self.register_transition_cb(decide.moved)
 
     def execute(self, parent_ud: Any = None) -> Any:
-        """Execute; a kind that asks learns when that begins and ends, whatever ends it."""
         if self.decide is None:
             return super().execute(parent_ud)
         self.decide.begin()
@@ -188,7 +176,6 @@ class TaskMachine(TaskContainer, StateMachine):
             self.decide.kind.over(self.decide.state, self.decide.answers)
 
     def reason(self) -> Failure | None:
-        """Return the reason of the state that ended the machine."""
         return self._last.failure if self._last is not None else None
 
 
@@ -196,7 +183,6 @@ class Joining(Concurrence):
     """A Concurrence that leaves a preempt request to its children, and ends by its `outcome_cb` all the same."""
 
     def execute(self, parent_ud: Any = None) -> Any:
-        """Bring a request that came before to the children, then execute."""
         if self.preempt_requested():
             self._ask_children()
         return super().execute(parent_ud)
@@ -247,7 +233,6 @@ class TaskConcurrence(TaskContainer, Joining):
         return step.outcome, cast("Failure", step.reason) if self.meaning[step.outcome] == "failure" else None
 
     def reason(self) -> Failure | None:
-        """Return the reason of the first child that accounts for the outcome."""
         return self.decided()[1]
 
     def _choose(self, outcomes: Mapping[str, str]) -> str:

@@ -10,7 +10,6 @@ from typing import Any
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import NotExpressibleError
-from grip_bt.compilers.behaviour_state import Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import (
     BehaviourFactory,
     LeafFactory,
@@ -21,17 +20,16 @@ from grip_bt.compilers.binding import (
     release,
     variables_of,
 )
-from grip_bt.compilers.task_machine import enclose
 from grip_bt.nodes.leaf import Leaf
 from grip_bt.nodes.node import Node, Observer
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 
-from .behaviour_state import BehaviourState, MachineRun, MakeTicker, Refined, TaskState, labels
+from .behaviour_state import BehaviourState, Halted, MachineRun, MakeTicker, Pacer, Refined, TaskEnd, TaskState, labels
 from .machine_table import AGAIN, asks, first_step, interrupts, kind_of, state_labels, table_of
 from .resolve import Part, Resolved, resolve
 from .scopes import Scopes
-from .task_machine import Decide, TaskConcurrence, TaskContainer, TaskMachine
+from .task_machine import Decide, TaskConcurrence, TaskContainer, TaskMachine, enclose
 from .to_tree import TreeBuilder
 
 _log = logging.getLogger("grip_bt.smach")
@@ -119,7 +117,6 @@ class CompiledMachine:
     Attributes:
         machine: the machine; its one state is the root of the task, its outcomes are the task's.
         by_path: states and containers by path; inside an embedded sub-tree, behaviours.
-        leaves: the leaves, by path, in document order.
         ends: label of the root's end -> outcome of the task, as the document has it.
     """
 
@@ -140,7 +137,6 @@ class CompiledMachine:
         }
 
     def observe(self, observer: Observer) -> None:
-        """Have every activation and every write reported to `observer`."""
         self.data.on_write = observer.wrote
         for node in self._nodes.values():
             node.observer = observer
@@ -161,7 +157,6 @@ class CompiledMachine:
                 state.decide.answers.context = context
 
     def release(self) -> None:
-        """Undo `prepare`; nothing runs any more."""
         nodes = {id(below): below for node in self._nodes.values() for below in node.iterate()}
         release(nodes.values())
 

@@ -41,7 +41,6 @@ class TreeBuilder:
         self.leaves: dict[str, Leaf] = {}
 
     def build(self, part: Part) -> Node:
-        """Return the behaviour of `part`, with everything below it."""
         if isinstance(part.node, model.Leaf):
             node: Node = make_leaf(part, self.factory, self.scopes)
             self.leaves[part.path] = cast(Leaf, node)
@@ -71,7 +70,6 @@ class TreeBuilder:
         return node
 
     def _shared(self, part: Part, kind: model.Foreign) -> dict[str, Shared]:
-        """Return the variables that a foreign behaviour has on its blackboard."""
         found: dict[str, Shared] = {}
         for key, name in {**kind.in_, **kind.out}.items():
             cell = part.scope.cell(name)
@@ -101,7 +99,6 @@ class CompiledTree:
         return None
 
     def observe(self, observer: Observer) -> None:
-        """Have every activation and every write reported to `observer`."""
         self.data.on_write = observer.wrote
         for node in self.by_path.values():
             node.observer = observer
@@ -115,7 +112,6 @@ class CompiledTree:
         prepare(self.root.iterate(), context)
 
     def release(self) -> None:
-        """Undo `prepare`; nothing runs any more."""
         release(self.root.iterate())
 
     def execute(self, pacer: Pacer, tick: Callable[[], None] | None = None) -> TaskEnd:
@@ -133,7 +129,6 @@ class CompiledTree:
         return self.end()
 
     def end(self) -> TaskEnd:
-        """Return how the task has ended; the root has ended."""
         assert self.root.outcome is not None, "the root has ended"
         outcome, meaning = self._resolved.end(self.root.outcome, self.root.code)
         return TaskEnd(outcome, meaning, self.root.failure if meaning == "failure" else None)

@@ -19,14 +19,6 @@ class Answers:
     """The `Questions` of a kind, where they are described, answered from a run's variables and clock [s].
 
     Attributes:
-        path: the container's path.
-        names: of its children.
-        context: the run's.
-        conditions: key -> what computes whether a condition holds.
-        readers: key -> what reads a value.
-        writers: key -> what writes a variable.
-        exits: where ends of children lead out.
-        edges: where they lead by the children's own `on`.
         ends: how the children have ended, of a kind that is concurrent.
         kept: what the kind keeps from one activation to the next.
         judge: tells whether a time has come, in place of the clock.
@@ -77,7 +69,6 @@ class Answers:
         return next((child for child, literal in literals if same_literal(value, literal)), default)
 
     def items(self, key: str) -> tuple[Value, ...]:
-        """Read the list."""
         items = self.value(key)
         if not isinstance(items, list | tuple):
             error = TypeError(f"`{key}` is {items!r}, a {type(items).__name__}, not a list")

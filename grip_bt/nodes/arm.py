@@ -1,17 +1,17 @@
-"""Leaves that move an arm to a state or a pose, and that steer it: jogging, following, holding."""
+"""Leaves that move an arm to a state or a pose, that steer it (jog, follow, hold), and that teach it names."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from grip_bt.base.errors import UnknownNameError
+from grip_bt.base.errors import UnknownNameError, listing
+from grip_bt.base.failures import NameTakenError, NotTaughtError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm
 from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.commanders.steering import twist_towards
 from grip_bt.nodes.leaf import OperationLeaf, Status
-from grip_bt.nodes.motion import Resting, go
-from grip_bt.nodes.path_constraints import read_keep, verify_keep
+from grip_bt.nodes.motion import Resting, check_word, go, read_keep, verify_keep
 
 
 class ArmLeaf(OperationLeaf):
@@ -31,7 +31,6 @@ class KeepingLeaf(ArmLeaf):
         verify_keep(self, self.params["keep"])
 
     def constraint(self) -> PathConstraint | None:
-        """Return what the motion that begins now keeps to."""
         bound: PathConstraint | None = self.read("constraint")
         keep = self.params["keep"]
         return read_keep(keep, self.arm.grasp_pose()) if keep else bound
@@ -65,15 +64,12 @@ _IDLE = 0.2
 
 
 class _SteeringLeaf(ArmLeaf):
-    """A leaf that tells an arm where to, again and again, while it moves."""
-
     _asked_before = False
 
     def initialise(self) -> None:
         self._asked_before = self.context.preempt_requested
 
     def steer(self) -> Operation[JointState]:
-        """Tell the arm where to now."""
         raise NotImplementedError
 
     def start(self) -> Operation[JointState]:
@@ -129,7 +125,6 @@ class Follow(_SteeringLeaf):
         return super().update()
 
     def steer(self) -> Operation[JointState]:
-        """Go towards where the target is now, no quicker than allowed."""
         return self.arm.steer_to(self.read("pose"), self.params["speed"])
 
     def _at_target(self) -> bool:
@@ -174,3 +169,29 @@ class ReadPose(ArmLeaf):
 
     def update(self) -> Status:
         return self.end(pose=self.arm.grasp_pose())
+
+
+class Teach(ArmLeaf):
+    """Remember where the arm is now."""
+
+    def prepare(self) -> None:
+        super().prepare()
+        check_word(self.params["name"], self.path)
+
+    def update(self) -> Status:
+        try:
+            return self.end(value=self.arm.teach(self.params["name"], pose=self.params["pose"]))
+        except NameTakenError as error:
+            return self.fail(error.code, error.message)
+
+
+class MoveToTaught(KeepingLeaf):
+    """Go to what was taught, in this run or before."""
+
+    def start(self) -> Operation[JointState]:
+        taught, name = self.arm.taught(), self.params["name"]
+        if name not in taught:
+            raise NotTaughtError(
+                f"nothing was taught as {name!r} (available: {listing(sorted(taught))})", taught=sorted(taught)
+            )
+        return go(self.arm, taught[name], self.constraint())

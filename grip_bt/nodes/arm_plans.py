@@ -15,8 +15,7 @@ from grip_bt.base.values import JointState, Plan, Pose, WayPoint
 from grip_bt.commanders.joined import execute_together
 from grip_bt.nodes.arm import ArmLeaf, KeepingLeaf
 from grip_bt.nodes.leaf import OperationLeaf, Status
-from grip_bt.nodes.motion import go, go_straight
-from grip_bt.nodes.path_constraints import read_keep, verify_keep
+from grip_bt.nodes.motion import go, go_straight, read_keep, verify_keep
 
 THERE = 0.005
 """An arm so near to the beginning of a trajectory [rad or m] needn't be led there."""
@@ -137,8 +136,6 @@ class MoveStraight(ArmLeaf):
 
 @dataclass(frozen=True, slots=True)
 class _Passed:
-    """What came of a motion: the plan, and what was measured at its end."""
-
     plan: Plan
     reached: JointState
 
@@ -161,11 +158,7 @@ class _ThroughLeaf(KeepingLeaf):
             raise ValueError(f"{self.path}: {_mismatch(radii, offsets)}")
 
     def way_points(self) -> list[WayPoint]:
-        """Return them, with their radii.
-
-        Raises:
-            PathInvalidError: none are bound, or there is another number of radii.
-        """
+        """Return them, with their radii; PathInvalidError where none are bound, or there is another number of radii."""
         here = self.arm.grasp_pose() if self.params["offsets"] else Pose()
         goals: list[Any] = [here.moved(offset) for offset in self.params["offsets"]] or self.read("way_points")
         radii: list[float] = self.params["radii"] or [self.params["radius"]] * (len(goals) - 1)

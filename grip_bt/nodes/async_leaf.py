@@ -21,12 +21,9 @@ from grip_bt.task.catalog.manifest import Manifest
 
 
 class _Loop(asyncio.SelectorEventLoop):
-    """An event loop whose time leaves out how long it was held."""
-
     held = 0.0
 
     def time(self) -> float:
-        """Return its time [s]."""
         return super().time() - self.held
 
 
@@ -43,11 +40,7 @@ class _HeldCoroutine:
         self._task: asyncio.Task[Value] | None = None
 
     def run(self) -> Value:
-        """Run it to its end; for the worker.
-
-        Raises:
-            CanceledError: it was cancelled.
-        """
+        """Run it to its end, in the worker; CanceledError where it was cancelled."""
         try:
             with asyncio.Runner(loop_factory=_Loop) as runner:
                 return runner.run(self._main())
@@ -58,7 +51,6 @@ class _HeldCoroutine:
                 self._loop = None
 
     def pause(self) -> None:
-        """Hold it where it awaits next."""
         with self._lock:
             if self._canceled or not self._free.is_set():
                 return
@@ -88,7 +80,6 @@ class _HeldCoroutine:
         return await self._make()
 
     def _stand(self) -> None:
-        """Stand still in the loop's own thread until it goes on."""
         loop = self._loop
         if loop is not None and not self._free.is_set():
             began = loop.time()
@@ -101,7 +92,6 @@ def run_coroutine(context: Context, make: Callable[[], Awaitable[Value]]) -> Ope
 
     Args:
         context: of the run; the coroutine stands still while that is paused.
-        make: returns the coroutine.
 
     Returns:
         What ends with it; cancelling it cancels the coroutine where it awaits, and it ends when what was awaited has.
@@ -221,8 +211,6 @@ class AsyncLeaf(OperationLeaf):
                 " self.end and self.fail are for update()"
             )
         return super().end(outcome, **outputs)
-
-    # --- the activation ---
 
     def start(self) -> Operation[Value]:
         self._naps.clear()

@@ -73,11 +73,7 @@ def compare(before: RgbdFrame, after: RgbdFrame, place: ArrayLike | None, limits
 
 
 def _changed(
-    before: RgbdFrame,
-    after: RgbdFrame,
-    z_before: NDArray[np.float64],
-    z_after: NDArray[np.float64],
-    limits: Thresholds,
+    before: RgbdFrame, after: RgbdFrame, z_before: NDArray[np.float64], z_after: NDArray[np.float64], limits: Thresholds
 ) -> Mask:
     color = cv2.absdiff(before.image.pixels, after.image.pixels).max(axis=2) > limits.color
     with np.errstate(invalid="ignore"):  # NaN where a pixel has no depth: no evidence of a change

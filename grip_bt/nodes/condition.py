@@ -21,8 +21,6 @@ class Condition:
     """An expression that is true or false.
 
     Attributes:
-        text: as it was written.
-        holds: computes it.
         watch: has a function called after each write of a variable that it reads.
     """
 
@@ -31,7 +29,6 @@ class Condition:
     watch: Callable[[Callable[[], None]], None]
 
     def refusal(self, code: str) -> Failure:
-        """Return the reason of a node that ends because the condition is false."""
         return Failure(code, f"`{self.text}` is false")
 
 

@@ -1,7 +1,4 @@
-"""The behaviour of every container whose kind is an automaton: it ticks children as the kind says.
-
-Statuses, halts and reports are py_trees' and ours, and stand here; what follows what is the kind's.
-"""
+"""The behaviour of every container whose kind is an automaton: it ticks children as the kind says."""
 
 from __future__ import annotations
 
@@ -30,12 +27,9 @@ class KindNode(Node):
 
     Attributes:
         kind: says who is ticked; another one of the same class may take its place between ticks.
-        answers: what the kind is answered.
-        state: the kind's.
         running: positions of the children that run.
         resting: whether nobody runs until the next tick.
         ended: whether a child has ended in this tick.
-        last: the child that has ended last.
         enter: called when it is entered anew; it resets the container's variables.
         leave: called when it has ended by itself, before anybody learns of it.
     """
@@ -120,7 +114,6 @@ class KindNode(Node):
         self.land(step)
 
     def run(self, step: Run) -> tuple[int, ...]:
-        """Return the positions of the children that are to be ticked now."""
         run, self.state, first = step
         if self.resting:
             self.resting, self.running = False, run
@@ -132,7 +125,6 @@ class KindNode(Node):
         return run
 
     def ticked(self, run: tuple[int, ...]) -> Step:
-        """Return the step that follows when all of them were ticked."""
         self.running = tuple(i for i in run if self.children[i].status is R)
         self.halt_others(run)
         ended, self.ended = self.ended, False
@@ -187,7 +179,6 @@ class KindNode(Node):
         return self.status
 
     def halt_others(self, run: Sequence[int]) -> None:
-        """Halt the children that run and aren't among these."""
         for i, child in enumerate(self.children):
             if child.status is R and i not in run:
                 child.stop(INVALID)
@@ -201,7 +192,6 @@ class KindNode(Node):
                 self.reset(self.children[self.children.index(child) + 1 :])
 
     def reset(self, children: Iterable[Node]) -> None:
-        """Stop those that aren't INVALID."""
         for child in children:
             if child.status is not INVALID:
                 child.stop(INVALID)
@@ -231,7 +221,6 @@ class RunAnswers(Answers):
         super().__init__(path, (), exits, edges)
 
     def written(self) -> None:
-        """Have the task ticked soon."""
         if self.node.active:
             self.node.context.wake()
 

@@ -35,7 +35,6 @@ class Evidence:
     Attributes:
         name: `contact`, `fingers`, `sight` or `image`.
         held: whether something is held; None where it can't tell.
-        why: what was measured.
     """
 
     name: str

@@ -18,8 +18,6 @@ _POLL = 0.05
 
 
 class _ExpressionLeaf(Leaf):
-    """A leaf with a parameter `expression`, which names the inputs `a` to `h`."""
-
     def prepare(self) -> None:
         """Read the expression.
 
@@ -76,11 +74,7 @@ class PlayStatuses(Leaf):
     _at = 0
 
     def prepare(self) -> None:
-        """Read the list.
-
-        Raises:
-            ValueError: it is empty, or holds something else than statuses.
-        """
+        """Read the list; ValueError where it is empty, or holds something else than statuses."""
         rows = [each.partition("*") for each in self.params["statuses"]]
         self._list = [word for word, _, count in rows for _ in range(int(count or 1))]
         then = self.params["then"]
@@ -92,7 +86,6 @@ class PlayStatuses(Leaf):
         self._at = 0 if self.params["anew"] else self._at
 
     def update(self) -> Status:
-        """Take the next one."""
         then: str | None = self.params["then"]
         if self._at >= len(self._list) and then is None:
             self._at = 0

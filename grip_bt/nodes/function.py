@@ -1,7 +1,4 @@
-"""Leaves from functions and classes, whose annotations say everything else; `docs/own_nodes.md` shows how.
-
-In a project's `nodes` folder both are found without running them; see `catalog.python_nodes`.
-"""
+"""Leaves from functions and classes, whose annotations say everything else; `docs/own_nodes.md` shows how."""
 
 from __future__ import annotations
 

@@ -168,7 +168,6 @@ class Retreat(ArmHandLeaf):
     """
 
     def start(self) -> Operation[list[ExpectedError]]:
-        """Open, let go, back, up. The result holds the errors of the steps that could not be made."""
         return run_steps(self._steps())
 
     def finish(self, result: list[ExpectedError]) -> Status:

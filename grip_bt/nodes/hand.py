@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from grip_bt.base.errors import listing
-from grip_bt.base.failures import NotTaughtError
+from grip_bt.base.failures import NameTakenError, NotTaughtError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
 from grip_bt.base.values import Grasp, JointState
 from grip_bt.nodes.leaf import OperationLeaf, Status
-from grip_bt.nodes.motion import Resting
+from grip_bt.nodes.motion import Resting, check_word
 
 
 class HandLeaf(OperationLeaf):
@@ -63,8 +63,6 @@ class ReadState(HandLeaf):
 
 
 class _MovingHandLeaf(HandLeaf):
-    """A leaf that moves the fingers without asking whether they touch."""
-
     def move(self, posture: JointState | str) -> Operation[JointState]:
         return self.hand.move(posture, self.params["torque_limit"], self.params["seconds"])
 
@@ -173,3 +171,17 @@ class KeepContact(HandLeaf):
         if now - self._lost_since < self.params["patience"]:
             return self.running("contact is lost")
         return self.fail("lost_contact", f"{len(links)} links touch something: {listing(links)}", links=links)
+
+
+class TeachHand(HandLeaf):
+    """Remember the fingers' posture."""
+
+    def prepare(self) -> None:
+        super().prepare()
+        check_word(self.params["name"], self.path)
+
+    def update(self) -> Status:
+        try:
+            return self.end(value=self.hand.teach(self.params["name"]))
+        except NameTakenError as error:
+            return self.fail(error.code, error.message)

@@ -7,7 +7,7 @@ waits calls `self.context.wake()` from any thread when there is something to loo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar
 
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status as Status
@@ -18,12 +18,10 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
 from grip_bt.base.types import Value
 from grip_bt.base.values import Failure
-from grip_bt.nodes.node import AskedContext, Asker
 from grip_bt.task.catalog.manifest import Manifest
 
-from .node import STATUS, Node
+from .node import STATUS, AskedContext, Asker, Node
 
-T = TypeVar("T")
 STOPPING = 60.0
 """How long a leaf waits at most for what was told to stop, before it begins something that moves [s]. Actions and
 controllers have shorter limits of their own; this is for calls that can't be stopped, and code that doesn't return."""
@@ -33,8 +31,6 @@ class Leaf(Node):
     """A node of the catalogue in a tree.
 
     Attributes:
-        path: the node's path in the task.
-        manifest: its face.
         params: the literals of `with:`, defaults filled in.
         outcome: the label of the last end, None while running or after an interruption.
         failure: why it failed, None otherwise.
@@ -45,7 +41,6 @@ class Leaf(Node):
     """
 
     context: Context
-    resumable: ClassVar[bool] = False
     waits: ClassVar[bool | None] = None
     watched: ClassVar[tuple[str, ...]] = ()
     _since: float | None = None
@@ -82,7 +77,6 @@ class Leaf(Node):
         return value
 
     def note_write(self, port: str) -> None:
-        """Count a write to the variable at a port."""
         self.writes[port] += 1
 
     def running(self, message: str = "") -> Status:
@@ -187,7 +181,6 @@ class Leaf(Node):
 
     @property
     def unended(self) -> bool:
-        """Whether an interrupted operation hasn't ended."""
         return self._left is not None and not self._left.done()
 
     @property
@@ -267,7 +260,6 @@ class OperationLeaf(Leaf):
         return ""
 
     def outputs_of_failure(self) -> dict[str, Value]:
-        """Return outputs to be written when the operation ends with an error."""
         return {}
 
     def update(self) -> Status:

@@ -60,8 +60,6 @@ class Node(Behaviour):
         path: the node's path in the task; `/` for the root.
         meaning: each outcome that the node can end with -> `success` or `failure`.
         outcome: the label of the last end, None while running or after an interruption.
-        failure: the reason of the last end, where there is one.
-        active: whether an activation is under way.
         document: what it was made of; None where it wasn't compiled.
     """
 
@@ -77,7 +75,6 @@ class Node(Behaviour):
 
     @property
     def code(self) -> str | None:
-        """The code of the last failure, or None."""
         return self.failure.code if self.failure is not None else None
 
     def begin(self) -> None:
@@ -102,7 +99,6 @@ class Node(Behaviour):
             self.report()
 
     def report(self) -> None:
-        """Tell the observer how an activation that was under way is over."""
         if self.active:
             self.active = False
             if self.outcome is None:
@@ -148,7 +144,6 @@ class AskedContext:
 
     @property
     def preempt_requested(self) -> bool:
-        """Whether a leaf is asked to come to an end."""
         return self._asked()
 
 
@@ -161,5 +156,4 @@ class AskedBefore(AskedContext):
 
     @property
     def preempt_requests(self) -> int:
-        """How often the run was asked."""
         return int(getattr(self._context, "preempt_requests", 0)) if self.over else self._count

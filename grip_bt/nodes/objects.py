@@ -32,7 +32,6 @@ def distances_to_box(points: ArrayLike, size: ArrayLike, pose: Pose) -> NDArray[
 
 
 def _distance_to_box(point: ArrayLike, size: ArrayLike, pose: Pose) -> float:
-    """Return the distance of a point from a box; 0 inside [m]."""
     return float(distances_to_box(np.atleast_2d(np.asarray(point, dtype=float)), size, pose)[0])
 
 

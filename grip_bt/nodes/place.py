@@ -20,12 +20,23 @@ from grip_bt.base.failures import (
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Pose
-from grip_bt.nodes.objects import Disc, free_spots, opening_room, turned
 
 from .evidence import EvidenceLimits, hand_evidence
 from .grasping import ArmHandLeaf
 from .motion import first_of, go, go_straight, widened
-from .objects import PLACED, TABLE_GAP, Region, free_name, objects_near, region_of, rename
+from .objects import (
+    PLACED,
+    TABLE_GAP,
+    Disc,
+    Region,
+    free_name,
+    free_spots,
+    objects_near,
+    opening_room,
+    region_of,
+    rename,
+    turned,
+)
 
 YAWS = np.radians(np.arange(0, 360, 15))
 _TRIES = 4
@@ -67,8 +78,6 @@ class Place(ArmHandLeaf):
         yield self.hand.open()
         self._let_go()
         return (yield from self._leave(spot, holding))
-
-    # --- where ---
 
     def _region(self) -> Region:
         region = region_of(self.context.scene(), self.params["target"])
@@ -112,8 +121,6 @@ class Place(ArmHandLeaf):
     def _taken(self) -> list[Disc]:
         scene = self.context.scene()
         return [Disc.around(*scene.box(n)) for n in scene.names() if n.startswith(PLACED)]
-
-    # --- how ---
 
     def _go(self, candidates: list[Grasp]) -> Steps[Grasp]:
         if not candidates:

@@ -35,21 +35,11 @@ class _SceneLeaf(Leaf):
 
 
 def _free_to_change(scene: Scene, name: str) -> None:
-    """Refuse what belongs to the room.
-
-    Raises:
-        NoObjectError: it does.
-    """
     if scene.fixed(name):
         raise NoObjectError(f"{name!r} belongs to the room and can't be changed", objects=_movable(scene))
 
 
 def _known_object(scene: Scene, name: str) -> None:
-    """Refuse a name that the scene doesn't have.
-
-    Raises:
-        NoObjectError: it hasn't.
-    """
     if name not in scene.names():
         there = listing(sorted(scene.names()))
         raise NoObjectError(f"the scene has no object {name!r} (available: {there})", objects=sorted(scene.names()))

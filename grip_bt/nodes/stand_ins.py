@@ -133,18 +133,6 @@ class StandIn(metaclass=_Kind):
         judge.note(name_of(self), held)
         return otherwise if held is UNKNOWN else kind(held)
 
-    def __float__(self) -> float:
-        return float(self._forced(float, 0.0))
-
-    def __int__(self) -> int:
-        return int(self._forced(int, 0))
-
-    def __index__(self) -> int:
-        return int(self._forced(operator.index, 0))
-
-    def __len__(self) -> int:
-        return int(self._forced(len, 0))
-
     def __str__(self) -> str:
         return str(self._forced(str, f"<{name_of(self)}>"))
 
@@ -190,30 +178,22 @@ def _operation(work: Callable[..., Any], turned: bool) -> Callable[..., Any]:
     return lambda self, *others: lifted(work, name_of(self), self, *others)
 
 
+def _conversion(kind: Callable[..., Any], otherwise: float) -> Callable[..., Any]:
+    return lambda self: self._forced(kind, otherwise)
+
+
 def _comparison(work: Callable[..., Any], sign: str) -> Callable[..., Any]:
     return lambda self, other: self._asked(work, sign, other)
 
 
-for _name in (
-    "add",
-    "sub",
-    "mul",
-    "truediv",
-    "floordiv",
-    "mod",
-    "pow",
-    "or",
-    "and",
-    "xor",
-    "lshift",
-    "rshift",
-    "matmul",
-):
+for _name in "add sub mul truediv floordiv mod pow or and xor lshift rshift matmul".split():
     _work = getattr(operator, f"__{_name}__")
     setattr(StandIn, f"__{_name}__", _operation(_work, False))
     setattr(StandIn, f"__r{_name}__", _operation(_work, True))
 for _name in ("neg", "pos", "abs", "invert"):
     setattr(StandIn, f"__{_name}__", _operation(getattr(operator, f"__{_name}__"), False))
+for _name, _kind in (("float", float), ("int", int), ("index", operator.index), ("len", len)):
+    setattr(StandIn, f"__{_name}__", _conversion(_kind, 0.0 if _kind is float else 0))
 StandIn.__round__ = _operation(round, False)  # type: ignore[attr-defined]
 for _name, _sign in (("eq", "=="), ("ne", "!="), ("lt", "<"), ("le", "<="), ("gt", ">"), ("ge", ">=")):
     setattr(StandIn, f"__{_name}__", _comparison(getattr(operator, _name), _sign))
@@ -330,7 +310,6 @@ class StandInFinder(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, is_package=True)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
-        """Make the stand-in."""
         module = StandInModule(spec.name)
         if spec.name in self.made:
             self.made[spec.name](module)

@@ -15,8 +15,7 @@ import numpy as np
 from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, PointCloud, Pose
-from grip_bt.task.catalog.component_file import FEEDBACK, ComponentFile
-from grip_bt.task.catalog.component_parts import UNITS, PortType
+from grip_bt.task.catalog.component_file import FEEDBACK, UNITS, ComponentFile, PortType
 
 from .client.action import ActionClient
 from .client.goal import GoalEnd

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.failures import ServerLostError
+from grip_bt.base.files import Closing
 from grip_bt.base.ports import Component
 from grip_bt.ros.interfaces.packages import activate
 from grip_bt.ros.process import advice, command_of, uses_our_python

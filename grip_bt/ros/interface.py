@@ -11,8 +11,8 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.failures import BadReplyError, ExpectedError, ServerTimeOutError
+from grip_bt.base.files import Closing
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
 from grip_bt.ros.client.bus import Bus

@@ -21,8 +21,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
 from grip_bt.ros.environment import DDS_PROFILE, PROFILE_VARIABLES
 from grip_bt.ros.interfaces.packages import child_paths, executable_of, launch_file_in, launch_file_of
-from grip_bt.task.catalog.component_file import ComponentFile
-from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.catalog.component_file import ComponentFile, Start
 
 _PATIENCE = 3.5
 """How long the process reaper may take to end the group [s]."""

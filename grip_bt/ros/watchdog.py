@@ -10,8 +10,8 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.errors import GripError
+from grip_bt.base.files import Closing
 from grip_bt.base.interpreter import python_command
 
 REPORT = "GRIP_WATCHDOG_REPORT"

@@ -1,7 +1,7 @@
 """Running compiled tasks: clock, context, runner, tick engine, journal, control.
 
-* Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine/` (py_trees trees as
-  closures), `lockstep` (turns of a run and its simulated world), `workers`.
+* Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine` (the same as
+  closures), `lockstep` (turns of a run and its simulated world), `context` (also: workers).
 * Stopping: `stopping` (also of ticks that don't end), `motion_end` (what was told to stop is measured to rest),
   `observers` (also: what the parent sees).
 * Journal: `journal` (the ticking thread, then the writer's, with `value_codec`) -> SQLite -> `journal_reader`.
@@ -10,44 +10,23 @@
 * Trees inside of SMACH machines: `smach_states`.
 """
 
-from grip_bt.runtime.journal_events import NodeState, RunSnapshot
+from grip_bt.runtime.journal_events import RunSnapshot as RunSnapshot
 
-from .clock import ManualClock, Waker, WallClock
-from .context import RunContext, RunParts
-from .control import serve_control
-from .engine import TickEngine
-from .journal import Journal, RunLog
-from .journal_events import Event
-from .journal_reader import JournalReader, RunRecord
-from .journal_rows import JournalError
-from .pacing import Pacing
-from .re_execution import ReExecution
-from .recording import Recording
-from .runner import Runner, RunResult
-from .smach_states import BehaviourTree, Choose, TreeRun
-
-__all__ = [
-    "BehaviourTree",
-    "Choose",
-    "Event",
-    "Journal",
-    "JournalError",
-    "JournalReader",
-    "ManualClock",
-    "RunSnapshot",
-    "NodeState",
-    "Pacing",
-    "TickEngine",
-    "Recording",
-    "ReExecution",
-    "RunContext",
-    "RunParts",
-    "RunLog",
-    "RunRecord",
-    "RunResult",
-    "Runner",
-    "TreeRun",
-    "Waker",
-    "WallClock",
-    "serve_control",
-]
+from .clock import ManualClock as ManualClock
+from .clock import WallClock as WallClock
+from .context import RunContext as RunContext
+from .context import RunParts as RunParts
+from .control import serve_control as serve_control
+from .journal import Journal as Journal
+from .journal import RunLog as RunLog
+from .journal_events import Event as Event
+from .journal_reader import JournalReader as JournalReader
+from .journal_reader import RunRecord as RunRecord
+from .journal_rows import JournalError as JournalError
+from .re_execution import ReExecution as ReExecution
+from .recording import Recording as Recording
+from .runner import Runner as Runner
+from .runner import RunResult as RunResult
+from .smach_states import BehaviourTree as BehaviourTree
+from .smach_states import Choose as Choose
+from .smach_states import TreeRun as TreeRun

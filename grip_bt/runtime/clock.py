@@ -61,11 +61,7 @@ class ManualClock:
         return self._time
 
     def advance(self, seconds: float) -> None:
-        """Let `seconds` [s] pass, and have those woken who wait for the time.
-
-        Raises:
-            ValueError: time doesn't go back.
-        """
+        """Let `seconds` [s] pass, and have those woken who wait for the time; ValueError where they are negative."""
         if seconds < 0:
             raise ValueError(f"time doesn't go back: {seconds} s")
         with self._lock:
@@ -75,22 +71,12 @@ class ManualClock:
             listener()
 
     def on_advance(self, listener: Callable[[], None]) -> None:
-        """Call `listener()` after each advance."""
         with self._lock:
             self._listeners.append(listener)
 
 
 class Waker:
-    """Counts wakes; who has seen number n waits for a later one.
-
-    Attributes:
-        wakes: how many there were.
-        condition: told of every wake.
-        turns: with what the run takes turns, if it does.
-
-    Args:
-        clock: the run's clock, for `wake_at`.
-    """
+    """Counts wakes; who has seen number n waits for a later one."""
 
     def __init__(self, clock: Clock):
         self._clock = clock
@@ -104,11 +90,9 @@ class Waker:
 
     @property
     def due(self) -> float | None:
-        """The next moment for which a wake was asked [s]."""
         return self._times[0] if self._times else None
 
     def now(self) -> float:
-        """Return the run's time [s]."""
         return self._clock.now()
 
     def wake(self) -> None:

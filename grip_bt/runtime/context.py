@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import queue
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -24,12 +25,10 @@ from grip_bt.base.ports import (
     Scene,
     Sensor,
 )
-from grip_bt.runtime.clock import Waker
 from grip_bt.runtime.motion_end import Measure, Motions, Moved, Rest, measured_rest
 
-from .clock import WallClock
+from .clock import Waker, WallClock
 from .lockstep import InTurn, Lockstep
-from .workers import Workers
 
 T = TypeVar("T")
 MESSAGES = ("next", "recent", "together")
@@ -41,13 +40,6 @@ class RunParts:
     """What a run offers to its leaves.
 
     Attributes:
-        arms: by name.
-        hands: by name.
-        cameras: by the sensor's name.
-        components: external components, by name.
-        sensors: sensors on topics, by name.
-        scene: the planning scene, where there is one.
-        ros: the connection to ROS, where there is one.
         messages: the project's named values, where there are some.
         pausable: what stands still while the run is paused, besides its clock: a simulator, an arm, a hand.
         lockstep: with the simulated world with which the run takes turns, where there is one.
@@ -71,8 +63,6 @@ class RunContext:
     """Implements `grip_bt.base.ports.Context`, where its methods are described, over mappings.
 
     Args:
-        clock: the run's clock; the wall's by default.
-        parts: what leaves are offered; nothing by default.
         workers: how many threads run blocking code at most; as many as are needed where a simulated world waits for it.
     """
 
@@ -104,7 +94,6 @@ class RunContext:
         return self.preempt_requests > 0
 
     def request_preempt(self) -> None:
-        """Ask the task to come to an end on its own terms."""
         self.preempt_requests += 1
         self.wake()
 
@@ -196,6 +185,76 @@ class RunContext:
     def moving(self) -> list[Arm | Hand]:
         """Return the arms and hands that leaves have asked for: what has to hold when the run is stopped."""
         return list(self._used.values())
+
+
+class Workers:
+    """A small pool that starts its threads, at most `limit`, when they are needed.
+
+    Code can't be interrupted: when its operation is cancelled, the operation ends at once and stays `busy` until the
+    code returns. Its thread doesn't count any more and ends then, so that what hangs takes no place in the pool.
+    """
+
+    def __init__(self, limit: int = 4):
+        self._limit = limit
+        self._queue: queue.SimpleQueue[tuple[Operation[Any], Callable[[], Any]]] = queue.SimpleQueue()
+        self._lock = threading.Lock()
+        self._threads = self._waiting = 0
+
+    def run(self, work: Callable[[], T]) -> Operation[T]:
+        """Run `work()` in a worker; an operation that is cancelled before it began isn't begun."""
+        operation: Operation[T] = Operation()
+        with self._lock:
+            self._queue.put((operation, work))
+            self._waiting += 1
+            self._staff()
+        return operation
+
+    def _staff(self) -> None:
+        """Start a thread when there is more work than free threads; with the lock held."""
+        if self._waiting > 0 and self._threads < self._limit:
+            self._threads += 1
+            threading.Thread(target=self._serve, name="grip_worker", daemon=True).start()
+
+    def _serve(self) -> None:
+        while True:
+            with self._lock:
+                if self._waiting == 0:
+                    self._threads -= 1
+                    return
+                operation, work = self._queue.get_nowait()
+                self._waiting -= 1
+                operation.busy = not operation.done()
+            if operation.busy and not self._do(operation, work):
+                return
+
+    def _do(self, operation: Operation[Any], work: Callable[[], object]) -> bool:
+        left_alone = threading.Event()
+        working = threading.Lock()
+        over = False
+
+        def ended_early() -> None:
+            with working:
+                if over:
+                    return
+                left_alone.set()
+            with self._lock:
+                self._threads -= 1
+                self._staff()
+
+        operation.add_done_callback(ended_early)
+        result, error = None, None
+        try:
+            result = work()
+        except BaseException as raised:  # noqa: BLE001 - handed to the owner, who raises it
+            error = raised
+        with working:
+            over = True
+        operation.busy = False
+        if error is not None:
+            operation.fail(error)
+        else:
+            operation.succeed(result)
+        return not left_alone.is_set()
 
 
 _ONE = {"arm": "an arm", "hand": "a hand", "sensor": "a sensor"}

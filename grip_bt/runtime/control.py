@@ -1,8 +1,4 @@
-"""Control of a run over two streams: one JSON object a line, commands in, events out; see `docs/running.md`.
-
-Commands are obeyed as soon as there are streams: a stop that comes before there is a run interrupts whatever starts it,
-everything else waits for the run. The end of input without a stop halts the run, which can be resumed.
-"""
+"""Control of a run over two streams: one JSON object a line, commands in, events out; see `docs/running.md`."""
 
 from __future__ import annotations
 
@@ -46,8 +42,6 @@ class Control:
     """One end of the protocol; `lost` says whether whoever controls the run has gone, without a stop.
 
     Args:
-        commands: what to obey, such as `sys.stdin`.
-        events: where to tell, such as `sys.stdout`.
         interrupt: called by a stop that comes before there is a run; it has whatever starts the run end.
     """
 
@@ -83,7 +77,6 @@ class Control:
             self.send("state", state="stopping")
 
     def end(self, runner: Runner) -> None:
-        """Have a run stop, for the reason that there is."""
         if self.lost:
             runner.lose(GONE)
         else:
@@ -221,10 +214,7 @@ def result_facts(result: RunResult) -> RunEnd:
 
 
 def serve_control(
-    runner: Runner,
-    commands: TextIO,
-    events: TextIO,
-    more: Callable[[RunResult], RunEnd] = lambda _: {},
+    runner: Runner, commands: TextIO, events: TextIO, more: Callable[[RunResult], RunEnd] = lambda _: {}
 ) -> RunResult:
     """Run to the end in this thread, obeying commands meanwhile; see `Control.run`."""
     control = Control(commands, events)
@@ -234,7 +224,6 @@ def serve_control(
 
 
 def _lines(stream: TextIO) -> Iterator[str]:
-    """Yield lines that aren't blank until the stream ends, breaks or is closed."""
     try:
         yield from (line for line in stream if line.strip())
     except (OSError, ValueError):

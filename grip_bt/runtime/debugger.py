@@ -22,13 +22,7 @@ class Breakpoint:
     """One place.
 
     Attributes:
-        id: 1, 2, 3 ...
-        node: the node's path.
         when: before an activation begins, or after it has ended.
-        outcome: only after this outcome; None for any.
-        code: only with this failure code; None for any.
-        condition: the text of the condition; empty for none.
-        holds: computes the condition; None for none.
         once: it clears itself when the run has come there.
     """
 
@@ -42,14 +36,8 @@ class Breakpoint:
     once: bool = False
 
     def facts(self) -> dict[str, Any]:
-        """Return it as the control protocol says it."""
         outcome = self.outcome if self.code is None else f"{self.outcome}.{self.code}"
         return {"id": self.id, "node": self.node, "when": self.when, "outcome": outcome, "if": self.condition or None}
-
-    def __str__(self) -> str:
-        outcome = "" if self.outcome is None else f" {self.outcome}" + (f".{self.code}" if self.code else "")
-        condition = f" if {self.condition}" if self.condition else ""
-        return f"{self.id}: {self.when} {self.node}{outcome}{condition}"
 
 
 def node_path(text: str) -> str:
@@ -99,12 +87,7 @@ class Held:
     """Where a run holds in the middle of a tick.
 
     Attributes:
-        path: the node.
         when: before its activation begins, or after it has ended.
-        why: what made it hold.
-        breakpoint: the breakpoint's number, where it was one.
-        outcome: what the node ended with, after it.
-        code: of its failure.
         message: of its failure; or why the breakpoint's condition couldn't be computed.
     """
 

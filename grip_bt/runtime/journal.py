@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.base.closing import Closing
+from grip_bt.base.files import Closing
 
 from .journal_events import MOST, checksum, pack_numbers, pack_times
 from .journal_rows import JournalError, prepare_to_write, process_facts
@@ -62,10 +62,6 @@ class DetailedEvent:
     """An event that says more than that a node began or ended.
 
     Attributes:
-        event: its kind.
-        outcome: of an end.
-        code: of a failure.
-        data: anything else, as JSON.
         written: a variable's value, to be encoded by the writer; whoever appends it promises not to change it.
     """
 
@@ -80,17 +76,11 @@ class RunLog:
     """The log of one run.
 
     Attributes:
-        id: the run's id.
         buffer: four entries an event: path, what (`ENTER`, `INTERRUPTED`, an outcome, or a `DetailedEvent`), the moment
             [s, monotonic] and the time on the run's clock [s]. It is extended by whole events, at once, and only the
             writer takes from its front.
-        ended: whether the run's end was entered.
         last: the event after which nothing is written any more; None as long as the run isn't cut off.
         over: whether the writer has written that one; kept here, since a log that has ended may be followed again.
-
-    Args:
-        journal: that it belongs to.
-        run: the run's id.
     """
 
     def __init__(self, journal: Journal, run: str):
@@ -115,7 +105,6 @@ class RunLog:
         self.note(t, path, DetailedEvent(event, outcome, code, data))
 
     def note(self, t: float, path: str, what: DetailedEvent) -> None:
-        """Add an event at the time `t` on the run's clock [s]."""
         self.buffer.extend((path, what, time.monotonic(), t))
         if self.ended:
             self.journal.follow(self)
@@ -150,8 +139,6 @@ class RunLog:
 
 
 class _RunWriter:
-    """Writes the blocks of one run, in transactions; goes on where another process has stopped."""
-
     def __init__(self, database: sqlite3.Connection, log: RunLog, largest: int):
         self._database, self._log, self._largest = database, log, largest
         self._ids: dict[tuple[str, Any], int] = {}
@@ -164,7 +151,6 @@ class _RunWriter:
         self.last = last or 0
 
     def write(self) -> int:
-        """Take what has gathered and write it; return how many events that were."""
         log = self._log
         buffer = log.buffer
         total = len(buffer) // ENTRIES
@@ -305,11 +291,7 @@ class Journal(Closing):
         self._listeners.append(listener)
 
     def flush(self) -> None:
-        """Wait until everything appended so far is committed.
-
-        Raises:
-            JournalError: it couldn't be written.
-        """
+        """Wait until everything appended so far is committed; JournalError where it couldn't be written."""
         mark = threading.Event()
         self._jobs.put(mark)
         while not mark.wait(0.2) and self.writing:

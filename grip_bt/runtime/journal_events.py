@@ -26,11 +26,7 @@ def pack_numbers(ids: NDArray[np.int64]) -> bytes:
 
 
 def unpack_numbers(packed: bytes, count: int) -> NDArray[np.int64]:
-    """Undo `pack_numbers`.
-
-    Raises:
-        ValueError: these aren't `count` numbers.
-    """
+    """Undo `pack_numbers`; ValueError where these aren't `count` numbers."""
     width = packed[0]
     if width not in (1, 2, 4):
         raise ValueError(f"numbers of {width} bytes")
@@ -44,11 +40,7 @@ def pack_times(times: NDArray[np.float64]) -> bytes:
 
 
 def unpack_times(packed: bytes, count: int) -> NDArray[np.float64]:
-    """Undo `pack_times`.
-
-    Raises:
-        ValueError: these aren't `count` times.
-    """
+    """Undo `pack_times`; ValueError where these aren't `count` times."""
     planes = np.frombuffer(_expanded(packed, 8 * count), np.uint8).reshape(8, -1)
     return np.ascontiguousarray(planes.T).view("<f8").reshape(-1)
 
@@ -99,10 +91,6 @@ class Event:
         t: the run's clock [s].
         wall: wall time [s since 1970].
         path: the node; `/` for the root and for the run itself.
-        event: its kind.
-        outcome: of an end.
-        code: of a failure.
-        data: anything else.
         meaning: of an end's outcome: `success` or `failure`; None where the journal doesn't say.
     """
 
@@ -138,11 +126,7 @@ def checksum(columns: tuple[object, ...]) -> int:
 
 
 def sound(kind: str, data: object) -> dict[str, Any]:
-    """Return an event's data with fields of the types that readers rely on.
-
-    Raises:
-        ValueError: it has no such data.
-    """
+    """Return an event's data with fields of the types that readers rely on; ValueError where it has no such data."""
     if not isinstance(data, dict) or any(not isinstance(data.get(key, {}), dict) for key in _TABLES):
         raise ValueError(f"the data of an event ({kind}) isn't what its kind has")
     for key in _WORDS:
@@ -194,10 +178,6 @@ class NodeState:
     Attributes:
         phase: running, ended with an outcome, interrupted, or it raised.
         since: when this phase began, on the run's clock [s].
-        activations: how often it was entered.
-        outcome: of an end.
-        code: of a failure.
-        message: why it failed, or what it says about its work.
     """
 
     phase: Phase
@@ -257,5 +237,4 @@ class RunSnapshot:
                 self.state = str(event.data.get("status"))
 
     def active(self) -> list[str]:
-        """Return the nodes that run, in the order in which they were entered first."""
         return [path for path, node in self.nodes.items() if node.phase == "running"]

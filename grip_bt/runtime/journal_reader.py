@@ -11,13 +11,11 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.errors import UnknownNameError
-from grip_bt.runtime.journal_events import expanded
-from grip_bt.runtime.journal_rows import is_there
+from grip_bt.base.files import Closing
 
-from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, unpacked
-from .journal_rows import DamagedError, JournalError, Rows
+from .journal_events import DAMAGED, MOST, Event, Name, checksum, expanded, is_name, is_time, unpacked
+from .journal_rows import JournalError, Rows, is_there
 from .value_codec import OpaqueValueError, decode
 
 PAGE = 10_000
@@ -34,16 +32,10 @@ class RunRecord:
 
     Attributes:
         id: its id; ids sort by the time of their start.
-        task_name: name of the task.
-        task_path: the file that it came from.
-        task_text: the document as it was run.
-        target: `bt` or `sm`.
-        seed: of the simulation, if any.
         started: wall time [s since 1970].
         ended: wall time, None while it runs or when its process died.
         status: running, success, failure, error, stopped; died: its process isn't there any more; lost: it has no end,
             and nothing is known here about its process, which was of another machine.
-        outcome: the task's outcome.
     """
 
     id: str
@@ -73,11 +65,9 @@ class JournalReader(Closing):
         self._rows = Rows(self.file)
         self._names: dict[str, dict[int, Name]] = {}
         self._meanings: dict[str, dict[str, Any]] = {}
-        self._found: dict[str, list[tuple[Any, ...]]] = {}  # blocks of runs whose tables are damaged
 
     @property
     def damage(self) -> list[str]:
-        """What couldn't be read so far, in words."""
         return list(self._rows.damage)
 
     def raise_if_damaged(self) -> None:
@@ -90,17 +80,12 @@ class JournalReader(Closing):
             raise JournalError(f"{self.file}: is damaged, and not all of it could be read: {'; '.join(self.damage)}")
 
     def runs(self) -> list[RunRecord]:
-        """Return all runs, the newest first."""
-        found = filter(None, map(self._record, self._run_rows("1")))
+        found = filter(None, map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs")))
         return sorted(found, key=lambda record: (record.started, record.id), reverse=True)
 
     def run(self, id: str) -> RunRecord:
-        """Return a run.
-
-        Raises:
-            UnknownNameError: there is none of this id.
-        """
-        for record in filter(None, map(self._record, self._run_rows("id=?", id))):
+        """Return a run; UnknownNameError where there is none of this id."""
+        for record in filter(None, map(self._record, self._rows.query(f"SELECT {_COLUMNS} FROM runs WHERE id=?", id))):
             return record
         raise UnknownNameError("run", id, [r.id for r in self.runs()[:20]], str(self.file))
 
@@ -109,12 +94,8 @@ class JournalReader(Closing):
         return bool(self._process(run))
 
     def count(self, run: str) -> int:
-        """Return how many events of a run there are so far."""
         sql = f"SELECT last FROM blocks WHERE run=? AND {_GOOD} ORDER BY first DESC LIMIT 1"
-        try:
-            return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
-        except DamagedError:
-            return max((row[1] for row in self._all_blocks(run)), default=0)
+        return max((row[0] or 0 for row in self._rows.query(sql, run)), default=0)
 
     def damage_of(self, run: str) -> str:
         """Return which events of a run can't be read, by their numbers and checksums; empty where nothing is known.
@@ -134,8 +115,6 @@ class JournalReader(Closing):
         """Return the events of a run that come after `after_seq`, in order.
 
         Args:
-            run: its id.
-            after_seq: the last event that isn't wanted.
             limit: how many at most; None for all, which for a long run is a lot of memory: see `iterate`.
         """
         found: list[Event] = []
@@ -189,30 +168,20 @@ class JournalReader(Closing):
             raise JournalError(f"{self.file}: the value {hash} is damaged: its bytes aren't those that were written")
         return content
 
-    def variables(self, run: str, until_seq: int | None = None) -> dict[str, Event]:
-        """Return the last write of each variable, up to and including the event `until_seq`."""
-        return {str(event.data.get("variable")): event for event in self._writes(run, until_seq)}
+    def variables(self, run: str) -> dict[str, Event]:
+        """Return the last write of each variable."""
+        return {str(event.data.get("variable")): event for event in self._writes(run)}
 
     def history(self, run: str, variable: str, limit: int = 20) -> list[Event]:
         """Return the last writes of one variable, the newest last."""
-        return [event for event in self._writes(run, None) if event.data.get("variable") == variable][-limit:]
+        return [event for event in self._writes(run) if event.data.get("variable") == variable][-limit:]
 
     def close(self) -> None:
-        """Let go of the file."""
         self._rows.close()
-
-    # --- runs ---
-
-    def _run_rows(self, condition: str, *values: object) -> list[tuple[Any, ...]]:
-        return self._rows.whole(f"SELECT {_COLUMNS} FROM runs", "runs", condition, *values)
 
     def _process(self, run: str) -> bool | None:
         """Tell whether the process that executes a run is there; None where that isn't known."""
-        rows: list[tuple[Any, ...]] = []
-        try:
-            rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
-        except DamagedError as error:
-            self._rows.note(f"{error}; which process executes run {run} isn't known")
+        rows = self._rows.query("SELECT pid, since, host FROM processes WHERE run=?", run)
         return is_there(dict(zip(("pid", "since", "host"), rows[0], strict=True)) if rows else {})
 
     def _record(self, row: tuple[Any, ...]) -> RunRecord | None:
@@ -240,20 +209,13 @@ class JournalReader(Closing):
             known["status"] = {True: "running", False: "died", None: "lost"}[self._process(id)]
         return RunRecord(id, **known)
 
-    # --- events ---
-
-    def _writes(self, run: str, until_seq: int | None) -> Iterator[Event]:
-        until, done = 2**62 if until_seq is None else until_seq, 0
-        bounds: list[tuple[int, int]] | None
+    def _writes(self, run: str) -> Iterator[Event]:
+        done = 0
         some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
-        sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND first<=? AND {_GOOD} ORDER BY first"
-        try:
-            bounds = [(row[0], row[1]) for row in self._rows.query(sql, run, until)]
-        except DamagedError:
-            bounds = None
-        pages = [self.iterate(run)] if bounds is None else (self.events(run, a - 1, b - a + 1) for a, b in bounds)
+        sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND {_GOOD} ORDER BY first"
+        pages = (self.events(run, first - 1, last - first + 1) for first, last in self._rows.query(sql, run))
         for event in chain.from_iterable(pages):
-            if event.event == "write" and done < event.seq <= until:  # pages overlap where blocks are damaged
+            if event.event == "write" and done < event.seq:  # pages overlap where blocks are damaged
                 done = event.seq
                 yield event
 
@@ -290,34 +252,16 @@ class JournalReader(Closing):
             since = rows[-1][0]
 
     def _page(self, run: str, after: int, since: int) -> list[tuple[Any, ...]]:
-        if run not in self._found:
-            try:
-                if after == since == 0 and self._rows.query(
-                    f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run
-                ):
-                    self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
-                condition = f"run=? AND first>? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
-                return self._rows.query(f"{_BLOCKS} WHERE {condition}", run, since, after)
-            except DamagedError:
-                self._all_blocks(run)
-        return [row for row in self._found[run] if row[0] > since and row[1] > after][:64]
+        if after == since == 0 and self._rows.query(f"SELECT 1 FROM blocks WHERE run=? AND NOT ({_GOOD}) LIMIT 1", run):
+            self._rows.note(f"blocks of run {run} whose place among its events isn't known are left out")
+        condition = f"run=? AND first>? AND last>? AND {_GOOD} ORDER BY first LIMIT 64"
+        return self._rows.query(f"{_BLOCKS} WHERE {condition}", run, since, after)
 
     def _end_of(self, run: str, row: tuple[Any, ...]) -> int:
         """Return where a block ends that is damaged: at the latest where the next one begins, whatever it says."""
         first, last = row[:2]
-        if run not in self._found:
-            sql = f"SELECT min(?, first - 1) FROM blocks WHERE run=? AND first>? AND {_GOOD} ORDER BY first LIMIT 1"
-            try:
-                return int(next((end for (end,) in self._rows.query(sql, last, run, first)), last))
-            except DamagedError:
-                self._all_blocks(run)
-        return int(min([last, *(row[0] - 1 for row in self._found[run] if row[0] > first)]))
-
-    def _all_blocks(self, run: str) -> list[tuple[Any, ...]]:
-        if run not in self._found:
-            rows = self._rows.whole(_BLOCKS, "blocks", f"run=? AND {_GOOD}", run)
-            self._found[run] = sorted(rows, key=lambda row: (row[0], row[1]))
-        return self._found[run]
+        sql = f"SELECT min(?, first - 1) FROM blocks WHERE run=? AND first>? AND {_GOOD} ORDER BY first LIMIT 1"
+        return int(next((end for (end,) in self._rows.query(sql, last, run, first)), last))
 
     def _hole(self, run: str, first: int, last: int, t: float, why: str) -> Event:
         which = f"event {first}" if first == last else f"events {first} to {last}"
@@ -341,22 +285,9 @@ class JournalReader(Closing):
 
     def _names_of(self, run: str) -> dict[int, Name]:
         """Return what the numbers of a run's events stand for; names are only ever added."""
-        columns = "id, path, event, outcome, code"
-        found: dict[int, Name] = {}
-        try:
-            rows = self._rows.query(f"SELECT {columns} FROM names WHERE run=?", run)
-        except DamagedError:
-            rows = []  # events whose names aren't found are left out, and say so
-            for number in range(1000):
-                try:
-                    rows += self._rows.query(f"SELECT {columns} FROM names WHERE run=? AND id=?", run, number)
-                except DamagedError:
-                    continue
-        for number, *name in rows:
-            if isinstance(number, int) and is_name(*name):
-                found[number] = tuple(name)
-        self._names[run] = found
-        return found
+        rows = self._rows.query("SELECT id, path, event, outcome, code FROM names WHERE run=?", run)
+        self._names[run] = {number: tuple(name) for number, *name in rows if isinstance(number, int) and is_name(*name)}
+        return self._names[run]
 
     def _meaning(self, run: str, path: str, event: str, outcome: str | None, code: str | None) -> Any:
         """Return what an end means; labels that say so themselves, and codes of failures, need no table."""

@@ -1,12 +1,16 @@
-"""Tables and rows of a journal's file, also of one that is damaged, and the processes that execute its runs."""
+"""Tables and rows of a journal's file, how large it may become, and the processes that execute its runs."""
 
 from __future__ import annotations
 
 import os
+import re
 import socket
 import sqlite3
 import threading
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +23,7 @@ def process_facts() -> dict[str, Any]:
 
 
 def is_there(facts: Mapping[str, object]) -> bool | None:
-    """Tell whether a process is there; None where that isn't known, such as of another machine.
-
-    Args:
-        facts: of `process_facts`.
-    """
+    """Tell whether a process is there; None where that isn't known, such as of another machine."""
     pid, since = facts.get("pid"), facts.get("since")
     if facts.get("host") != socket.gethostname() or type(pid) is not int or type(since) is not int:
         return None
@@ -94,14 +94,6 @@ def refuse_other_versions(database: sqlite3.Connection) -> None:
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
 BAD = (sqlite3.Error, UnicodeError, OverflowError, MemoryError, ValueError, TypeError)
 """What sqlite3 raises for files that are damaged; their names of tables are in its words, decoded."""
-_MOST_ROWS = 100_000
-"""Rows that are looked for one by one where a table is damaged."""
-_PATIENCE, _STRIDE = 200, 100
-"""After so many rows that can't be read, only one of so many is tried."""
-
-
-class DamagedError(JournalError):
-    """A part of the file can't be read."""
 
 
 class Rows:
@@ -109,9 +101,6 @@ class Rows:
 
     Attributes:
         damage: what couldn't be read so far, in words, each once.
-
-    Args:
-        file: the journal.
 
     Raises:
         JournalError: there is no such file, or it isn't a journal.
@@ -136,45 +125,111 @@ class Rows:
             raise JournalError(f"{file}: isn't a journal: {error}") from error
 
     def close(self) -> None:
-        """Let go of the file."""
         self._database.close()
 
     def note(self, words: str) -> None:
-        """Note that something can't be read."""
         self.damage.setdefault(words)
 
     def query(self, statement: str, *values: object) -> list[tuple[Any, ...]]:
-        """Return rows.
-
-        Raises:
-            DamagedError: they can't be found, since the file is damaged.
-            JournalError: they can't be read now.
-        """
+        """Return rows; JournalError where they can't be read, now or since the file is damaged."""
         try:
             with self._lock:
                 return self._database.execute(statement, values).fetchall()
         except BAD as error:
             busy = getattr(error, "sqlite_errorcode", None) in _BUSY
-            raise (JournalError if busy else DamagedError)(f"{self._file}: can't be read: {error}") from error
+            advice = "" if busy else f"; `sqlite3 {self._file} .recover` writes what is still whole of a damaged file"
+            raise JournalError(f"{self._file}: can't be read: {error}{advice}") from error
 
-    def whole(self, statement: str, table: str, condition: str, *values: object) -> list[tuple[Any, ...]]:
-        """Return the rows that meet a condition, in the order of rowids; of a damaged table what can be found."""
-        try:
-            return self.query(f"{statement} WHERE {condition} ORDER BY {table}.rowid", *values)
-        except DamagedError as error:
-            self.note(f"{error}; what can't be found of its {table} is left out")
-        try:
-            ((last,),) = self.query(f"SELECT max(rowid) FROM {table}")
-        except DamagedError:
-            last = _MOST_ROWS
-        last = min(last if isinstance(last, int) else 0, _MOST_ROWS)
-        found: list[tuple[Any, ...]] = []
-        rowid, failed = 1, 0
-        while rowid <= last:
-            try:
-                found += self.query(f"{statement} WHERE {table}.rowid={rowid} AND {condition}", *values)
-                failed = 0
-            except DamagedError:
-                failed += 1
-            rowid += 1 if failed < _PATIENCE else _STRIDE  # a page that leads to many others is broken
-        return found
+
+ROOM = 0.9
+"""Part of the limit that is left in use: a journal that has reached it isn't looked through after each run."""
+_HASH = re.compile(r'"hash": ?"([0-9a-f]{32})"')
+
+
+@dataclass(frozen=True)
+class Pruned:
+    """What was removed: ids of runs, the oldest first; size in use before and afterwards [bytes]."""
+
+    runs: tuple[str, ...]
+    before: int
+    after: int
+
+
+def size_of(file: Path) -> int:
+    """Return how much room a journal takes on the disk, what isn't in its main file yet included [bytes]."""
+    return sum(part.stat().st_size for part in (file, file.with_name(file.name + "-wal")) if part.is_file())
+
+
+def prune(file: Path, limit: int, keep: Callable[[str], bool] = lambda run: False, give_back: bool = False) -> Pruned:
+    """Remove the oldest runs, with what only they have written, until a journal has room again; the newest stays.
+
+    Others may write and read it meanwhile: each run goes in a transaction of its own. Room that becomes free is used
+    for later runs.
+
+    Args:
+        limit: how much it may hold [bytes]; nothing happens below that, and above it `ROOM` of it is left in use.
+        keep: whether a run that has no end stays: it is under way. Ended ones are never asked about.
+        give_back: whether free room is given back to the disk, which rewrites the file; left out while others use it.
+
+    Raises:
+        JournalError: it is no journal, or can't be written.
+    """
+    try:
+        with closing(sqlite3.connect(f"file:{file}?mode=rw", uri=True, timeout=30, isolation_level=None)) as database:
+            refuse_other_versions(database)
+            before = _in_use(database)
+            removed = _make_room(database, limit, keep) if before > limit else ()
+            if give_back:
+                _vacuum(database)
+            return Pruned(tuple(removed), before, _in_use(database))
+    except (sqlite3.Error, UnicodeError, TypeError) as error:
+        raise JournalError(f"{file}: runs can't be removed: {error}") from error
+
+
+def _in_use(database: sqlite3.Connection) -> int:
+    size, pages, free = (
+        database.execute(f"PRAGMA {name}").fetchone()[0] for name in ("page_size", "page_count", "freelist_count")
+    )
+    return int(size * (pages - free))
+
+
+def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], bool]) -> Iterable[str]:
+    removed: list[str] = []
+    users: dict[str, set[str]] = defaultdict(set)  # hash of a big value -> runs that have written it
+    seen = _take_note(database, users, 0)
+    rows = database.execute("SELECT id, status FROM runs ORDER BY started").fetchall()
+    for run, status in rows[:-1]:
+        if _in_use(database) <= limit * ROOM:
+            break
+        if status == "running" and keep(run):
+            continue
+        database.execute("BEGIN IMMEDIATE")
+        seen = _take_note(database, users, seen)  # what was written meanwhile
+        for table, key in (("blocks", "run"), ("names", "run"), ("processes", "run"), ("runs", "id")):
+            database.execute(f"DELETE FROM {table} WHERE {key}=?", (run,))
+        for hash, runs in list(users.items()):
+            runs.discard(run)
+            if not runs:
+                database.execute("DELETE FROM big_values WHERE hash=?", (hash,))
+                del users[hash]
+        database.execute("COMMIT")
+        removed.append(run)
+    return removed
+
+
+def _take_note(database: sqlite3.Connection, users: dict[str, set[str]], after: int) -> int:
+    rows = database.execute("SELECT rowid, run, data FROM blocks WHERE rowid > ? ORDER BY rowid", (after,))
+    for row, run, data in rows:
+        after = row
+        for hash in _HASH.findall(data or ""):
+            users[hash].add(run)
+    return after
+
+
+def _vacuum(database: sqlite3.Connection) -> None:
+    try:
+        database.execute("PRAGMA busy_timeout=0")
+        database.execute("VACUUM")
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    except sqlite3.OperationalError:
+        pass  # somebody reads or writes it; the room is used for later runs all the same

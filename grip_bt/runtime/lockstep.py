@@ -71,7 +71,6 @@ class _Pending:
 
     @property
     def busy(self) -> bool:
-        """Whether code works for it although it has ended."""
         return self.whole is not None and self.whole.busy
 
     @property
@@ -92,9 +91,6 @@ class Lockstep:
     """The turns of one run at a time and its simulated world.
 
     Before `begin` and after `end` it changes nothing: the world goes by itself, and ends come when they come.
-
-    Args:
-        world: whose time stands still.
     """
 
     def __init__(self, world: Stepped):
@@ -148,13 +144,10 @@ class Lockstep:
         for pending in ready:
             _tell(pending, canceled)
 
-    # --- what is pending ---
-
     def through(self, operation: Operation[T], *, holds: bool = True, patient: bool = False) -> Operation[T]:
         """Return an operation for the run, which hears of its end in turn.
 
         Args:
-            operation: what was begun just now.
             holds: whether time stands still until then.
             patient: whether it surely ends, however long that takes.
         """
@@ -310,8 +303,6 @@ class Lockstep:
                 with self._changed:
                     self._driver = None
                     self._changed.notify_all()
-
-    # --- what happens next ---
 
     def _next(self) -> Callable[[], None] | None:
         """Give a thread its turn, or wait a little, or return what is to be done; nothing of the run works."""

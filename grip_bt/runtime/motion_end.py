@@ -32,7 +32,6 @@ class Motions:
         self._of_parts: list[tuple[str, Operation[Any]]] = []
 
     def left(self, path: str, work: Operation[Any]) -> None:
-        """Take note of a leaf's work that was told to stop."""
         with self._lock:
             self._of_leaves = [*(one for one in self._of_leaves if _matters(one)), (path, work)]
 
@@ -100,7 +99,6 @@ class Moved:
         self._name, self._part, self._motions = name, part, motions
 
     def stop(self) -> None:
-        """Hold where it is now and end a motion under way."""
         self._part.stop()
         self._motions.stop(self._name)
 
@@ -132,7 +130,6 @@ class Rest:
     """What was measured of the robot when a run had told everything to stop.
 
     Attributes:
-        at_rest: the parts that were measured to stand still.
         unconfirmed: part, or node whose work was told to stop -> why nobody can say that it has.
     """
 
@@ -140,7 +137,6 @@ class Rest:
     unconfirmed: Mapping[str, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        """Return it as a part of a sentence; empty where there was nothing to look at."""
         said = [f"could not confirm that {name!r} stopped: {why}" for name, why in self.unconfirmed.items()]
         if self.at_rest:
             names = listing(map(repr, self.at_rest))

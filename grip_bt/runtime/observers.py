@@ -14,7 +14,6 @@ from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, Journal, RunLog
 from grip_bt.runtime.journal_rows import JournalError
-from grip_bt.runtime.recording import PREEMPT
 from grip_bt.runtime.value_codec import snapshot
 
 
@@ -25,53 +24,24 @@ class Recorder(Observer):
         self._append, self._note, self._now, self._log = log.append, log.note, clock.now, log
         self._extend = log.buffer.extend
 
-    # --- the run ---
-
-    def started(self, facts: Mapping[str, object] | None = None) -> None:
-        """The run begins; `facts` are JSON about how."""
-        self._append(self._now(), "/", "run_started", data=dict(facts) if facts else None)
+    def say(self, event: str, path: str = "/", /, **data: object) -> None:
+        """Note an event of the run, or about a node; `data` is JSON."""
+        self._append(self._now(), path, event, data=data or None)
 
     def resumed(self, t: float, facts: Mapping[str, object]) -> None:
-        """It goes on at `t` [s], in another process; `facts` are JSON about how."""
         self._append(t, "/", "run_resumed", data=dict(facts))
 
-    def went_on(self, path: str, how: str) -> None:
-        """A leaf that was active when its process died goes on, or is started again."""
-        self._append(self._now(), path, "went_on", data={"how": how})
-
-    def state(self, state: str) -> None:
-        """It runs, pauses or is being stopped."""
-        self._append(self._now(), "/", "state", data={"state": state})
-
-    def preempt_requested(self) -> None:
-        """Somebody asks the task to come to an end on its own terms."""
-        self._append(self._now(), "/", PREEMPT)
-
     def error(self, error: BaseException, trace: str) -> None:
-        """A node raised."""
         path, cause = (error.path, error.cause) if isinstance(error, NodeError) else ("/", error)
-        data = {"type": type(cause).__name__, "message": str(cause), "traceback": trace}
-        self._append(self._now(), path, "error", data=data)
-
-    def zombie(self, path: str, where: str) -> None:
-        """A node's code hasn't returned and was left behind."""
-        self._append(self._now(), path, "zombie", data={"where": where})
+        self.say("error", path, type=type(cause).__name__, message=str(cause), traceback=trace)
 
     def finished(self, outcome: str | None, status: str, rest: str = "") -> None:
-        """The run has ended; `rest` tells what was measured of the robot then."""
         data = {"status": status, "rest": rest} if rest else {"status": status}
         self._append(self._now(), "/", "run_ended", outcome, data=data)
         self._log.end(status, outcome)
 
-    def told(self, part: str, text: str) -> None:
-        """A part of the robot says something of itself, such as that its process has died."""
-        self._append(self._now(), "/", "message", data={"part": part, "text": f"{part}: {text}"})
-
     def lost(self, why: str) -> None:
-        """Whoever controlled it has gone: it is cut off here."""
         self._log.cut(self._now(), why)
-
-    # --- its nodes ---
 
     def entered(self, path: str) -> None:
         self._extend((path, ENTER, time.monotonic(), self._now()))
@@ -91,7 +61,7 @@ class Recorder(Observer):
         self._extend((path, INTERRUPTED, time.monotonic(), self._now()))
 
     def message(self, path: str, text: str) -> None:
-        self._append(self._now(), path, "message", data={"text": text})
+        self.say("message", path, text=text)
 
     def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
         """A node wrote a variable; its value is kept as it is now."""
@@ -129,7 +99,6 @@ class SideStateObserver(Observer):
 
     Args:
         note: `note(path, part, state)` enters one into the journal.
-        parts: by name.
         leaves: leaf -> names of the parts that its work may change.
     """
 
@@ -191,7 +160,6 @@ class Heartbeat(Observer):
         threading.Thread(target=self._beat, name="grip_heartbeat", daemon=True).start()
 
     def stop(self) -> None:
-        """Count no more."""
         self._over.set()
 
     def _beat(self) -> None:
@@ -218,7 +186,6 @@ class HeartbeatReader:
 
     @property
     def count(self) -> int:
-        """How often the run's thread has counted."""
         return int.from_bytes(self._shared[:4], "little")
 
     def where(self, paths: Sequence[str]) -> tuple[str, list[str]]:

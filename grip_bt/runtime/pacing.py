@@ -22,7 +22,6 @@ class Pacing:
         poll: how long [s] to wait at most before the next tick, for leaves that wake nobody; None waits for a wake.
         rate: ticks a second of the run's clock, however many wakes there are; None ticks on wakes.
         ticks: how many there were; a machine's concurrent states count each of theirs.
-        stopped: whether a stop was asked for.
         begun: thread -> when [s, monotonic] the tick that it is in has begun; for the watch-dog.
     """
 
@@ -40,7 +39,6 @@ class Pacing:
 
     @property
     def state(self) -> State:
-        """What it does now."""
         return "stopping" if self.stopped else "paused" if self._paused else "running"
 
     @property

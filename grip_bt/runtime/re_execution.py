@@ -12,9 +12,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from grip_bt.base.errors import DivergedError
@@ -50,15 +49,12 @@ class ReExecution:
 
     Args:
         compiled: the task; `install` is called after its `prepare`.
-        events: what is to happen again.
-        value: restores what a `write` event wrote.
-        clock: the run's clock from then on.
         how: leaf that was active at the end -> whether it is resumed; those not named are started again.
         results: leaf -> how its first activation ends that the recording doesn't have the end of: outcome and failure
             code, empty for none.
-        tell: told `(leaf, how)` as each active leaf goes on.
 
     Attributes:
+        tell: told `(leaf, how)` as each active leaf goes on.
         pacing: of the run, from when on it is `live`.
         ask: asks the task to come to an end, as often as the recording says that somebody did.
     """
@@ -72,10 +68,10 @@ class ReExecution:
         *,
         how: Mapping[str, How] | None = None,
         results: Mapping[str, Sequence[str]] | None = None,
-        tell: Callable[[str, str], None] = lambda path, how: None,
     ):
         self._compiled, self.value = compiled, value
-        self.how, self.results, self.tell = dict(how or {}), dict(results or {}), tell
+        self.how, self.results = dict(how or {}), dict(results or {})
+        self.tell: Callable[[str, str], None] = lambda path, how: None
         self.recording = Recording(events, compiled.leaves.keys(), self._put)
         self.clock = RecordedClock(clock, self.recording)
         self.recording.on_complete = self._complete
@@ -92,20 +88,10 @@ class ReExecution:
 
     @property
     def live(self) -> bool:
-        """Whether everything that was recorded has happened again."""
         return self.recording.complete
 
-    @property
-    def settled(self) -> bool:
-        """Whether every leaf works by itself again."""
-        return self.live and not self._leaves
-
     def install(self, wake: Callable[[], None]) -> None:
-        """Take over the leaves, and the clocks of nodes that decide by the time; after `prepare`.
-
-        Args:
-            wake: has the task ticked soon.
-        """
+        """Take over the leaves, and the clocks of nodes that decide by the time; after `prepare`."""
         self.wake = wake
         parts = parts_of(self._compiled)
         for path, leaf in self._compiled.leaves.items():
@@ -159,8 +145,6 @@ class ReExecution:
             self.ask()
         self.wake()
 
-    # --- as a pacer ---
-
     def turn(self) -> int:
         """Let leaves go that work by themselves; return when it is time to tick, which doesn't wait before `live`.
 
@@ -204,21 +188,6 @@ class ReExecution:
         if machine:
             time.sleep(0.0005)  # other threads come first; nothing is waited for
 
-    def make_ticker(self, make: Callable[[Any], Callable[[], object]]) -> Callable[[Any], Callable[[], object]]:
-        """Return what makes ticks: those of py_trees as long as leaves are taken over, those of `make` after it."""
-
-        def made(node: Behaviour) -> Callable[[], object]:
-            quick: list[Callable[[], object]] = []
-
-            def tick() -> object:
-                if not quick and self.settled and not node.status == Status.RUNNING:
-                    quick.append(make(node))
-                return quick[0]() if quick else node.tick_once()
-
-            return tick
-
-        return made
-
 
 class _RecordedLeaf:
     """Stands in the way of a leaf's life cycle, in the leaf itself: its class, ports and place stay as they are.
@@ -237,20 +206,15 @@ class _RecordedLeaf:
 
     @property
     def free(self) -> bool:
-        """Whether it needs nobody to stand in its way any more."""
         return self._released or (self._mode == "" and self._leaf.path not in self._re_execution.results)
 
     def release(self) -> None:
-        """Get out of the way."""
         if not self._released:
             self._released = True
             for name in ("initialise", "update", "terminate"):
                 delattr(self._leaf, name)
 
-    # --- the leaf's life cycle ---
-
     def initialise(self) -> None:
-        """An activation begins: one that the recording has, or has the beginning of, or a new one."""
         activation = self._recording.current.get(self._leaf.path)
         if activation is not None:
             self._mode = "recorded" if activation.end is not None else "open"
@@ -258,7 +222,6 @@ class _RecordedLeaf:
             self._mode = "new"
 
     def update(self) -> Status:
-        """End as recorded, wait for the others to come so far, or work."""
         if self._mode == "recorded":
             activation = self._recording.current.get(self._leaf.path)
             assert activation is not None, "it is under way"
@@ -283,12 +246,10 @@ class _RecordedLeaf:
             self._leaf.replay_ended(self._leaf.outcome)
 
     def untold(self) -> Activation | None:
-        """Return the recorded activation under way, if the leaf hasn't been told of it."""
         activation = self._recording.current.get(self._leaf.path)
         return None if activation is self._told else activation
 
     def tell_begun(self, activation: Activation) -> None:
-        """Tell the leaf that a recorded activation begins."""
         self._told = activation
         with _asked_until(self._leaf, self._recording.events[activation.began].seq, self._recording):
             self._leaf.replay_begun()

@@ -31,10 +31,7 @@ class Activation:
     """One activation of a node.
 
     Attributes:
-        began: number of its first event.
         end: how it ended, an `exit` or `interrupted`; None when the recording ends first.
-        ended: number of that event.
-        writes: numbers of what it wrote.
     """
 
     began: int
@@ -54,7 +51,6 @@ class Recording:
     Attributes:
         events: of nodes, in order.
         complete: whether all of them have happened again.
-        done: how many have.
         current: node -> its recorded activation that is under way.
         end_time: the last time of the run that the journal knows [s].
         requests: numbers (`seq`) of the requests to come to an end.
@@ -64,7 +60,6 @@ class Recording:
 
     Args:
         events: of one run, in order.
-        leaves: paths of the task's leaves.
         put: sets a variable that somebody set by hand, given the event; see `write` events with `set`.
     """
 
@@ -143,17 +138,13 @@ class Recording:
             return True
 
     def begin(self) -> None:
-        """Look whether there is anything to happen again."""
         with self._lock:
             self._advance()
 
-    # --- what happens again ---
-
     def happened(self, path: str, event: str, detail: str | None = None, code: str | None = None) -> bool:
-        """Tick off the next event of a node: its kind, the outcome of an end or the variable that is written, a code.
+        """Tick off the next event of a node; return False when the recording has no more of it: the event is new.
 
-        Returns:
-            False when the recording has no more of this node, so that the event is new.
+        `detail` is the outcome of an end, or the variable that is written.
 
         Raises:
             DivergedError: the recording has something else there.
@@ -192,8 +183,6 @@ class Recording:
         if not self.complete:
             self.complete = True
             self.on_complete()
-
-    # --- what nodes ask ---
 
     def time(self) -> float:
         """Return when this thread's last event took place, on the run's clock [s]."""
@@ -243,7 +232,6 @@ class Recording:
             return True if activation.result is not None else None
 
     def missing(self, most: int = 3) -> list[str]:
-        """Return what should have happened next, for messages."""
         with self._lock:
             left = [self.events[n] for n in range(self._next, len(self.events)) if not self._over[n]][:most]
         return [f"{event.path} {_words(event.event, event.outcome, event.code)} (event {event.seq})" for event in left]
@@ -264,7 +252,6 @@ class RecordedClock:
         return self._recording.end_time + (self._clock.now() - self._since)
 
     def go(self) -> None:
-        """Let time pass."""
         self._since = self._clock.now()
 
     def pause(self) -> None:

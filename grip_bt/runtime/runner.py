@@ -5,15 +5,12 @@ from __future__ import annotations
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from py_trees.behaviour import Behaviour
-
 from grip_bt.base.errors import NodeError, NotStoppedError
-from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import parts_of
@@ -22,18 +19,18 @@ from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
 from grip_bt.runtime.motion_end import Rest, ended
 from grip_bt.runtime.observers import Recorder, SideState, SideStateObserver
-from grip_bt.runtime.stopping import Watchdog
 
 from .context import RunContext
 from .debugger import Debugger
-from .engine import TickEngine, make_ticker
+from .engine import make_ticker
 from .journal import Journal, RunLog
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
 from .re_execution import ReExecution
-from .recording import NewEvents
+from .recording import PREEMPT, NewEvents
 from .stopping import (
     EndedObserver,
+    Watchdog,
     Zombie,
     code_running,
     in_background,
@@ -65,8 +62,6 @@ class RunResult:
         outcome: the task's outcome; None after a stop or an error.
         meaning: `success` or `failure`; None after a stop or an error.
         status: the meaning, or `error`, or `stopped`; `died` where whoever controlled it had gone.
-        failure: the reason of a failure.
-        ticks: how often the task was ticked.
         duration: on the run's clock [s].
         error: what a leaf raised, in a NodeError that names it; the journal has the traceback.
         zombies: leaves whose code hadn't returned at the end; it was left behind.
@@ -90,12 +85,7 @@ class Runner:
     The task is ticked in a thread of its own, so that code that hangs in a leaf keeps nobody waiting: `run` returns
     when the task has ended or, after a stop, when everything was terminated that can be.
 
-    Attributes:
-        run_id: the run's id in the journal; None without one.
-        debugger: breakpoints and steps.
-
     Args:
-        clock: the run's clock; it is the context's.
         journal: where to write what happens, with the task's path and text, the seed, and `facts` about how it is run.
         poll: how often leaves that wake nobody are looked at [s]; None for never.
         rate: ticks a second of the run's clock, instead of on wakes; None for on wakes.
@@ -108,7 +98,6 @@ class Runner:
         self,
         compiled: CompiledTree | CompiledMachine,
         context: RunContext,
-        clock: Clock | None = None,
         journal: Journal | None = None,
         *,
         task_path: str = "",
@@ -121,8 +110,6 @@ class Runner:
         re_execution: ReExecution | None = None,
         facts: Mapping[str, object] | None = None,
     ):
-        if clock is not None and clock is not context.clock:
-            raise ValueError("a run has one clock: make the context with it, RunContext(clock, ...)")
         self.compiled, self.context, self.journal = compiled, context, journal
         self.pacing = Pacing(context.waker, poll, rate)
         self.debugger = Debugger(compiled, self.pacing, self._observe_debugger)
@@ -135,7 +122,6 @@ class Runner:
             self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
         self._debugged = self._stale = False
-        self._engine: Callable[[], object] | None = None
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None
         self._lost = False
         self._begun = threading.Lock()
@@ -144,26 +130,21 @@ class Runner:
         self._thread: int | None = None
         self._start = 0.0
         self._result: RunResult | None = None
-        if self._recorder is not None:
-            self.pacing.on_state(self._recorder.state)
+        self.pacing.on_state(lambda state: self._say("state", state=state))
         self._lockstep = context.lockstep if re_execution is None else None
         self.pacing.on_state(self._hold_parts)
 
     def observe(self, observer: Observer) -> None:
-        """Have `observer` told of what the nodes do, after the journal; before `run`."""
         self._observers.append(observer)
 
     def keep(self, parts: Mapping[str, SideState], leaves: Mapping[str, tuple[str, ...]]) -> None:
         """Have the journal keep the states of parts beside the task; before `run`.
 
         Args:
-            parts: by name.
             leaves: leaf -> names of the parts that its work may change.
         """
         if self._recorder is not None and parts:
             self._observers.insert(0, SideStateObserver(self._recorder.kept, parts, leaves))
-
-    # --- control ---
 
     def pause(self) -> None:
         """Tick no more until `resume` or `step`; the run's clock stands still, and motions are held, where they can."""
@@ -171,12 +152,10 @@ class Runner:
         self.pacing.pause()
 
     def resume(self) -> None:
-        """Go on, with the motions that were held too."""
         self.debugger.forget_step()
         self.pacing.resume()
 
     def step(self, how: str = "tick") -> None:
-        """Pause, and go a little further; see `Debugger.step`."""
         self.debugger.step(how)
 
     def stop(self) -> None:
@@ -202,8 +181,7 @@ class Runner:
 
     def request_preempt(self) -> None:
         """Ask the task to come to an end on its own terms; leaves that care end soon, and recovery still runs."""
-        if self._recorder is not None:
-            self._recorder.preempt_requested()
+        self._say(PREEMPT)
         self._ask()
 
     def _ask(self) -> None:
@@ -222,8 +200,6 @@ class Runner:
         else:
             self.context.resume()
 
-    # --- the run ---
-
     def run(self) -> RunResult:
         """Prepare every leaf, then run to the end. Returns in every case; nothing is left running but zombies.
 
@@ -238,10 +214,10 @@ class Runner:
         self._install()
         if self._recorder is not None:
             if self._re_execution is None:
-                self._recorder.started(self._facts)
+                self._recorder.say("run_started", **self._facts)
             else:
                 self._recorder.resumed(self._re_execution.recording.end_time, self._facts)
-                self._re_execution.tell = self._recorder.went_on
+                self._re_execution.tell = lambda path, how: self._say("went_on", path, how=how)
         if self._re_execution is not None:
             self._re_execution.ask, self._re_execution.pacing = self._ask, self.pacing
         self._start = self.context.clock.now()
@@ -256,8 +232,12 @@ class Runner:
 
     def tell(self, part: str, text: str) -> None:
         """Have the journal say what a part of the robot tells while the task runs; from any thread."""
-        if self._recorder is not None and self._thread is not None and not self._returned.is_set():
-            self._recorder.told(part, text)
+        if self._thread is not None and not self._returned.is_set():
+            self._say("message", part=part, text=f"{part}: {text}")
+
+    def _say(self, event: str, path: str = "/", /, **data: object) -> None:
+        if self._recorder is not None:
+            self._recorder.say(event, path, **data)
 
     def dismiss(self) -> None:
         """Have the journal say of a new run that wasn't begun, and won't be, that it was stopped."""
@@ -309,35 +289,21 @@ class Runner:
                 self._lockstep.rest_until(lambda: self.pacing.stopped or not self.context.unfinished(), STOPPING)
 
     def _execute(self) -> TaskEnd:
-        pacer: Pacer = self.pacing if self._re_execution is None else self._re_execution
-        if isinstance(self.compiled, CompiledTree):
-            return self.compiled.execute(pacer, self._tick if self._re_execution is None else self._tick_again)
-        make = make_ticker if self._re_execution is None else self._re_execution.make_ticker(make_ticker)
-        return self.compiled.execute(pacer, make)
+        """Execute the task; one that happens again by py_trees' own ticks, since its leaves are replaced meanwhile."""
+        again = self._re_execution
+        pacer: Pacer = self.pacing if again is None else again
+        if isinstance(self.compiled, CompiledMachine):
+            return self.compiled.execute(pacer, make_ticker if again is None else None)
+        root = self.compiled.root
+        tick = root.tick_once if again is not None else self.compiled.ticker() or make_ticker(root)
 
-    def _tick_again(self) -> None:
-        """Tick a task that happens again by py_trees' own means; by the engine when its leaves work by themselves."""
-        if self._re_execution is None:
-            self._tick()
-        elif self._re_execution.settled:
-            self._re_execution, self._stale = None, True
-            self._tick()
-        else:
+        def tick_observed() -> None:
             if self._stale:
                 self._stale = False
                 self._install()
-            self.compiled.root.tick_once()  # type: ignore[union-attr]
+            tick()
 
-    def _tick(self) -> None:
-        if self._stale or self._engine is None:
-            self._stale = False
-            self._install()
-            self._engine = self.compiled.ticker() or self._made_engine(self.compiled.root)  # type: ignore[union-attr]
-        self._engine()
-
-    def _made_engine(self, root: Behaviour) -> Callable[[], object]:
-        # Our nodes keep their methods; somebody's own behaviours may do what they like.
-        return TickEngine(root, fixed=not any(isinstance(node, Foreign) for node in root.iterate())).tick
+        return self.compiled.execute(pacer, tick_observed)
 
     def _install(self) -> None:
         observers = [*self._observers, *([self.debugger] if self._debugged else [])]
@@ -347,7 +313,7 @@ class Runner:
         )
 
     def _observe_debugger(self, needed: bool) -> None:
-        """Have the debugger told of the nodes, or not; a tree is asked between ticks, where its engine is made anew."""
+        """Have the debugger told of the nodes, or not; a tree is told between ticks."""
         if needed != self._debugged:
             self._debugged = needed
             if isinstance(self.compiled, CompiledTree):
@@ -355,23 +321,19 @@ class Runner:
             else:
                 self._install()
 
-    # --- the end ---
-
     def _insist(self, called: float) -> None:
         if self._returned.wait(called + INSIST - time.monotonic()):
             return
         if self._thread is None:
             return  # not begun; it ends when it begins
         threads = terminate_outside(self.compiled.leaves) + self._hold_robot()
-        if self._recorder is not None:
-            for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
-                self._recorder.message(path, "terminated externally: the run did not respond to the stop")
+        for path in [path for path, leaf in self.compiled.leaves.items() if leaf.active]:
+            self._say("message", path, text="terminated externally: the run did not respond to the stop")
         join_all(threads, called + ABANDON)
         if not self._returned.wait(called + ABANDON - time.monotonic()) and self._ending.acquire(blocking=False):
             self._abandon(self._made(None, "stopped"))
 
     def _hung(self, error: NodeError, trace: str) -> None:
-        """End a run whose tick doesn't; called by the watch-dog."""
         barked = time.monotonic()
         self.pacing.stop()
         join_all(terminate_outside(self.compiled.leaves) + self._hold_robot(), barked + ABANDON)
@@ -390,7 +352,6 @@ class Runner:
         self._finish(result, [Zombie(path, where) for path, where in hanging.items()])
 
     def _finish(self, result: RunResult, hanging: Sequence[Zombie] = ()) -> None:
-        """Have everything come to rest, then enter the result."""
         if self._watchdog is not None:
             self._watchdog.stop()
         if result.outcome is not None:
@@ -402,9 +363,9 @@ class Runner:
             workers = [zombie for zombie in left_working(self.compiled.leaves) if zombie.path not in named]
             zombies = [*hanging, *workers]
         self._result = replace(result, zombies=tuple(zombies))
+        for zombie in zombies:
+            self._say("zombie", zombie.path, where=zombie.where)
         if self._recorder is not None:
-            for zombie in zombies:
-                self._recorder.zombie(zombie.path, zombie.where)
             self._recorder.finished(result.outcome, result.status, str(result.rest))
         if self._lockstep is not None:
             self._lockstep.leave()

@@ -13,10 +13,10 @@ from py_trees.behaviour import Behaviour
 from py_trees.blackboard import Blackboard
 from py_trees.common import Status
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.errors import DataError
 from grip_bt.base.evaluation import condition_of, value_of
 from grip_bt.base.expression import Expression, parse_expression
+from grip_bt.base.files import Closing
 from grip_bt.compilers import CompiledTree, Halted, Pacer, to_tree
 from grip_bt.compilers.behaviour_state import MachineRun, Refined, drive, label, labels
 from grip_bt.compilers.binding import LeafFactory, implementation_of

@@ -1,7 +1,4 @@
-"""The certain end of a run: ticks that hang are noticed, leaves terminated from outside, the robot held.
-
-What hangs all the same is named and left behind.
-"""
+"""The certain end of a run: ticks that hang are noticed, leaves terminated from outside, the robot held."""
 
 from __future__ import annotations
 
@@ -31,7 +28,6 @@ class Zombie:
     """A leaf whose code hasn't returned when the run was over.
 
     Attributes:
-        path: the leaf.
         where: the function that hangs, such as `update` or `terminate`; `worker` for blocking code of an operation.
     """
 
@@ -50,8 +46,6 @@ class EndedObserver(Observer):
 
 
 class _ClosedContext:
-    """The context of a leaf that was left behind; whatever it asks for ends it."""
-
     def __getattr__(self, name: str) -> Any:
         raise Halted
 
@@ -148,7 +142,6 @@ class Watchdog:
         threading.Thread(target=self._watch, name="grip_watchdog", daemon=True).start()
 
     def stop(self) -> None:
-        """Look no more."""
         self._over.set()
 
     def _watch(self) -> None:

@@ -16,10 +16,6 @@ class Tree(BehaviourTree):
 
     Visitors, handlers and displays of py_trees work on it. It has its robot until `shutdown`, or until the end of a
     `with` block. Nothing of it goes to a journal: `grip_bt.run` does that.
-
-    Args:
-        compiled: prepared.
-        close: gives its robot back.
     """
 
     def __init__(self, compiled: CompiledTree, close: Callable[[], None]):
@@ -28,12 +24,10 @@ class Tree(BehaviourTree):
 
     @property
     def outcome(self) -> str | None:
-        """The task's outcome; None while it runs."""
         return None if self._compiled.root.outcome is None else self._compiled.end().outcome
 
     @property
     def failure(self) -> Failure | None:
-        """Why it has failed."""
         return None if self.outcome is None else self._compiled.end().failure
 
     @property
@@ -46,7 +40,6 @@ class Tree(BehaviourTree):
         """Do nothing: it was set up when it was made."""
 
     def shutdown(self) -> None:
-        """Stop what runs, and give the robot back."""
         self.interrupt()
         self.root.stop()
         self._close()

@@ -1,18 +1,17 @@
 """What a task is: frozen models, the text that they are read from and written to, and edits of both.
 
-`model`, `parts` and `kinds/`, `document` (text -> task, with places), `shape` (what a document may hold), `canonical`
-and `comments` (task -> text), `exploration` and `kind_analysis` (what a kind can do), `edit/`, `catalog/`,
-`validation/`.
+`model`, `parts` and `kinds/`, `document` (text -> task, with places), `canonical` and `comments` (task -> text),
+`exploration` and `kind_analysis` (what a kind can do), `edit/`, `catalog/`, `validation/`.
 """
 
 from grip_bt.base.frozen import FrozenDict as FrozenDict
+from grip_bt.task.document import schema as schema
 from grip_bt.task.model import children_of as children_of
 from grip_bt.task.model import expressions_of as expressions_of
 from grip_bt.task.model import join as join
 from grip_bt.task.model import outcomes_of as outcomes_of
 from grip_bt.task.model import walk as walk
 from grip_bt.task.model import with_refusal as with_refusal
-from grip_bt.task.shape import schema as schema
 
 from .canonical import dumps as dumps
 from .canonical import fmt as fmt
@@ -38,7 +37,6 @@ from .model import Meaning as Meaning
 from .model import Name as Name
 from .model import Node as Node
 from .model import Parallel as Parallel
-from .model import ParallelRule as ParallelRule
 from .model import Repeat as Repeat
 from .model import Retry as Retry
 from .model import Sequence as Sequence

@@ -1,12 +1,6 @@
-"""The canonical form: the order of keys, what is left out because it says nothing, what stands one entry a line.
-
-`dumps` writes a task in it, `fmt` brings a person's text into it and keeps the comments; without comments and
-blank lines both give the same bytes.
-"""
+"""The canonical form: the order of keys, what is left out because it says nothing, what stands one entry a line."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 from pydantic import BaseModel
 
@@ -16,17 +10,12 @@ from grip_bt.base.yaml.writer import write
 from grip_bt.task import model
 
 from .comments import attach_comments
-from .document import read_text
+from .document import CHILDREN, DECLARING, keys_of, model_of, nodes_below, read_text
 from .parts import FREE_PREFIX
-from .shape import CHILDREN, DECLARING, child_nodes, keys_of, model_of
 
 
 def dumps(task: model.Task) -> str:
-    """Return a task as canonical YAML.
-
-    Raises:
-        TypeError: a literal is of a type that a task file can't hold.
-    """
+    """Return a task as canonical YAML; TypeError where a literal is of a type that a task file can't hold."""
     tree = from_data(file_data(task))
     assert isinstance(tree, YamlMapping)
     return _write_canonical(tree)
@@ -35,7 +24,7 @@ def dumps(task: model.Task) -> str:
 def _write_canonical(tree: YamlMapping, header: list[str] | None = None) -> str:
     blocks = {id(tree)}
     _arrange(tree, model.Task)
-    for node in _below(tree.entries["root"].value):
+    for node in nodes_below(tree.entries["root"].value):
         _arrange_node(node, blocks)
     return write(tree, lambda value: id(value) in blocks and _filled(value), header)
 
@@ -45,21 +34,11 @@ def _filled(value: YamlValue) -> bool:
 
 
 def _arrange_node(node: YamlMapping, blocks: set[int], whole: bool = False) -> None:
-    """Arrange a node's entries, and add to `blocks` what always stands one entry a line."""
     shape = model_of(node) or model.Leaf
     _arrange(node, shape, whole)
     if not shape.model_fields.keys().isdisjoint(CHILDREN):
         blocks.add(id(node))
         blocks.update(id(node.entries[key].value) for key in CHILDREN if key in node.entries)
-
-
-def _below(root: YamlValue) -> Iterator[YamlMapping]:
-    stack = [root]
-    while stack:
-        node = stack.pop()
-        if isinstance(node, YamlMapping):
-            yield node
-            stack.extend(child.value for _, child in child_nodes(node))
 
 
 def _arrange(node: YamlMapping, shape: type[BaseModel], whole: bool = False) -> None:
@@ -128,7 +107,6 @@ def data_of(shape: BaseModel) -> dict[str, object]:
 
 
 def _plain(value: object) -> object:
-    """Return a list of models as a list of the keys that were given; every other value as it is."""
     if not isinstance(value, list):
         return value
     return [entry.model_dump(exclude_defaults=True) if isinstance(entry, BaseModel) else entry for entry in value]
@@ -149,14 +127,13 @@ def lines_of(key: str, value: object, node: bool, beside: str = "") -> list[str]
     """Return the lines of one entry in canonical order and layout, indented from column 0; nothing is left out.
 
     Args:
-        node: whether the value is a node.
         beside: a comment for the end of its first line.
     """
     entry = YamlEntry(key, from_data(value))
     entry.comments.beside = beside
     blocks: set[int] = set()
     if node and isinstance(entry.value, YamlMapping):
-        for inner in _below(entry.value):
+        for inner in nodes_below(entry.value):
             _arrange_node(inner, blocks, whole=True)
     text = write(YamlMapping({key: entry}), lambda part: id(part) in blocks and _filled(part))
     return text.removesuffix("\n").split("\n")

@@ -32,11 +32,7 @@ class _Place:
 
 
 def attach_comments(tree: YamlMapping, text: str) -> list[str]:
-    """Tie the comments and blank lines of `text` to the entries of its syntax tree.
-
-    Returns:
-        The lines before the first entry, which stay at the top of the file.
-    """
+    """Tie comments and blank lines to entries; return the lines before the first one, which stay at the file's top."""
     places = list(_places(tree))
     spans: list[tuple[int, int]] = []
     flows: list[YamlEntry] = []
@@ -98,11 +94,7 @@ def _find(text: str, spans: list[tuple[int, int]], blocks: set[int]) -> Iterator
             line_end = len(text) if line_end < 0 else line_end
             before = text[line_start:at]
             yield _Comment(
-                text[at:line_end].rstrip(),
-                at,
-                at - line_start + 1,
-                not before.strip(),
-                _blank_above(text, line_start),
+                text[at:line_end].rstrip(), at, at - line_start + 1, not before.strip(), _blank_above(text, line_start)
             )
             at = text.find("#", line_end)
         else:
@@ -110,7 +102,6 @@ def _find(text: str, spans: list[tuple[int, int]], blocks: set[int]) -> Iterator
 
 
 def _attach_blank_lines(places: list[_Place], text: str) -> None:
-    """Mark entries that a blank line sets off from what is above, or from the comments above."""
     for place in places:
         line_start = text.rfind("\n", 0, place.entry.start) + 1
         if place.flow is None and not text[line_start : place.entry.start].strip(" -"):

@@ -1,7 +1,4 @@
-"""Every way that a container can go: each question of its kind is answered with every answer in turn.
-
-Possible outcomes, surely written variables and drawings are made of it (`kind_analysis`), and transitions of machines.
-"""
+"""Every way that a container can go: each question of its kind is answered with every answer in turn."""
 
 from __future__ import annotations
 
@@ -12,10 +9,9 @@ from functools import cached_property
 from typing import Any, NamedTuple, NoReturn
 
 from grip_bt.base.types import Value
-from grip_bt.task.parts import Edges
 
 from .kinds.base import ChildEnds, End, Ended, Kind, Next, Run, State, Stay, Step
-from .parts import Case
+from .parts import Case, Edges
 
 LIMIT = 100_000
 """Steps of one exploration; beyond them a kind is taken to be able to do everything."""
@@ -72,11 +68,9 @@ class Labels:
 
     @cached_property
     def all(self) -> ChildEnds:
-        """Every end of every child, with the outcome that an exit makes of it."""
         return [[(end, self.exit(end)) for end in self.of(name)] for name in self.names]
 
     def exit(self, end: Ended) -> str | None:
-        """Return the outcome that an end is mapped to."""
         return self.exits.target(end.child, end.outcome, end.code)
 
     def of(self, child: str) -> Iterator[Ended]:
@@ -107,63 +101,50 @@ class Oracle:
 
     @property
     def said(self) -> tuple[str, ...]:
-        """The answers that were given."""
         return tuple(answers[i] for answers, i in zip(self.asked, self.trail, strict=True))
 
     def at(self, name: str) -> int:
-        """Return the position of a child."""
         if name not in self.names:
             raise NoWayError
         return self.names.index(name)
 
     def now(self, *_: object, **__: object) -> State:
-        """Return a time, a number, a value or a list."""
         return UNKNOWN
 
     deadline = up = value = now
 
     def passed(self, at: object) -> bool:
-        """Answer both."""
         return bool(self._ask("before", "after"))
 
     def reached(self, count: object, limit: int) -> bool:
-        """Answer both."""
         return bool(self._ask("again", "enough"))
 
     def pick(self, count: object, size: int) -> int:
-        """Answer every number."""
         return self._ask(*(f"turn {i + 1}" for i in range(size)))
 
     def holds(self, key: str) -> bool:
-        """Answer both."""
         self.reads.append(key)
         return not self._ask("true", "false")
 
     def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
-        """Answer each literal, and that none is equal."""
         self.reads.append(key)
         answers = (*(json.dumps(literal) for _, literal in literals), "else")
         return (*(child for child, _ in literals), default)[self._ask(*answers)]
 
     def items(self, key: str) -> State:
-        """Return a list."""
         self.reads.append(key)
         return UNKNOWN
 
     def empty(self, left: State) -> bool:
-        """Answer both."""
         return bool(self._ask("next", "none"))
 
     def take(self, left: State) -> tuple[Value, State]:
-        """Return a value and a list."""
         return UNKNOWN, UNKNOWN
 
     def put(self, key: str, value: Value) -> None:
-        """Note what is written."""
         self.puts.append(key)
 
     def exit(self, end: Ended) -> str | None:
-        """Return where the document leads."""
         return self.labels.exit(end)
 
     def edge(self, end: Ended) -> str:
@@ -265,7 +246,6 @@ def _ways(kind: Kind, labels: Labels, at: Any) -> Iterator[Way]:
 
 
 def _further(kind: Kind, labels: Labels, at: Any, step: Step, oracle: Oracle) -> Iterator[Way]:
-    """Yield what comes after everybody was ticked: an end, or the next tick."""
     running, _, _, ends = at
     if type(step) is End:
         yield Way(at, None, None, oracle.said, tuple(oracle.reads), (), step, None)
@@ -305,11 +285,7 @@ def _taken(
 
 
 def graph(kind: Kind, labels: Labels) -> list[Way]:
-    """Return every way of `explore`, found once.
-
-    Raises:
-        TooManyError: there are too many.
-    """
+    """Return every way of `explore`, found once; TooManyError where there are too many."""
     if labels.ways is None:
         labels.ways = list(explore(kind, labels))
     return labels.ways

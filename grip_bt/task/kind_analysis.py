@@ -6,11 +6,9 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Literal
 
-from grip_bt.task.parts import Edges
-
 from .exploration import START, UNKNOWN, Labels, Oracle, TooManyError, Way, answered, explore, graph
 from .kinds.base import End, Ended, Kind, Next, Run, Step
-from .parts import Meaning
+from .parts import Edges, Meaning
 
 TimeSense = Literal["before", "after"]
 _PLAIN = frozenset({"true", "false", "after", "before", "next", "none", "again", "enough"})
@@ -195,7 +193,6 @@ def _plain(kind: Kind) -> Labels:
 
 
 def _starts(kind: Kind) -> dict[str, list[str]]:
-    """Return each child that may be run first -> under which answers."""
     starts: dict[str, list[str]] = {}
     for way in explore(kind, _plain(kind)):
         if way.at != START:

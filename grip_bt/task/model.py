@@ -1,8 +1,4 @@
-"""The task document as frozen models; the models' fields are the file's keys. `grip_bt.task.validation` checks meaning.
-
-A node is a leaf (`node:`) or a container (`kind:`); the path of names to it is its identity (`attempt/grasp`), and that
-of the root is `/`. Where outcomes lead: docs/task_format.md.
-"""
+"""The task document as frozen models, whose fields are the file's keys; see docs/task_format.md."""
 
 from __future__ import annotations
 
@@ -26,7 +22,6 @@ from grip_bt.task.kinds.foreign import Foreign as Foreign
 from grip_bt.task.kinds.guard import Guard as Guard
 from grip_bt.task.kinds.invert import Invert as Invert
 from grip_bt.task.kinds.loop import Loop as Loop
-from grip_bt.task.kinds.once import Once as Once
 from grip_bt.task.kinds.parallel import Parallel as Parallel
 from grip_bt.task.kinds.parallel import ParallelRule as ParallelRule
 from grip_bt.task.kinds.repeat import Repeat as Repeat
@@ -38,7 +33,6 @@ from grip_bt.task.kinds.subtask import Subtask as Subtask
 from grip_bt.task.kinds.switch import Switch as Switch
 from grip_bt.task.kinds.timeout import Timeout as Timeout
 from grip_bt.task.parts import FORMAT_VERSION as FORMAT_VERSION
-from grip_bt.task.parts import Case as Case
 from grip_bt.task.parts import Meaning as Meaning
 from grip_bt.task.parts import Name as Name
 from grip_bt.task.parts import Shape as Shape

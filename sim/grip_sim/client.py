@@ -16,8 +16,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.errors import SimulatorLostError
+from grip_bt.base.files import Closing
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import InTurnOf
 from grip_sim.connection import Arrays, ClosedError, Reply, SimProcess, complete, end, pack, receive

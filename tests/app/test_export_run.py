@@ -41,7 +41,7 @@ def book(tmp_path: Path) -> tuple[Path, str]:
     file = tmp_path / ".grip" / "runs.sqlite"
     with Journal(file) as journal:
         recorder = Recorder(log := journal.begin("pick", "pick.yaml", "grip: 1"), clock := ManualClock())
-        recorder.started()
+        recorder.say("run_started")
         for name, value in VALUES.items():
             clock.advance(0.25)
             recorder.entered(f"écrit/{name}")

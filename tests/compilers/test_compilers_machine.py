@@ -124,7 +124,7 @@ def test_what_interrupts_a_running_child_is_one_state_or_refused(root: dict[str,
     compiled, _ = machine_of({"kind": "sequence", "children": {"first": LEAF, "inside": root}})
     state = compiled.by_path["inside"]
     assert isinstance(state, BehaviourState)
-    assert state.embedded
+    assert not isinstance(state.node, Leaf)
     assert "inside/a" in compiled.leaves
     with pytest.raises(NotExpressibleError, match=f"inside: a {root['kind']} that interrupts"):
         machine_of({"kind": "sequence", "children": {"first": LEAF, "inside": root}}, embed=False)

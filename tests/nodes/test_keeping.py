@@ -9,7 +9,7 @@ import pytest
 
 from grip_bt.base.values import PathConstraint, Pose
 from grip_bt.commanders.fake import FakeArm
-from grip_bt.nodes.path_constraints import read_keep
+from grip_bt.nodes.motion import read_keep
 
 TURNED = Pose((0.3, -0.4, 0.5), (0.8, 0.6, 0.0, 0.0))
 

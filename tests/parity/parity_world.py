@@ -17,7 +17,7 @@ from grip_bt.compilers import Halted, to_machine, to_tree
 from grip_bt.compilers.scopes import Scopes
 from grip_bt.nodes import Leaf
 from grip_bt.nodes.node import halt
-from grip_bt.runtime import ManualClock, TickEngine
+from grip_bt.runtime import ManualClock
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest, TaskTexts
 from grip_bt.task.model import Subtask, Task, walk
@@ -289,7 +289,7 @@ def run_tree(
     tree.setup(context=world)
     tick = tree.tick
     if by_engine:
-        tick = TickEngine(compiled.root).tick
+        tick = make_ticker(compiled.root)
     try:
         while True:
             world.turn()

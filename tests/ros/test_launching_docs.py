@@ -12,7 +12,7 @@ from grip_bt.base.message_store import STANDARD, MessageLibrary
 from grip_bt.ros.launch.interpreter import _HANDLERS
 from grip_bt.ros.launch.substitutions import _KNOWN
 from grip_bt.ros.messages.wire import MESSAGES
-from grip_bt.task.catalog.component_parts import ProcessConfig, Start
+from grip_bt.task.catalog.component_file import ProcessConfig, Start
 from grip_bt.task.catalog.ros_config import ControllerConfig
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -164,30 +164,24 @@ def test_events_without_a_name_are_named_by_their_numbers(file: Path) -> None:
 
 
 @pytest.mark.parametrize("byte", [0, 255])
-def test_a_page_of_the_file_takes_only_along_what_was_on_it(file: Path, byte: int) -> None:
+def test_a_page_of_the_file_changes_nothing_that_is_shown(file: Path, byte: int) -> None:
     run = long_run(file)
     content = file.read_bytes()
     with JournalReader(file) as reader:
         written = {event.seq: event for event in reader.events(run)}
         records = {record.id: record for record in reader.runs()}
-    of_word = {int(event.data["preview"].split()[1].split(".")[0]): seq for seq, event in written.items() if event.data}
-    partly = 0
+    shown, refused = 0, []
     for start in range(PAGE, len(content), PAGE):
-        page = content[start : start + PAGE]
-        words = {int(word) for word in re.findall(rb"word (\d+)\.", page)}
-        lost = {of_word[word] + n for word in words & of_word.keys() for n in (-1, 0, 1)}
-        names = page[0] == 10 and b"success" in page
-        if names or page[0] == 5:
-            lost = set(written)  # which events those are, and where their blocks are
-        partly += 0 < len(lost) < len(written)
         file.write_bytes(content[:start] + bytes([byte]) * PAGE + content[start + PAGE :])
-        with JournalReader(file) as reader:
-            missing = missing_of(reader, run, written, lost)
-            assert reader.count(run) >= max(written.keys() - missing, default=0)
-            found = {record.id: record for record in reader.runs()}
-            assert all(records[id] == record for id, record in found.items())
-            assert len(found) == len(records) or (reader.damage and b"pick.yaml" in page)
-    assert partly >= 3
+        try:
+            with JournalReader(file) as reader:
+                missing_of(reader, run, written, set(written))
+                assert all(records[record.id] == record for record in reader.runs())
+                shown += 1
+        except JournalError as error:
+            refused.append(str(error))
+    assert shown >= 3
+    assert all(".recover" in said or "isn't a journal" in said for said in refused)
 
 
 @pytest.mark.parametrize("row", [1, 2, 3])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from grip_bt.runtime import Journal, JournalError, JournalReader, ManualClock
-from grip_bt.runtime.journal_limit import ROOM, prune, size_of
+from grip_bt.runtime.journal_rows import ROOM, prune, size_of
 from grip_bt.runtime.observers import Recorder
 
 KIB = 1024
@@ -24,7 +24,7 @@ def noise(seed: int, size: int = 64 * KIB) -> np.ndarray:
 def write(journal: Journal, *values: Any, end: bool = True) -> str:
     log = journal.begin("t")
     recorder = Recorder(log, ManualClock())
-    recorder.started()
+    recorder.say("run_started")
     for value in values:
         recorder.entered("a")
         recorder.wrote("a", "v", "Any", value)
@@ -89,13 +89,13 @@ def test_a_run_that_is_under_way_stays_and_goes_on(file: Path) -> None:
 
 
 def test_what_is_written_while_runs_are_removed_is_kept(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from grip_bt.runtime import journal_limit
+    from grip_bt.runtime import journal_rows
 
     shared = noise(7)
     with Journal(file) as journal:
         old = write(journal, shared)
         write(journal, noise(8))
-        seen, newer = journal_limit._take_note, []
+        seen, newer = journal_rows._take_note, []
 
         def note(*args: Any) -> int:
             result = seen(*args)
@@ -103,7 +103,7 @@ def test_what_is_written_while_runs_are_removed_is_kept(file: Path, monkeypatch:
                 newer.append(write(journal, shared))
             return result
 
-        monkeypatch.setattr(journal_limit, "_take_note", note)
+        monkeypatch.setattr(journal_rows, "_take_note", note)
         pruned = prune(file, 130 * KIB)
     assert pruned.runs[0] == old
     assert newer[0] not in pruned.runs

@@ -10,8 +10,8 @@ from py_trees.common import Status
 from runtime_world import TARGETS, Started, leaf
 
 from grip_bt.base.errors import MissingPartError, NodeError, UnknownNameError
-from grip_bt.compilers import to_machine, to_tree
-from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts
+from grip_bt.compilers import to_machine
+from grip_bt.runtime import ManualClock, RunContext, RunParts
 
 both = pytest.mark.parametrize("target", TARGETS)
 SEQUENCE = {"kind": "sequence", "children": {"a": leaf("end"), "w": leaf("wait")}}
@@ -192,12 +192,6 @@ def test_blocking_code_runs_in_a_worker(target: Any) -> None:
     run = Started(target, leaf("work", out={"x": "name"}), poll=None, data={"name": "str"})
     assert run.start().join().status == "success"
     assert run.compiled.data.snapshot()["", "name"] == "grip_worker"
-
-
-def test_a_run_has_one_clock() -> None:
-    run = Started(to_tree, leaf("end"))
-    with pytest.raises(ValueError, match="one clock"):
-        Runner(run.compiled, run.context, ManualClock())
 
 
 def test_unknown_parts_are_listed_and_an_empty_name_means_the_only_one() -> None:

@@ -14,7 +14,7 @@ from grip_bt.base.yaml.models import Settings, read_model
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.settings import MotionSettings
 from grip_bt.task.catalog import CodePath
-from grip_bt.task.catalog.component_parts import ProcessConfig
+from grip_bt.task.catalog.component_file import ProcessConfig
 from grip_bt.task.catalog.ros_config import RosRobotConfig, SensorConfig
 from grip_sim.worlds import read_world
 

@@ -10,8 +10,7 @@ from xml.etree import ElementTree
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.ros.launch.group import Member
 from grip_bt.ros.process import child_environment, command_of, text_of
-from grip_bt.task.catalog.component_file import load_component
-from grip_bt.task.catalog.component_parts import ProcessConfig, Start
+from grip_bt.task.catalog.component_file import ProcessConfig, Start, load_component
 
 from .folder import Project
 

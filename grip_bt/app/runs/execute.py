@@ -26,7 +26,7 @@ from grip_bt.nodes.mock import MockLeaf
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import Journal, JournalError, JournalReader, Runner, RunResult
 from grip_bt.runtime.debugger import make_breakpoint
-from grip_bt.runtime.journal_limit import Pruned, prune, size_of
+from grip_bt.runtime.journal_rows import Pruned, prune, size_of
 from grip_bt.runtime.observers import Durable
 from grip_bt.task import Document, Task, Variable, dumps, read, read_text
 from grip_bt.task.model import Leaf, type_of, walk

@@ -4,27 +4,20 @@ Whatever takes time returns an `Operation`. Motions end with what was *measured*
 trouble ends an operation with an `ExpectedError`, whose code becomes the failure reason of the leaf.
 """
 
-from .context import Clock, Context, InTurnOf, Pausable, Stepped
-from .hands import Hand, HandPort
-from .motion import FREEDOMS, Arm, Executor, Steerable
-from .world import Camera, Component, Messages, Ros, Scene, Sensor
-
-__all__ = [
-    "Arm",
-    "Camera",
-    "Clock",
-    "Component",
-    "Context",
-    "Executor",
-    "FREEDOMS",
-    "Hand",
-    "HandPort",
-    "InTurnOf",
-    "Messages",
-    "Pausable",
-    "Ros",
-    "Scene",
-    "Sensor",
-    "Steerable",
-    "Stepped",
-]
+from .context import Clock as Clock
+from .context import Context as Context
+from .context import InTurnOf as InTurnOf
+from .context import Pausable as Pausable
+from .context import Stepped as Stepped
+from .hands import Hand as Hand
+from .hands import HandPort as HandPort
+from .motion import FREEDOMS as FREEDOMS
+from .motion import Arm as Arm
+from .motion import Executor as Executor
+from .motion import Steerable as Steerable
+from .world import Camera as Camera
+from .world import Component as Component
+from .world import Messages as Messages
+from .world import Ros as Ros
+from .world import Scene as Scene
+from .world import Sensor as Sensor

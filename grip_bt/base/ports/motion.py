@@ -86,7 +86,6 @@ class Arm(Protocol):
         """Plan to joint positions, to a pose of the grasp frame, or to a named state.
 
         Args:
-            goal: where to.
             start: joint positions to begin from; the measured ones by default.
             free: what of a pose doesn't matter: `none`, a turn about the grasp frame's `x`, `y` or `z`, or its whole
                 `orientation`.
@@ -149,9 +148,6 @@ class Arm(Protocol):
     def check_together(self, plans: Sequence[Plan]) -> Operation[None]:
         """Check that plans of several arms, begun at once and followed as their times say, keep the arms apart.
 
-        Args:
-            plans: one of this arm and those of others.
-
         Ends with PathInvalidError where something would be touched.
         """
 
@@ -163,7 +159,6 @@ class Arm(Protocol):
         Args:
             linear: velocity of its origin in world, 3 numbers [m/s].
             angular: angular velocity in world, 3 numbers [rad/s].
-            seconds: for how long.
 
         Ends with NoIkError, PathInvalidError or ExecutionAbortedError; where it can't go, it doesn't begin to.
 
@@ -195,7 +190,6 @@ class Arm(Protocol):
         """Steer the grasp frame towards a pose in world, slower near it; see `steer`.
 
         Args:
-            target: where to, for now.
             speed: of the grasp frame's origin at most [m/s].
         """
 

@@ -26,7 +26,6 @@ class Grasp(ComparesArrays):
         torque_limit: largest joint torque while closing [N m].
         width: size of the object between the fingers [m]; 0 where unknown.
         quality: larger is better; comparable only within one proposer.
-        provenance: who proposed it.
     """
 
     pose: Pose
@@ -51,7 +50,6 @@ class Failure:
 
     Attributes:
         code: short, stable word for branching and for tables, such as `no_ik`.
-        message: a sentence for people.
         data: what may help to mend it.
     """
 

@@ -55,11 +55,7 @@ class JointState(ComparesArrays):
         return dict(zip(self.names, map(float, self.position), strict=True))
 
     def ordered(self, names: tuple[str, ...]) -> Array:
-        """Return the positions of `names`, shape (len(names),).
-
-        Raises:
-            KeyError: a joint isn't in this state.
-        """
+        """Return the positions of `names`, shape (len(names),); KeyError where a joint isn't in this state."""
         mine = self.as_mapping()
         return np.array([mine[n] for n in names])
 

@@ -19,7 +19,6 @@ class PointCloud(ComparesArrays):
     Attributes:
         points: shape (n, 3) float32 [m].
         colors: shape (n, 3) uint8, red green blue, or None.
-        frame: name of the reference frame.
         time: when it was captured, on the run's clock [s].
     """
 
@@ -95,7 +94,6 @@ class DepthImage(ComparesArrays):
 
     Attributes:
         depth: shape (height, width) float32 [m]; 0 where nothing was seen.
-        info: the camera that took it.
         time: when it was captured, on the run's clock [s].
     """
 

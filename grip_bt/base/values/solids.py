@@ -1,8 +1,4 @@
-"""Shapes of things that a robot avoids, takes along, or may touch. Lengths in m; each shape has axes of its own.
-
-Every solid tells its bounding box along its own axes (`extents`, `centre`) and can be made a little larger
-(`grown`), which is how a margin is kept.
-"""
+"""Shapes of things that a robot avoids, takes along, or may touch. Lengths in m; each shape has axes of its own."""
 
 from __future__ import annotations
 
@@ -165,7 +161,6 @@ class CellMap(ComparesArrays):
         Args:
             points: shape (n, 3) [m]; what isn't finite is left out.
             resolution: edge length of a cell [m].
-            min_points: fewer are noise.
 
         Raises:
             ValueError: no cell holds so many.

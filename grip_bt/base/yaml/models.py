@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import DocumentError, listing, nearest
-from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlValue, parse, read_file, to_data
+from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlValue, inner, parse, read_file, to_data
 
 Diagnostic = tuple[str, int, int]
 """Message, line, column; both 1-based."""
@@ -70,8 +70,8 @@ def _unknown_keys(tree: YamlValue, model: type[BaseModel], name: str) -> Iterato
             message = f"unknown key {key!r} in {name}{nearest(key, allowed)} (available: {listing(allowed)})"
             yield message, entry.line, entry.column
             continue
-        for inner, value in _models_below(allowed[key].annotation, entry.value, key):
-            yield from _unknown_keys(value, inner[1], inner[0])
+        for (where, part), value in _models_below(allowed[key].annotation, entry.value, key):
+            yield from _unknown_keys(value, part, where)
 
 
 def _models_below(
@@ -102,6 +102,9 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     message = error["msg"].removeprefix("Value error, ")
     if error["type"] == "missing":
         message = f"the key {words[-1]!r} is missing"
+        words = words[:-1]
+    elif error["type"] == "extra_forbidden" and words:
+        message = f"there is no key {words[-1]!r}; keys are those of the file"
         words = words[:-1]
     elif error["type"] == "string_pattern_mismatch" and words[-1:] == ["behaviour"]:
         message = f"{error['input']!r} isn't an import path: write `package.module:Class`"
@@ -162,13 +165,9 @@ def find(tree: YamlValue, path: Iterable[str | int]) -> tuple[int, int]:
     Steps that aren't keys (pydantic names the branches of a union) are passed over.
     """
     line, column = tree.line, tree.column
-    value = tree
+    value: YamlValue = tree
     for step in path:
-        entry: YamlEntry | None = None
-        if isinstance(value, YamlMapping):
-            entry = value.entries.get(str(step))
-        elif isinstance(step, int) and not hasattr(value, "value") and step < len(value.entries):
-            entry = value.entries[step]
+        entry = inner(value, step)
         if entry is not None:
             line, column, value = entry.line, entry.column, entry.value
     return line, column

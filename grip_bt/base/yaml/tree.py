@@ -12,6 +12,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+import yaml
 from yaml import MarkedYAMLError
 from yaml.events import (
     AliasEvent,
@@ -23,9 +24,6 @@ from yaml.events import (
     NodeEvent,
     ScalarEvent,
 )
-from yaml.parser import Parser
-from yaml.reader import Reader
-from yaml.scanner import Scanner
 
 from grip_bt.base.errors import DocumentError
 
@@ -43,19 +41,7 @@ _UNREADABLE = re.compile("[^\t\n\r -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00
 """Characters that YAML forbids, and ends of lines that only some editors and parsers take for one."""
 
 
-class _PythonParser(Reader, Scanner, Parser):  # type: ignore[misc]
-    """PyYAML's parser in Python: as exact as libyaml, and slower."""
-
-    def __init__(self, text: str):
-        Reader.__init__(self, text)
-        Scanner.__init__(self)
-        Parser.__init__(self)
-
-
-try:
-    from yaml.cyaml import CParser as _Parser
-except ImportError:  # a PyYAML that was built without libyaml
-    _Parser = _PythonParser
+_Parser = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml where PyYAML was built with it; else slower
 
 
 @dataclass(slots=True)
@@ -131,6 +117,14 @@ def entries_of(value: YamlValue) -> list[YamlEntry]:
     return value.entries if isinstance(value, YamlList) else []
 
 
+def inner(value: YamlValue, step: str | int) -> YamlEntry | None:
+    """Return the entry of a mapping at a key, or of a list at an index, which may be a text; None where it isn't."""
+    if isinstance(value, YamlMapping):
+        return value.entries.get(str(step))
+    index = int(step) if str(step).isdecimal() else -1
+    return entries_of(value)[index] if 0 <= index < len(entries_of(value)) else None
+
+
 def to_data(value: YamlValue) -> Any:
     """Return the value as dicts, lists and scalars."""
     if isinstance(value, YamlScalar):
@@ -156,7 +150,6 @@ def parse(text: str, source: str = "", *, begins: str = _BEGINS) -> YamlValue:
     """Read one YAML document.
 
     Args:
-        source: what errors call it.
         begins: what an empty document is told.
 
     Raises:
@@ -256,6 +249,8 @@ class _Builder:
             message = f"the file has more than {MAX_VALUES} values; move parts of it into files of their own"
             raise DocumentError(message, self.source, value.line, value.column)
         if not self.open:
+            if isinstance(value, YamlScalar) and value.span[0] == value.span[1]:
+                value.line = value.column = 1  # as below: nothing is written
             self.root = value
             return
         parent = self.open[-1]
@@ -290,11 +285,7 @@ class _Builder:
 
 
 def read_file(path: Path | str) -> str:
-    """Return a file's text.
-
-    Raises:
-        DocumentError: there is no such file, or it isn't UTF-8 text of a sensible size.
-    """
+    """Return a file's text; DocumentError where there is no such file, or it isn't UTF-8 text of a sensible size."""
     name = str(path)
     if not name:  # of an unset variable of a shell, say; to `Path` it is the folder around
         raise DocumentError("a file's name is needed; this one is empty", "''")

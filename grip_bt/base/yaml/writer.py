@@ -24,7 +24,6 @@ def write(tree: YamlMapping, always_block: _AlwaysBlock, header: list[str] | Non
 
     Args:
         always_block: tells which mappings stand one entry a line although they would fit on one.
-        header: comment lines before everything.
     """
     lines = [*(header or ()), *_block(tree, 0, always_block)]
     return "\n".join(lines) + "\n"

@@ -19,8 +19,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import IO, Literal
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.failures import CanceledError, PlannerLostError
+from grip_bt.base.files import Closing
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Plan

@@ -1,29 +1,15 @@
-"""Task -> task in the other form: composites as state machines, state machines as composites. Exact, or left as it is.
+"""Task -> task in the other form, exact or left as it is with a note that says why; see docs/conversion.md."""
 
-What is exact, and what has no equal in the other form and stays with a note that says why: docs/conversion.md.
-"""
+from grip_bt.compilers.restructure.conversion import to_state_machines as to_state_machines
+from grip_bt.compilers.restructure.conversion import to_trees as to_trees
+from grip_bt.compilers.restructure.subtasks import extracted as extracted
+from grip_bt.compilers.restructure.subtasks import inlined as inlined
 
-from grip_bt.compilers.restructure.conversion import to_state_machines, to_trees
-from grip_bt.compilers.restructure.result import to_text
-from grip_bt.compilers.restructure.subtasks import Extracted, extracted, inlined
-
-from .as_edit import expanded
-from .equivalence import Comparison, Difference, compare, moved, play
-from .result import Note, Restructured
-
-__all__ = [
-    "Comparison",
-    "Difference",
-    "compare",
-    "expanded",
-    "Extracted",
-    "extracted",
-    "inlined",
-    "moved",
-    "Note",
-    "play",
-    "Restructured",
-    "to_state_machines",
-    "to_text",
-    "to_trees",
-]
+from .as_edit import expanded as expanded
+from .equivalence import Comparison as Comparison
+from .equivalence import Difference as Difference
+from .equivalence import compare as compare
+from .equivalence import moved as moved
+from .equivalence import play as play
+from .result import Restructured as Restructured
+from .result import to_text as to_text

@@ -10,12 +10,12 @@ from grip_bt.compilers.restructure.subtasks import inlined
 from grip_bt.task import dumps, loads
 from grip_bt.task.canonical import data_of, file_data
 from grip_bt.task.catalog import Catalog
+from grip_bt.task.document import CHILDREN
 from grip_bt.task.edit import AnyCommand, Convert, Group, Inline, Patch, apply, path_after, title_of
 from grip_bt.task.edit.documents import differences
 from grip_bt.task.edit.editing import Draft
 from grip_bt.task.edit.steps import Place, Put, Rekey, Shift, Step
 from grip_bt.task.model import Task, join, walk
-from grip_bt.task.shape import CHILDREN
 
 from .result import Restructured
 

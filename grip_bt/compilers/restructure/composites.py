@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.model import AnyNode, Fallback, Force, Leaf, Meaning, Repeat, Sequence, StateMachine, outcomes_of
+from grip_bt.task.model import AnyNode, Fallback, Force, Meaning, Repeat, Sequence, StateMachine
 
 from ..resolve import Part
 from .regions import Arc, Chain, Loop, Region, State
@@ -51,7 +51,6 @@ class Composer:
         self.labels = {name: self.labelled(name) for name in children}
 
     def build(self, region: Region) -> Built:
-        """Return what the machine becomes."""
         old = self.part.node
         assert isinstance(old, StateMachine), "only a machine has regions"
         body = self.container(region, {})
@@ -61,36 +60,7 @@ class Composer:
         outcomes = FrozenDict({k: v for k, v in old.outcomes.items() if k not in PLAIN})
         return Built(body.node.model_copy(update={**common(old), "outcomes": outcomes}), places)
 
-    def build_machine(self, initial: str, regions: Mapping[str, Region]) -> Built:
-        """Return a machine in which regions are the states.
-
-        Args:
-            regions: entry of each region -> the region; edges between them lead to entries only.
-        """
-        old = self.part.node
-        assert isinstance(old, StateMachine), "only a machine has regions"
-        wishes = {state: "success" for state in self.children}
-        items = {entry: self.item(regions[entry], wishes) for entry in self.children if entry in regions}
-        names = {entry: item.name for entry, item in items.items()}
-        children = {item.name: self.led_on(item, names) for item in items.values()}
-        places: dict[str, Place] = {self.part.path: ()}
-        for item in items.values():
-            for state, place in item.places.items():
-                places.update(self.children[state].below(place))
-        update = {"initial": names[initial], "children": FrozenDict(children)}
-        return Built(old.model_copy(update=update), places)
-
-    def led_on(self, item: Item, names: Mapping[str, str]) -> AnyNode:
-        """Return a state of a machine with an edge for each of its ends; those that it never has lead somewhere."""
-        coded = sorted(item.ends, key=_code_first(item))
-        on = {end.label: names.get(end.target, end.target) for end in coded}
-        if not isinstance(item.node, Leaf):
-            anywhere = next(iter(on.values()), next(iter(self.part.meaning)))
-            on |= {outcome: anywhere for outcome in outcomes_of(item.node) if outcome not in on}
-        return item.node.model_copy(update={"on": FrozenDict(on)})
-
     def item(self, region: Region, wishes: Wishes) -> Item:
-        """Return a child for a region."""
         if isinstance(region, State):
             return self.state(region)
         made = self.container(region, wishes)
@@ -99,12 +69,10 @@ class Composer:
         return self.named(name, made.node, ends, made.places)
 
     def state(self, region: State) -> Item:
-        """Return the child that a state becomes: itself, without edges."""
         node = self.children[region.entry].node.model_copy(update={"on": FrozenDict()})
         return Item(region.entry, node, region.leaving, {region.entry: (region.entry,)})
 
     def container(self, region: Region, wishes: Wishes) -> Item:
-        """Return the container of a region; it has no name yet, and its places are those below it."""
         match region:
             case State():
                 items, goes_on = [self.state(region)], "success"
@@ -128,7 +96,6 @@ class Composer:
         return Item("", node, (), {state: place for item in items for state, place in item.places.items()})
 
     def parts_of(self, chain: Chain, wishes: Wishes) -> Iterator[Item]:
-        """Yield the children of a chain."""
         for part, following in zip(chain.parts, chain.parts[1:], strict=False):
             yield self.going_on(part, following.entry, chain.goes_on, wishes)
         yield self.item(chain.parts[-1], wishes)
@@ -156,7 +123,6 @@ class Composer:
         return self.named(f"try_{item.name}", node, ends, places)
 
     def named(self, name: str, node: AnyNode, ends: tuple[Arc, ...], places: Mapping[str, Place]) -> Item:
-        """Return a new child under a name that nothing else has."""
         free, number = name, 1
         while free in self.taken:
             number += 1
@@ -179,11 +145,9 @@ class Composer:
                 yield f"{item.name}.{end.label}", label
 
     def ends(self, leaving: Iterable[Arc], wishes: Wishes) -> tuple[Arc, ...]:
-        """Return the ends of a new container: one for each target, by the label that stands for it."""
         return tuple(Arc("", self.label(t), None, self.meaning(t, wishes), t) for t in targets(leaving))
 
     def label(self, target: str) -> str:
-        """Return the outcome of a new container that stands for `target`."""
         return self.labels.get(target, target)
 
     def labelled(self, state: str) -> str:
@@ -194,7 +158,6 @@ class Composer:
         return label
 
     def meaning(self, target: str, wishes: Wishes) -> str:
-        """Return what the label of `target` means."""
         return wishes[target] if target in self.children else self.part.meaning[target]
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-
-import networkx as nx
+from dataclasses import dataclass
 
 from grip_bt.base.errors import listing
 from grip_bt.base.frozen import FrozenDict
@@ -18,11 +16,10 @@ from grip_bt.compilers.restructure.regions import (
     Loop,
     Region,
     State,
-    Tangle,
     depth,
     flow_graph,
-    offending_edges,
     structured,
+    unruly_edges,
 )
 from grip_bt.compilers.restructure.result import (
     Built,
@@ -187,9 +184,6 @@ class _ToComposites:
         children = {child.name: self.convert(child, inner) for child in part.children}
         if isinstance(found, State | Chain | Loop):
             return Composer(part, children).build(found)
-        if isinstance(found, _Stays) and found.regions:
-            assert isinstance(part.node, StateMachine), "only a machine has regions"
-            return Composer(part, children).build_machine(part.node.initial, found.regions)
         return kept(part, _led_on(part, children) if machine else children)
 
 
@@ -229,12 +223,10 @@ class _Stays:
 
     Attributes:
         edges: those without which it would have a structure.
-        regions: entry -> region, where parts of it have a structure; these become composites within the machine.
     """
 
     reason: str
     edges: tuple[str, ...] = ()
-    regions: Mapping[str, Region] = field(default_factory=dict)
 
 
 def _structure(part: Part, ticker: Part | None) -> Region | _Stays:
@@ -251,8 +243,12 @@ def _structure(part: Part, ticker: Part | None) -> Region | _Stays:
     if never:
         return _Stays(f"states that are never reached have no place in a composite: {listing(never)}")
     found = structured(part.node.initial, arcs)
-    if isinstance(found, Tangle):
-        return _tangled(found, graph, part.node.initial, arcs)
+    if found is None:
+        back = unruly_edges(graph, part.node.initial)
+        labels = tuple(str(arc) for tail, head in back for arc in arcs[tail] if arc.target == head)
+        return _Stays(
+            f"a loop of it is entered at more than one state; without {listing(labels)} none would be", labels
+        )
     levels = depth(found)
     if levels > MAX_DEPTH:
         return _Stays(f"its structure has {levels} levels, which is unreadable (at most {MAX_DEPTH} are made)")
@@ -268,14 +264,3 @@ def _arcs(part: Part, index: int) -> list[Arc]:
             way = lead(part, index, outcome, code)
             result.append(Arc(child.name, outcome, code, meaning, str(way.to or way.end)))
     return result
-
-
-def _tangled(found: Tangle, graph: nx.DiGraph, initial: str, arcs: Mapping[str, list[Arc]]) -> _Stays:
-    """Return which edges keep a machine from having a structure, and what of it has one all the same."""
-    edges, smallest = offending_edges(graph, initial)
-    labels = tuple(str(arc) for tail, head in edges for arc in arcs[tail] if arc.target == head)
-    only = "" if smallest else " (there may be fewer that do)"
-    reason = f"a loop of it is entered at more than one state; without {listing(labels)} none would be{only}"
-    if not found.is_partly_structured or max(map(depth, found.regions.values())) > MAX_DEPTH:
-        return _Stays(reason, labels)
-    return _Stays(f"{reason}; what else has a structure in it became composites", labels, found.regions)

@@ -1,8 +1,4 @@
-"""Do two forms of a task do the same? Both are run with leaves that end as a script says, for every short script.
-
-A conversion is exact by construction; this looks at it from outside, and shows where a conversion that was asked to be
-inexact differs: as a script, a sequence of ends of leaves that both forms can be played with.
-"""
+"""Do two forms of a task do the same? Both are run with leaves that end as a script says, for every short script."""
 
 from __future__ import annotations
 
@@ -64,7 +60,6 @@ class Difference:
         script: how each activation of a leaf ends, in the order in which they end in the first form; last those that
             it interrupts.
         before: what the first form does: ends of leaves, then its own.
-        after: what the other form does.
     """
 
     script: tuple[End, ...]
@@ -138,16 +133,11 @@ def play(
     """Run one form with leaves that end as a script says, and tell an observer what all of its nodes do.
 
     Args:
-        task: the form; a script names leaves by their paths in it.
-        script: how activations of leaves end; those that it doesn't name end with their first success.
+        script: how activations of leaves end, by their paths here; others end with their first success.
         observe: given what tells the time of the run [s], returns who is told.
 
     Returns:
-        How the task ends: its outcome, with the failure's code after it; `error` and where or why; nothing where it
-        was stopped since it goes on and on.
-
-    Raises:
-        InvalidTaskError: the form isn't right.
+        Outcome and failure's code; or `error` and where or why; nothing where the task goes on and on.
     """
     return _Run(task, catalog, None, script, _codes(task), observe).end
 
@@ -194,8 +184,6 @@ class _Clock:
 
 @dataclass
 class _Context:
-    """What leaves and time-outs ask for."""
-
     clock: _Clock = field(default_factory=_Clock)
     preempt_requested: bool = False
 
@@ -295,8 +283,6 @@ class _Run:
 
 
 class _Scripted(Leaf):
-    """A leaf that does nothing and ends as it is told."""
-
     run: _Run
     known_as: str
 

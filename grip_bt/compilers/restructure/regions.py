@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import networkx as nx
 
@@ -31,7 +30,6 @@ class Arc:
 
     @property
     def label(self) -> str:
-        """The outcome, with its code."""
         return self.outcome if self.code is None else f"{self.outcome}.{self.code}"
 
     def __str__(self) -> str:
@@ -47,7 +45,6 @@ class State:
 
     @property
     def last(self) -> str:
-        """The state itself."""
         return self.entry
 
 
@@ -56,7 +53,6 @@ class Chain:
     """Regions in order: from each but the last, the arcs to the next one's entry stay inside.
 
     Attributes:
-        parts: at least two regions.
         goes_on: meaning of the ends that go on to the next part.
     """
 
@@ -65,17 +61,14 @@ class Chain:
 
     @property
     def entry(self) -> str:
-        """The state that it begins with."""
         return self.parts[0].entry
 
     @property
     def last(self) -> str:
-        """The last state in its order."""
         return self.parts[-1].last
 
     @cached_property
     def leaving(self) -> tuple[Arc, ...]:
-        """The arcs that lead out."""
         inner = [
             arc
             for part, following in zip(self.parts, self.parts[1:], strict=False)
@@ -93,39 +86,18 @@ class Loop:
 
     @property
     def entry(self) -> str:
-        """The state that it begins with."""
         return self.body.entry
 
     @property
     def last(self) -> str:
-        """The last state in its order."""
         return self.body.last
 
     @cached_property
     def leaving(self) -> tuple[Arc, ...]:
-        """The arcs that lead out."""
         return tuple(arc for arc in self.body.leaving if arc.target != self.entry)
 
 
 Region = State | Chain | Loop
-
-
-@dataclass(frozen=True)
-class Tangle:
-    """What is left of a machine that has no structure.
-
-    Attributes:
-        graph: entry of a region -> entries that it leads to; at least one loop in it has two entries.
-        regions: entry -> the region, which is a state where nothing could be joined to it.
-    """
-
-    graph: nx.DiGraph
-    regions: Mapping[str, Region]
-
-    @property
-    def is_partly_structured(self) -> bool:
-        """Whether some of its states could be joined."""
-        return any(not isinstance(region, State) for region in self.regions.values())
 
 
 def flow_graph(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> nx.DiGraph:
@@ -139,12 +111,8 @@ def flow_graph(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> nx.DiGraph:
     return graph.subgraph({initial, *nx.descendants(graph, initial)}).copy()
 
 
-def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | Tangle:
-    """Return a state machine's structure; or, when it has none, what is left after the reductions.
-
-    Args:
-        arcs: state -> its arcs, the most usual first.
-    """
+def structured(initial: str, arcs: Mapping[str, Iterable[Arc]]) -> Region | None:
+    """Return the structure of a state machine, given each state's arcs, the most usual first; None when it has none."""
     return _Reduction(initial, arcs).run()
 
 
@@ -156,14 +124,14 @@ class _Reduction:
         self.order = list(reversed(list(nx.dfs_postorder_nodes(self.graph, initial))))
         self.dominator = nx.immediate_dominators(self.graph, initial)
 
-    def run(self) -> Region | Tangle:
+    def run(self) -> Region | None:
         for header in reversed(self.order):
             body = self.natural_loop(header)
             if body:
                 self.join(header, body)
                 self.close(header)
         self.join(self.initial, set(self.graph))
-        return self.regions[self.initial] if len(self.graph) == 1 else Tangle(self.graph, self.regions)
+        return self.regions[self.initial] if len(self.graph) == 1 else None
 
     def natural_loop(self, header: str) -> set[str]:
         """Return what reaches the edges back to `header` without passing it, itself included; empty without any."""
@@ -240,26 +208,7 @@ def going_on(region: Region, target: str) -> list[str]:
     return ["failure", "success"] if meanings == {"failure"} else ["success", "failure"]
 
 
-BUDGET = 500
-"""Sets of edges that are tried at most; beyond that, a set that is enough is given, not the smallest."""
-
 Edge = tuple[str, str]
-
-
-def offending_edges(graph: nx.DiGraph, initial: str) -> tuple[list[Edge], bool]:
-    """Return edges without which the graph would have a structure, and whether no smaller set is known to be enough."""
-    enough = unruly_edges(graph, initial)
-    tried = 0
-    for size in range(1, len(enough)):
-        for edges in combinations(graph.edges, size):
-            tried += 1
-            if tried > BUDGET:
-                return enough, False
-            rest = graph.copy()
-            rest.remove_edges_from(edges)
-            if not unruly_edges(rest.subgraph({initial, *nx.descendants(rest, initial)}), initial):
-                return list(edges), True
-    return enough, True
 
 
 def unruly_edges(graph: nx.DiGraph, initial: str) -> list[Edge]:

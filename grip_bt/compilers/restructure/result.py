@@ -48,11 +48,7 @@ class Note:
 
 @dataclass(frozen=True)
 class Restructured:
-    """A task in another form.
-
-    Attributes:
-        paths: path of each node before -> its path now.
-    """
+    """A task in another form; `paths` lead from where each node was to where it is."""
 
     task: Task
     paths: Mapping[str, str]
@@ -81,7 +77,6 @@ class Built:
     places: Mapping[str, Place] = field(default_factory=dict)
 
     def below(self, place: Place) -> dict[str, Place]:
-        """Return the places as seen from a container that holds this node at `place`."""
         return {old: (*place, *names) for old, names in self.places.items()}
 
 
@@ -139,7 +134,6 @@ def to_text(result: Restructured, form: str, source: str) -> str:
 
     Args:
         form: what it was made into, such as `a behaviour tree`.
-        source: name of the file that it was made from.
     """
     return "".join(f"{line}\n" for line in _header(result, form, source)) + dumps(result.task)
 

@@ -12,6 +12,7 @@ from grip_bt.base.expression import parse_expression
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.yaml.scalars import write_scalar
 from grip_bt.base.yaml.tree import YamlMapping, parse
+from grip_bt.compilers.restructure.result import is_within
 from grip_bt.task import read_text
 from grip_bt.task.canonical import dumps, file_data, lines_of
 from grip_bt.task.catalog import Catalog, manifest_of_task
@@ -108,8 +109,6 @@ def _expect_same_ends(placed: PlacedNode, node: Subtask, inside: Task) -> None:
 
 
 class _Merging:
-    """The variables of a file among those of the task that runs it."""
-
     def __init__(self, placed: PlacedNode, node: Subtask, inside: Task, catalog: Catalog):
         self.placed, self.node, self.inside, self.catalog = placed, node, inside, catalog
         self.analysis = TaskAnalysis(inside, catalog)
@@ -118,7 +117,6 @@ class _Merging:
         return {**self.node.in_, **self.node.out}
 
     def check(self) -> None:
-        """Refuse what can't be said with shared variables."""
         node, path = self.node, self.placed.path
         face = manifest_of_task(node.task, self.inside)
         root = self.analysis.root
@@ -251,8 +249,7 @@ def extracted(command: Extract, source: Document | Task, catalog: Catalog) -> Ex
     moving = Edit(document.task)
     parent, name, container = moving.parent(command.path, "is the task already; wrap it, and take out the child")
     edit = Patch(
-        title=title_of(command),
-        steps=(Assign(at=(*moving.place(parent), slot(container)), key=name, value=record),),
+        title=title_of(command), steps=(Assign(at=(*moving.place(parent), slot(container)), key=name, value=record),)
     )
     return Extracted(command.file, _text(document, edit, part, inputs, outputs), edit)
 
@@ -267,20 +264,15 @@ def _placed(command: Extract, task: Task, catalog: Catalog) -> tuple[PlacedNode,
     file = PurePosixPath(command.file)
     if file.is_absolute() or ".." in file.parts or file.suffix not in (".yaml", ".yml"):
         raise EditError(command.path, f"{command.file!r} isn't a task file of the project, such as `tasks/fetch.yaml`")
-    if any(inside.manifest is None for inside in analysis.leaves if _below(inside.path, placed.path)):
+    if any(inside.manifest is None for inside in analysis.leaves if is_within(inside.path, placed.path)):
         raise EditError(command.path, "it has a node that the catalogue doesn't know; fix it first (`grip check`)")
-    missing = [name for (path, _), name in DataFlow(analysis).missing.items() if _below(path, placed.path)]
+    missing = [name for (path, _), name in DataFlow(analysis).missing.items() if is_within(path, placed.path)]
     if missing:
         raise EditError(command.path, f"{missing[0]!r} may be read in it before it is written; fix that first")
     return placed, analysis
 
 
-def _below(path: str, above: str) -> bool:
-    return path == above or path.startswith(f"{above}/")
-
-
 def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog: Catalog) -> Task:
-    """Return the part as a task whose variables are all those that were around it."""
     root = {key: value for key, value in file_data(placed.node).items() if key not in _AROUND}
     types = {name: str(declared.type or "Any") for name, declared in placed.around.items()}
     outcomes = dict(placed.outcomes)
@@ -292,7 +284,7 @@ def _part(command: Extract, placed: PlacedNode, analysis: TaskAnalysis, catalog:
 
 
 def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -> tuple[dict[str, str], dict[str, str]]:
-    types = {name: declared.type_text for name, declared in TaskAnalysis(part, catalog).task_scope.items()}
+    types = {name: type_of(declared.variable) for name, declared in TaskAnalysis(part, catalog).task_scope.items()}
     inputs: dict[str, str] = {}
     while True:  # an expression that reads several variables names one of them at a time
         asked = part.model_copy(update={"inputs": FrozenDict(inputs), "data": FrozenDict(types)})
@@ -304,7 +296,7 @@ def _ports(command: Extract, placed: PlacedNode, part: Task, catalog: Catalog) -
     used, written, scope = analysis.root.reads, analysis.root.writes, analysis.task_scope
     # what is read only where nothing leads to has to be declared all the same, and need not be there on entry
     unread = {name for name, declared in scope.items() if declared.bit & used and name not in inputs}
-    outputs = {n: declared.type_text for n, declared in scope.items() if declared.bit & written or n in unread}
+    outputs = {n: type_of(declared.variable) for n, declared in scope.items() if declared.bit & written or n in unread}
     return inputs, outputs
 
 

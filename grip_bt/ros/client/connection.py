@@ -30,8 +30,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import ok
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.failures import CanceledError
+from grip_bt.base.files import Closing
 from grip_bt.base.operation import Operation
 
 from ..environment import require, sweep

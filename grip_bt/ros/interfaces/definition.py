@@ -20,7 +20,8 @@ from grip_bt.ros.interfaces.packages import (
     search_path,
     share_folder,
 )
-from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec, Kind
+from grip_bt.task.catalog.component_file import Kind
+from grip_bt.task.catalog.ros_config import FieldSpec, InterfaceSpec
 
 _SECTIONS = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
 _SEPARATOR = "---"

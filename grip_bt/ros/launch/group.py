@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TextIO
 
 from grip_bt.base.errors import GripError
-from grip_bt.task.catalog.component_parts import Ready, Restart
+from grip_bt.task.catalog.component_file import Ready, Restart
 
 from ..process import Process
 

@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from grip_bt.base.closing import Closing
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import (
     BadReplyError,
@@ -22,6 +21,7 @@ from grip_bt.base.failures import (
     StartInCollisionError,
     TimeOutError,
 )
+from grip_bt.base.files import Closing
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Sequencer, Steps, run_steps
 from grip_bt.base.values import Grasp, JointState, Plan, Pose, Trajectory

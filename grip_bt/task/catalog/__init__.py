@@ -9,7 +9,6 @@ from .catalog import Catalog as Catalog
 from .catalog import load_implementation as load_implementation
 from .manifest import InputPort as InputPort
 from .manifest import Manifest as Manifest
-from .manifest import NodeId as NodeId
 from .manifest import OutputPort as OutputPort
 from .manifest import Parameter as Parameter
 from .manifest import find_manifests as find_manifests
@@ -18,7 +17,6 @@ from .python_nodes import find_python_nodes as find_python_nodes
 from .python_nodes import read_python_nodes as read_python_nodes
 from .source_code import AllowedImports as AllowedImports
 from .source_code import CodePath as CodePath
-from .task_files import TaskFiles as TaskFiles
 from .task_files import TaskFolder as TaskFolder
 from .task_files import TaskTexts as TaskTexts
 from .task_files import manifest_of_task as manifest_of_task

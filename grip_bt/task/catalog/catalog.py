@@ -13,7 +13,6 @@ from pathlib import Path
 from types import ModuleType
 
 from grip_bt.base.errors import DocumentError, ImplementationError, UnknownNameError
-from grip_bt.base.types import Type
 
 from .manifest import Manifest, read_manifests
 from .project_parts import ProjectParts
@@ -34,9 +33,7 @@ def load_implementation(manifest: Manifest) -> type:
     where, colon, name = manifest.implementation.rpartition(":")
     if not colon or not where or not name.isidentifier():
         raise ImplementationError(
-            manifest.id,
-            manifest.implementation,
-            "write `package.module:Class` or `file.py:Class`",
+            manifest.id, manifest.implementation, "write `package.module:Class` or `file.py:Class`"
         )
     module = _import(manifest, where)
     found = getattr(module, name, None)
@@ -97,10 +94,8 @@ class Catalog:
 
     Args:
         manifests: no two with the same id.
-        tasks: where the files of subtasks are; without it, there are none.
 
     Attributes:
-        tasks: likewise.
         named: returns store -> names of the messages that are there before a run; None where nobody can know.
         parts: returns what the project's arms, hands and nodes have; None where nobody can know.
         code: what tasks may import besides.
@@ -146,16 +141,6 @@ class Catalog:
         """Return the ids, sorted."""
         return tuple(sorted(self._manifests))
 
-    def makers_of(self, type_: Type) -> tuple[str, ...]:
-        """Return the ids of nodes that give a value of a type; first what makes one, then what needs the least."""
-        found = []
-        for manifest in self:
-            if any(port.type == type_.name for port in manifest.outputs.values()):
-                needed = sum(port.required for port in manifest.inputs.values())
-                fails = "failure" in manifest.outcomes.values()
-                found.append((not manifest.id.endswith("/make"), needed, fails, len(manifest.outputs), manifest.id))
-        return tuple(id for *_, id in sorted(found))
-
     def with_manifests(self, more: Iterable[Manifest]) -> Catalog:
         """Return a catalogue with more nodes; one of `more` replaces the node of the same id (a mock, for instance).
 
@@ -185,9 +170,6 @@ class Catalog:
 
     def __iter__(self) -> Iterator[Manifest]:
         return (self._manifests[id] for id in self.ids())
-
-    def __len__(self) -> int:
-        return len(self._manifests)
 
 
 @cache

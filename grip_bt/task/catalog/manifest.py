@@ -1,7 +1,4 @@
-"""A node's manifest: ports, parameters, outcomes and documentation, read and written as YAML.
-
-Nobody imports a node to learn these.
-"""
+"""A node's manifest: ports, parameters, outcomes and documentation, read and written as YAML."""
 
 from __future__ import annotations
 
@@ -167,11 +164,7 @@ def find_manifests(folder: Path | str) -> list[Manifest]:
 
 
 def manifest_text(manifest: Manifest, header: str) -> str:
-    """Return the file `manifest.yaml` as a person would write it: without what is default, in a fixed order.
-
-    Args:
-        header: a comment for its first lines, each with `#`.
-    """
+    """Return the file `manifest.yaml` as a person would write it: without what is default, in a fixed order."""
     dumped = manifest.model_dump(exclude_defaults=True)
     for name, parameter in manifest.parameters.items():
         if not parameter.required:
@@ -180,9 +173,6 @@ def manifest_text(manifest: Manifest, header: str) -> str:
     given = {key: dumped.get(key) for key in keys if key in dumped or key == "outcomes"}
     data = {"id": manifest.id, "doc": manifest.doc, "implementation": manifest.implementation, **given}
     data["outcomes"] = dict(manifest.outcomes)
-    for name, said in dumped.get("parameters", {}).items():
-        if not manifest.parameters[name].required:  # also where it is null
-            said["default"] = manifest.parameters[name].default
     tree = from_data(data)
     assert isinstance(tree, YamlMapping)
     blocks = {id(tree.entries[key].value) for key in ("parameters", "inputs", "outputs", "settings") if key in data}

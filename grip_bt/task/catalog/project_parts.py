@@ -46,7 +46,6 @@ class ProjectParts:
 
     Attributes:
         arms: by name; None where the project declares no robot yet.
-        hands: likewise.
         nodes: id of a node -> what is wrong with what it needs, such as a ROS package that isn't installed.
         packages: ROS packages that are here, as a mapping also what looks up the types of each (`msg/Pose`); None where
             there is no ROS, and tasks are only drawn.
@@ -71,9 +70,7 @@ def missing_type(type_: str, packages: Collection[str], where: str = "", message
     """Return that a ROS type isn't here, or None where it is, or nobody knows.
 
     Args:
-        type_: such as `sensor_msgs/msg/Image`.
         packages: those that are here, as `ProjectParts` has them.
-        where: what needs it.
         message: whether a message is needed, as topics carry it, and no service or action.
     """
     package, _, rest = type_.partition("/")

@@ -60,8 +60,6 @@ def read_python_nodes(path: Path | str) -> list[Manifest]:
 
 
 class _Source:
-    """One file."""
-
     def __init__(self, path: Path | str, module: ast.Module):
         self._path, self._module = path, module
         self._names = dict(imported(module))

@@ -10,7 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.types import parse_type
 from grip_bt.base.yaml.models import Identifier, RosName, Settings, exactly_one
-from grip_bt.task.catalog.component_parts import Start
+from grip_bt.task.catalog.component_file import Kind, Start
 from grip_bt.task.catalog.manifest import Manifest, OutputPort, Parameter
 
 MESSAGES = {
@@ -47,11 +47,7 @@ class TopicConfig(Settings):
         return self
 
     def message_type(self) -> str:
-        """Return the ROS type of the topic.
-
-        Raises:
-            ValueError: nothing says it.
-        """
+        """Return the ROS type of the topic; ValueError where nothing says it."""
         found = self.message or (self.type if "/" in self.type else MESSAGES.get(self.type))
         if found is None:
             raise ValueError(f"message: say which ROS type {self.topic} has, such as std_msgs/msg/Float64")
@@ -142,7 +138,6 @@ def sensor_manifest(name: str, sensor: SensorConfig | None = None) -> Manifest:
 
 
 def _of_topics(name: str, sensor: SensorConfig) -> Manifest:
-    """Return the manifest of the leaf that takes one message of each topic, from one moment."""
     several = f", from messages at most {sensor.slop} s apart" if len(sensor.topics) > 1 else ""
     outputs = {
         port: OutputPort(type=topic.type, doc=topic.doc or f"from {topic.topic}")
@@ -249,8 +244,6 @@ class RosRobotConfig(Settings):
         return value
 
 
-Kind = Literal["msg", "srv", "action"]
-
 INTEGER_TYPES = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)) | {"byte", "char"}
 """Primitive types that hold whole numbers."""
 
@@ -293,7 +286,6 @@ class InterfaceSpec:
     Attributes:
         request: fields of the request or goal; of the message itself for a `msg`.
         response: fields of the response or result; empty for a `msg`.
-        feedback: fields of the feedback of an `action`.
     """
 
     package: str

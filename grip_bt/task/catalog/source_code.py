@@ -20,9 +20,6 @@ _OURS = ("grip_bt", "py_trees")
 def source_of(module: str, folder: Path | None = None) -> Path | None:
     """Return the Python file of a module, as an import would find it; None where it isn't one.
 
-    Args:
-        folder: where it is looked for last.
-
     Raises:
         ModuleNotFoundError: there is no such module here.
     """
@@ -68,11 +65,7 @@ def _definition_of(file: Path, name: str) -> _Definition | None:
 
 
 def line_of(file: Path, name: str, folder: Path | None = None) -> Iterator[_Definition | str]:
-    """Yield a definition and what it is made of, nearest first; full names of what has no source to look into.
-
-    Args:
-        folder: where modules are looked for last.
-    """
+    """Yield a definition and what it is made of, nearest first; full names of what has no source to look into."""
     todo, seen = [(file, name)], set[tuple[Path, str]]()
     while todo:
         here = todo.pop(0)
@@ -109,7 +102,6 @@ def imported(module: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 def _syntax_of(file: Path) -> ast.Module | None:
-    """Return a file's syntax; None where it can't be read as Python."""
     try:
         there = file.stat()
     except OSError:

@@ -4,14 +4,11 @@
 only the lines of the command change; `documents` reads typed text as a command; `history` with its file.
 """
 
-from grip_bt.task.edit.editing import BaseCommand as BaseCommand
-
 from .change_kind import ChangeKind as ChangeKind
 from .change_kind import Convert as Convert
 from .change_kind import Extract as Extract
 from .change_kind import Inline as Inline
 from .commands import AnyCommand as AnyCommand
-from .commands import Applied as Applied
 from .commands import Command as Command
 from .commands import Group as Group
 from .commands import Patch as Patch
@@ -26,7 +23,6 @@ from .documents import Edited as Edited
 from .documents import apply_to_document as apply_to_document
 from .documents import rewrite as rewrite
 from .history import History as History
-from .history import Moment as Moment
 from .history import history_path as history_path
 from .history import load_history as load_history
 from .history import save_history as save_history
@@ -40,7 +36,6 @@ from .nodes import Move as Move
 from .nodes import Remove as Remove
 from .nodes import Rename as Rename
 from .outcomes import RenameOutcome as RenameOutcome
-from .paste import Clip as Clip
 from .paste import Paste as Paste
 from .paste import clip_of as clip_of
 from .steps import path_after as path_after

@@ -8,14 +8,12 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, kind_in_words, path_in_words
-from grip_bt.task.model import children_of
 
+from ..document import CHILDREN, keys_of
 from ..kind_analysis import following
-from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine
+from ..model import KINDS, AnyNode, Kind, Sequence, StateMachine, children_of
 from ..parts import FREE_PREFIX
-from ..shape import CHILDREN, keys_of, model_of_kind
-from .editing import Edit, holds_nodes, kind_of, slot
+from .editing import BaseCommand, Edit, kind_in_words, kind_of, path_in_words, slot, slot_of
 
 STANDARD = ("success", "failure")
 
@@ -40,10 +38,10 @@ class ChangeKind(BaseCommand):
     def plan(self, edit: Edit) -> None:
         node = edit.node(self.path)
         expect_kind(self.path, self.kind)
-        if not holds_nodes(node) or not holds_nodes_of_kind(self.kind):
+        if not slot(node) or not slot_of(KINDS[self.kind]):
             raise EditError(self.path, "only a container becomes another container; add a node, or wrap this one")
         names = list(children_of(node))
-        new_slot = slot_of_kind(self.kind)
+        new_slot = slot_of(KINDS[self.kind])
         if new_slot == "child" and len(names) != 1:
             held = listing(names, "no child")
             raise EditError(self.path, f"a {self.kind} has one child, this {kind_of(node)} has {held}")
@@ -51,10 +49,10 @@ class ChangeKind(BaseCommand):
         if self.kind != kind_of(node):
             _change_edges(edit, node, self)
             edit.set(place, "kind", self.kind)
-            allowed = {*keys_of(model_of_kind(self.kind)), *CHILDREN}
+            allowed = {*keys_of(KINDS[self.kind]), *CHILDREN}
             for key in [k for k in edit.draft.mapping(place) if k not in allowed and not k.startswith(FREE_PREFIX)]:
                 edit.drop(place, key)
-            if model_of_kind(self.kind).by_edges and "initial" not in self.fields and names:
+            if KINDS[self.kind].by_edges and "initial" not in self.fields and names:
                 edit.put(place, "initial", names[0])
             edit.rekey(place, slot(node), new_slot)
         for key, value in self.fields.items():
@@ -62,7 +60,7 @@ class ChangeKind(BaseCommand):
 
 
 class _TakesCatalog(BaseCommand):
-    """A command that is refused as it is: this room knows no nodes."""
+    """A command that needs a catalogue: `apply` takes what `grip_bt.compilers.restructure` makes of it."""
 
     path: str
 
@@ -75,11 +73,7 @@ class _TakesCatalog(BaseCommand):
 
 
 class Convert(_TakesCatalog):
-    """A container and those in it become their equals in the other form, exactly, or stay; see docs/conversion.md.
-
-    What is equal depends on how leaves can end, so this takes a catalogue: `expanded` of
-    `grip_bt.compilers.restructure` returns the edit that it comes to, and `apply` refuses it as it is.
-    """
+    """A container and those in it become their equals in the other form, exactly, or stay; see docs/conversion.md."""
 
     do: Literal["convert"] = "convert"
     path: str
@@ -94,11 +88,7 @@ class Convert(_TakesCatalog):
 
 
 class Extract(_TakesCatalog):
-    """A node with all below it goes to a file of its own, and a subtask that runs that file takes its place.
-
-    What goes in and out depends on what leaves read and write, so this takes a catalogue: `extracted` of
-    `grip_bt.compilers.restructure` returns the file and the edit, and `apply` refuses it as it is.
-    """
+    """A node with all below it goes to a file of its own, and a subtask that runs that file takes its place."""
 
     do: Literal["extract"] = "extract"
     words: ClassVar[str] = "extract {path} to {file}"
@@ -110,11 +100,7 @@ class Extract(_TakesCatalog):
 
 
 class Inline(_TakesCatalog):
-    """What is in a subtask's file takes the subtask's place; the reverse of `extract`.
-
-    It takes a catalogue, which knows the file: `expanded` of `grip_bt.compilers.restructure` returns the edit that it
-    comes to, and `apply` refuses it as it is.
-    """
+    """What is in a subtask's file takes the subtask's place; the reverse of `extract`."""
 
     do: Literal["inline"] = "inline"
     words: ClassVar[str] = "inline {path}"
@@ -127,16 +113,6 @@ def expect_kind(path: str, kind: str) -> None:
     """Refuse a kind that there isn't."""
     if kind not in KINDS:
         raise EditError(path, f"unknown kind {kind!r}{nearest(kind, KINDS)} (available: {listing(KINDS)})")
-
-
-def holds_nodes_of_kind(kind: str) -> bool:
-    """Tell whether nodes of a kind are containers."""
-    return not model_of_kind(kind).model_fields.keys().isdisjoint(CHILDREN)
-
-
-def slot_of_kind(kind: str) -> str:
-    """Return the key under which containers of a kind have their children."""
-    return "child" if "child" in model_of_kind(kind).model_fields else "children"
 
 
 def edges_of(container: AnyNode) -> dict[str, dict[str, str]]:
@@ -162,11 +138,10 @@ def chain(container: AnyNode | None, names: list[str]) -> dict[str, dict[str, st
 
 
 def _change_edges(edit: Edit, node: AnyNode, command: ChangeKind) -> None:
-    """Turn edges into exits, or the order of the children and exits into edges."""
     place = edit.place(command.path)
     below = (*place, slot(node))
     edges = edges_of(node)
-    if model_of_kind(command.kind).by_edges:
+    if KINDS[command.kind].by_edges:
         for name, on in edges.items():
             edit.set((*below, name), "on", on)
         reached = {target for on in edges.values() for target in on.values() if target in STANDARD}

@@ -9,18 +9,16 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Discriminator, TypeAdapter
 from typing_extensions import override
 
-from grip_bt.task.edit.editing import BaseCommand
-
 from ..model import Task
 from .change_kind import ChangeKind, Convert, Extract, Inline
 from .comment import Comment
 from .containers import Unwrap, Wrap
-from .editing import Edit
+from .editing import BaseCommand, Edit
 from .keys import Connect, Disconnect, Set, SetMeaning, Unset
 from .nodes import Add, Move, Remove, Rename
 from .outcomes import RenameOutcome
 from .paste import Paste
-from .steps import Step, path_after
+from .steps import Step
 from .variables import Declare, RenameVariable, Undeclare
 
 LONGEST = 80
@@ -115,10 +113,6 @@ class Applied:
     task: Task
     inverse: Patch
     steps: tuple[Step, ...]
-
-    def path(self, before: str) -> str | None:
-        """Return where the node that was at a path is now; None when it is gone."""
-        return path_after(before, self.steps)
 
 
 def apply(task: Task, command: AnyCommand) -> Applied:

@@ -11,10 +11,9 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
 
 from ..document import Document
-from .editing import Edit
+from .editing import BaseCommand, Edit, path_in_words
 from .steps import FILE_COMMENT, Place, Remark
 from .text_places import content_end, line_end, line_start, one_entry_a_line, region_end
 
@@ -99,6 +98,10 @@ def _uncommented(line: str) -> str:
 _MARK = "\ufeff"
 
 
+_HEAD = re.compile(r"^[ \t]*#[^\n]*\n?([ \t]*(#[^\n]*)?\r?\n)*", re.MULTILINE)
+"""Lines of comments, with blank ones between and below them."""
+
+
 @dataclass(frozen=True)
 class _FileComment:
     """Where the comment at the top of a file stands.
@@ -110,12 +113,8 @@ class _FileComment:
 
     begin: int
     end: int
-    spelled: tuple[str, ...]
     after: int
-
-    @property
-    def text(self) -> str:
-        return "\n".join(self.lines)
+    spelled: tuple[str, ...] = ()
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -123,25 +122,14 @@ class _FileComment:
 
 
 def head_at(text: str, tree: YamlMapping) -> _FileComment:
-    """Return where the comment at the top of a file stands, given its syntax."""
-    end = _end(text, tree)
-    at = len(_MARK) if text.startswith(_MARK) else 0
-    runs: list[list[tuple[int, str]]] = [[]]
-    while at < end:
-        line = text[at : line_end(text, at)]
-        if line.strip() and not line.lstrip().startswith("#"):
-            runs.append([])  # `---`: what says something may stand before it or after it
-        else:
-            runs[-1].append((at, line))
-        at += len(line)
-    run = next((run for run in runs if any(line.strip() for _, line in run)), [])
-    marked = [number for number, (_, line) in enumerate(run) if line.strip()]
-    if not marked:
-        return _FileComment(end, end, (), end)
-    lines = run[marked[0] : marked[-1] + 1]
-    last, line = lines[-1]
-    after = sum(map(len, (blank for _, blank in run[marked[-1] + 1 :])), last + len(line))
-    return _FileComment(lines[0][0], last + len(line), tuple(line for _, line in lines), after)
+    """Return where the comment at the top of a file stands, given its syntax; `---` may stand before it or after it."""
+    end, at = _end(text, tree), len(_MARK) if text.startswith(_MARK) else 0
+    found = _HEAD.search(text[at:end])
+    if found is None:
+        return _FileComment(end, end, end)
+    begin = at + found.start()
+    last = line_end(text, begin + len(found.group().rstrip()))
+    return _FileComment(begin, last, at + found.end(), tuple(text[begin:last].splitlines(keepends=True)))
 
 
 def _end(text: str, tree: YamlMapping) -> int:
@@ -154,21 +142,13 @@ def _end(text: str, tree: YamlMapping) -> int:
 
 
 def rewritten(head: _FileComment, comment: str, newline: str) -> tuple[int, int, str]:
-    """Return what to put where so that a head says something else: (begin, end, text).
-
-    Lines that stay keep their spelling; where all go, the blank lines below go too.
-
-    Raises:
-        EditError: no file can hold the comment.
-    """
+    """Return what to put where so that a head says something else; lines that stay keep their spelling."""
     lines = lines_of_comment("", comment)
     if not lines:
         return head.begin, head.after, ""
-    wanted = [_uncommented(line) for line in lines]
-    written: list[str] = []
+    wanted, written = [_uncommented(line) for line in lines], list[str]()
     for what, begin, end, first, last in SequenceMatcher(None, head.lines, wanted, autojunk=False).get_opcodes():
-        same = what == "equal"
-        written += head.spelled[begin:end] if same else [line + newline for line in lines[first:last]]
+        written += head.spelled[begin:end] if what == "equal" else [line + newline for line in lines[first:last]]
     return head.begin, head.end, "".join(written)
 
 
@@ -203,7 +183,7 @@ def comment_of(document: Document, path: str) -> str:
         EditError: there is no such node.
     """
     if path == "":
-        return head_at(document.text, document.tree).text
+        return "\n".join(head_at(document.text, document.tree).lines)
     *above, key = Edit(document.task).place(path)
     inside = document.tree
     for step in above:

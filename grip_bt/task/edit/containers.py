@@ -10,13 +10,11 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, kind_in_words, path_in_words
-from grip_bt.task.model import children_of, outcomes_of
+from grip_bt.task.model import KINDS
 
-from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task
-from ..shape import model_of_kind
-from .change_kind import STANDARD, chain, edges_of, expect_kind, holds_nodes_of_kind, slot_of_kind
-from .editing import Edit, expect_free, slot
+from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task, children_of, outcomes_of
+from .change_kind import STANDARD, chain, edges_of, expect_kind
+from .editing import BaseCommand, Edit, expect_free, kind_in_words, path_in_words, slot, slot_of
 from .steps import Place
 
 _SHOWN = 3
@@ -48,14 +46,14 @@ class Wrap(BaseCommand):
     @override
     def plan(self, edit: Edit) -> None:
         expect_kind(self.paths[0], self.kind)
-        if not holds_nodes_of_kind(self.kind):
+        if not slot_of(KINDS[self.kind]):
             raise EditError(self.paths[0], f"a {self.kind} holds no nodes; choose a container")
         shell = _Shell(self)
         if self.paths == ("/",):
             _wrap_root(edit, shell)
             return
         parent, names, container = _neighbours(edit, self)
-        if slot_of_kind(self.kind) == "child" and len(names) > 1:
+        if slot_of(KINDS[self.kind]) == "child" and len(names) > 1:
             raise EditError(parent, f"a {self.kind} has one child; wrap {listing(names)} in a sequence first")
         expect_free(container, parent, self.name)
         shell.initial = names[0]
@@ -66,7 +64,7 @@ class Wrap(BaseCommand):
         at = (*edit.place(parent), slot(container))
         edit.put(at, self.name, shell.record(), list(children_of(container)).index(names[0]))
         for position, name in enumerate(names):
-            edit.shift(at, name, (*at, self.name, slot_of_kind(self.kind)), position)
+            edit.shift(at, name, (*at, self.name, slot_of(KINDS[self.kind])), position)
 
 
 class Unwrap(BaseCommand):
@@ -109,8 +107,6 @@ class Unwrap(BaseCommand):
 
 
 class _Shell:
-    """The new container: what of its neighbours' edges and exits goes on it."""
-
     def __init__(self, command: Wrap):
         self.kind, self.fields = command.kind, dict(command.fields)
         self.name = command.name
@@ -121,17 +117,16 @@ class _Shell:
 
     @property
     def machine(self) -> bool:
-        return model_of_kind(self.kind).by_edges
+        return KINDS[self.kind].by_edges
 
     def record(self) -> dict[str, object]:
-        """Return the container as it stands in a file, still without children."""
         made: dict[str, object] = {"kind": self.kind}
         if self.machine:
             made["initial"] = self.initial
             self.outcomes = self.outcomes or {label: label for label in STANDARD}  # type: ignore[misc]
         parts = {"outcomes": self.outcomes, "exits": self.exits, "on": self.on}
         made |= {key: value for key, value in parts.items() if value}
-        return {**made, **self.fields, slot_of_kind(self.kind): {}}
+        return {**made, **self.fields, slot_of(KINDS[self.kind]): {}}
 
 
 def _neighbours(edit: Edit, command: Wrap) -> tuple[str, list[str], AnyNode]:
@@ -153,7 +148,7 @@ def _wrap_root(edit: Edit, shell: _Shell) -> None:
     aside = "x-aside"
     while aside in edit.draft.mapping(()):
         aside += "-"
-    inner = ("root", slot_of_kind(shell.kind))
+    inner = ("root", slot_of(KINDS[shell.kind]))
     edit.rekey((), "root", aside)
     edit.put((), "root", shell.record())
     edit.shift((), aside, inner)

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from hashlib import blake2b
 
 from grip_bt.base.errors import DocumentError, EditError
-from grip_bt.task.document import Document, read_text
+from grip_bt.task.document import CHILDREN, Document, read_text
 from grip_bt.task.model import Task
 from grip_bt.task.parts import FREE_PREFIX
-from grip_bt.task.shape import CHILDREN
 
 from ..canonical import file_data
 from .commands import AnyCommand, Patch, Restore, Splice, apply
@@ -63,7 +62,7 @@ def apply_to_document(document: Document, command: AnyCommand) -> Edited:
         for splice in splices:
             text = text[: splice.start] + splice.new + text[splice.start + len(splice.old) :]
     else:
-        draft = Text(document.text, document.tree)
+        draft = Text(document.text)
         taken = [draft.take(step) for step in done.steps]
         draft.flush()
         text, splices = draft.text, tuple(draft.splices)
@@ -98,7 +97,6 @@ def _with_source(step: Step, source: str | None) -> Step:
 
 
 def _digest_of(text: str) -> str:
-    """Return what tells whether a text is still the one that an inverse was made for."""
     return blake2b(text.encode(errors="surrogatepass"), digest_size=16).hexdigest()
 
 
@@ -106,11 +104,7 @@ TITLE = "edit the text"
 
 
 def rewrite(document: Document, text: str, title: str = TITLE) -> Patch:
-    """Return the command that gives a document another text.
-
-    Raises:
-        DocumentError: the text isn't a task.
-    """
+    """Return the command that gives a document another text; DocumentError where the text isn't a task."""
     after = read_text(text, document.source)
     steps = tuple(differences(file_data(document.task), file_data(after.task)))
     restore = Restore(digest=_digest_of(document.text), splices=(_splice(document.text, text),))

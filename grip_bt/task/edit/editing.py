@@ -6,15 +6,16 @@ from collections.abc import Collection
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
-from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.types import Value
+from grip_bt.base.yaml.models import diagnostic_of
+from grip_bt.base.yaml.tree import YamlMapping, from_data
 from grip_bt.task.canonical import file_data
+from grip_bt.task.document import CHILDREN
 from grip_bt.task.edit.steps import Assign, Drop, Place, Put, Rekey, Remark, Shift, Step, is_head, is_record
 from grip_bt.task.model import AnyNode, StateMachine, Task, children_of, join, walk
 from grip_bt.task.parts import FREE_PREFIX
-from grip_bt.task.shape import CHILDREN
 
 
 class Draft:
@@ -90,7 +91,9 @@ class Draft:
         try:
             return Task.model_validate(self._top, strict=True, by_name=False)
         except ValidationError as error:
-            faults = "; ".join(dict.fromkeys(_said(e) for e in error.errors()))
+            tree = from_data(self._top)
+            assert isinstance(tree, YamlMapping), "a file is a mapping"
+            faults = "; ".join(dict.fromkeys(diagnostic_of(tree, e)[0] for e in error.errors()))
             raise EditError(where, faults) from None
 
 
@@ -126,17 +129,6 @@ def _expect(mapping: dict[str, object], at: Place, key: str, present: bool) -> N
     if _has(mapping, key) != present:
         where = "/".join(at) or "the task"
         raise EditError(where, f"there is no {key!r}" if present else f"there is a {key!r} already")
-
-
-def _said(error: ErrorDetails) -> str:
-    at = "/".join(str(step) for step in error["loc"][-2:] if step not in ("children", "child", "leaf"))
-    if error["type"] == "missing":
-        return f"the key {str(error['loc'][-1])!r} is missing"
-    if error["type"] == "extra_forbidden":
-        return f"there is no key {str(error['loc'][-1])!r}; keys are those of the file"
-    if error["type"] == "string_pattern_mismatch":
-        return f"{error['input']!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
-    return f"{at}: {error['msg']}"
 
 
 class Edit:
@@ -204,11 +196,7 @@ class Edit:
     # --- nodes, as they were before the command -------------------------------------------------------------------
 
     def node(self, path: str) -> AnyNode:
-        """Return the node at a path.
-
-        Raises:
-            EditError: there is none.
-        """
+        """Return the node at a path; EditError where there is none."""
         node = self.task.root
         if path == "/":
             return node
@@ -221,13 +209,9 @@ class Edit:
         return node
 
     def container(self, path: str) -> AnyNode:
-        """Return the container at a path.
-
-        Raises:
-            EditError: there is none, or a leaf is there.
-        """
+        """Return the container at a path; EditError where there is none, or a leaf is there."""
         node = self.node(path)
-        if not holds_nodes(node):
+        if not slot(node):
             raise EditError(path, f"a {kind_of(node)} holds no nodes; wrap it in a container first")
         return node
 
@@ -256,19 +240,19 @@ class Edit:
         return above or "/", name, self.node(above or "/")
 
 
+def slot_of(shape: type[BaseModel]) -> str:
+    """Return the key under which containers of a model have their children, `children` or `child`; empty for others."""
+    return next((key for key in CHILDREN if key in shape.model_fields), "")
+
+
 def slot(container: AnyNode) -> str:
-    """Return the key under which a container has its children: `children` or `child`."""
-    return "child" if hasattr(container, "child") else "children"
+    """Return the key under which a container has its children."""
+    return slot_of(type(container))
 
 
 def kind_of(node: AnyNode | Task) -> str:
     """Return a node's kind; `leaf` for a node of the catalogue."""
     return str(getattr(node, "kind", "leaf"))
-
-
-def holds_nodes(node: AnyNode) -> bool:
-    """Tell whether a node is a container."""
-    return not type(node).model_fields.keys().isdisjoint(CHILDREN)
 
 
 def expect_free(container: AnyNode, path: str, name: str) -> None:
@@ -311,11 +295,7 @@ class BaseCommand(BaseModel):
         return self.words.format_map({key: path_in_words(value) if key in _PATHS else value for key, value in self})
 
     def plan(self, edit: Edit) -> None:
-        """Take the steps of which the command consists.
-
-        Raises:
-            EditError: it can't be carried out.
-        """
+        """Take the steps of which the command consists; EditError where it can't be carried out."""
         raise NotImplementedError
 
 

@@ -1,8 +1,4 @@
-"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable.
-
-Of too many moments the oldest ends of other branches are forgotten first. What changed a task's file outside of its
-history, which is kept beside it, is one more moment.
-"""
+"""Undo and redo over commands, with branches: what was undone and then overwritten stays reachable."""
 
 from __future__ import annotations
 
@@ -107,11 +103,7 @@ class History:
         return edited
 
     def undo(self) -> Edited:
-        """Go to the moment before.
-
-        Raises:
-            EditError: this is the first.
-        """
+        """Go to the moment before; EditError where this is the first."""
         moment = self._moments[self._at]
         if moment.back is None or moment.parent is None:
             raise EditError("", "there is nothing to undo")
@@ -178,7 +170,6 @@ class History:
         return line
 
     def _take(self, number: int, used: int, edited: Edited) -> None:
-        """Be at a moment; the branch that was used last is the one that a redo takes."""
         parent = self._moments[used].parent
         assert parent is not None
         siblings = self._moments[parent].children
@@ -188,8 +179,6 @@ class History:
 
 
 class _Stored(BaseModel):
-    """What the file holds."""
-
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     grip_history: Literal[1]
@@ -276,11 +265,7 @@ def _corrupt(words: str, where: str) -> DocumentError:
 
 
 def _checked(found: _Stored) -> _Stored:
-    """Refuse moments that aren't one tree with a way back from each.
-
-    Raises:
-        ValueError: they aren't.
-    """
+    """Refuse moments that aren't one tree with a way back from each; ValueError where they aren't."""
     numbers = [m.number for m in found.moments]
     parents = {m.number: m.parent for m in found.moments}
     children = sorted((m.number, child) for m in found.moments for child in m.children)

@@ -8,13 +8,11 @@ from pydantic import Field
 from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
-from grip_bt.task.model import children_of, outcomes_of
 
-from ..model import Meaning, StateMachine
+from ..document import CHILDREN, keys_of
+from ..model import Meaning, StateMachine, children_of, outcomes_of
 from ..parts import FREE_PREFIX
-from ..shape import CHILDREN, keys_of
-from .editing import Edit, kind_of
+from .editing import BaseCommand, Edit, kind_of, path_in_words
 from .steps import Place
 
 _STRUCTURE = {
@@ -174,7 +172,6 @@ def _key(path: str, key: tuple[str, ...]) -> str:
 
 
 def _value(value: object) -> str:
-    """Return a short value in words; empty for one that is no word."""
     if isinstance(value, bool):
         return " to yes" if value else " to no"
     if isinstance(value, int | float | str) and 0 < len(str(value)) <= 20:
@@ -194,7 +191,6 @@ def _keys(edit: Edit, path: str, key: tuple[str, ...]) -> tuple[Place, *tuple[st
 
 
 def _edge(edit: Edit, path: str, outcome: str) -> tuple[Place, str, str]:
-    """Return the record, the field and the key that hold where an outcome leads."""
     if path == "/" or isinstance(edit.parent(path, "")[2], StateMachine):
         return edit.place(path), "on", outcome
     above, name, _ = edit.parent(path, "")

@@ -1,8 +1,4 @@
-"""Commands on whole nodes, and what the nodes around one say about it by its name.
-
-That is the container's `initial`, `default`, `cases`, `exits`, `rules` and `wait_for`, and the `on` of siblings in a
-machine.
-"""
+"""Commands on whole nodes, and what the nodes around one say about it by its name."""
 
 from __future__ import annotations
 
@@ -13,12 +9,10 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
-from grip_bt.task.model import children_of
 
 from ..canonical import file_data
-from ..model import Name, StateMachine
-from .editing import Edit, expect_free, expect_others, expect_room, slot
+from ..model import Name, StateMachine, children_of
+from .editing import BaseCommand, Edit, expect_free, expect_others, expect_room, path_in_words, slot
 from .steps import Assign, Place
 
 
@@ -124,7 +118,6 @@ class Rename(BaseCommand):
 
 
 def _carry(edit: Edit, at: tuple[str, ...], name: str, into: tuple[str, ...], to: str, index: int | None) -> None:
-    """Shift an entry under a name that is free on both sides at each step."""
     if to == name:
         edit.shift(at, name, into, index)
     elif to not in edit.draft.mapping(at):

@@ -8,13 +8,11 @@ from typing import ClassVar, Literal
 from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
-from grip_bt.task.edit.editing import BaseCommand
-from grip_bt.task.model import default_outcome, outcomes_of
 
 from ..canonical import file_data
-from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task
+from ..model import AnyNode, Kind, Leaf, Name, StateMachine, Subtask, Task, default_outcome, outcomes_of
 from .change_kind import STANDARD
-from .editing import Edit, kind_of
+from .editing import BaseCommand, Edit, kind_of
 from .steps import Place
 
 
@@ -102,7 +100,6 @@ def _of_container(edit: Edit, command: RenameOutcome) -> None:
 
 
 def _inside(edit: Edit, node: AnyNode, place: Place, command: RenameOutcome) -> None:
-    """Let what leads to the outcome lead to it under its new name."""
     for key, label in edit.entries(place, "exits").items():
         if label == command.outcome:
             edit.set((*place, "exits"), key, command.to)
@@ -117,7 +114,6 @@ def _inside(edit: Edit, node: AnyNode, place: Place, command: RenameOutcome) -> 
 
 
 def _at_root(edit: Edit, command: RenameOutcome) -> None:
-    """Let the root's end lead where it led when nothing said so."""
     task = edit.task
     meaning = outcomes_of(task.root)[command.outcome]  # type: ignore[arg-type]
     target = default_outcome(task, command.outcome, meaning)
@@ -127,7 +123,6 @@ def _at_root(edit: Edit, command: RenameOutcome) -> None:
 
 
 def _around(edit: Edit, command: RenameOutcome) -> None:
-    """Let the container around it speak of its end under the new name."""
     above, name, _ = edit.parent(command.path, "")
     place = edit.place(above)
     _follow_keys(edit, (*place, "exits"), edit.entries(place, "exits"), f"{name}.", command)

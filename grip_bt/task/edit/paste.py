@@ -10,12 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field
 from typing_extensions import override
 
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.task.edit.editing import BaseCommand, path_in_words
-from grip_bt.task.model import children_of, outcomes_of
 
 from ..canonical import file_data
-from ..model import AnyNode, Name, Sequence, StateMachine, Task
-from .editing import Edit, expect_free, expect_room, slot
+from ..model import AnyNode, Name, Sequence, StateMachine, Task, children_of, outcomes_of
+from .editing import BaseCommand, Edit, expect_free, expect_room, path_in_words, slot
 from .variables import RenameVariable, declared_by, used_by
 
 _ANY = "Any"
@@ -114,11 +112,6 @@ def _with_names(clip: Clip, names: Mapping[str, str]) -> dict[str, object]:
 
 
 def _parsed(clip: Clip) -> Task:
-    """Return a task that holds a copy alone.
-
-    Raises:
-        EditError: it isn't a node.
-    """
     data: dict[str, object] = {"grip": 1, "name": "clip", "data": file_data(clip.variables)}
     edit = Edit(Task.model_validate({**data, "root": {"kind": Sequence.kind_name(), "children": {}}}))
     edit.put(("root", "children"), clip.name, file_data(clip.node))
@@ -139,7 +132,6 @@ def _outcomes(container: AnyNode) -> set[str]:
 
 
 def _free(node: AnyNode) -> set[str]:
-    """Return the variables that a node or what is below it uses and none of them declares."""
     around, inside = used_by(node)
     below = set().union(*(_free(child) for child in children_of(node).values()))
     return around | ((inside | below) - set(declared_by(node)))

@@ -7,15 +7,15 @@ applied to the models (`draft`) and to the text (`text`), so the two can't drift
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from grip_bt.task.model import join
 
+from ..document import CHILDREN, key_rank
 from ..parts import FREE_PREFIX
-from ..shape import CHILDREN, key_rank
 
 Place = tuple[str, ...]
 
@@ -175,8 +175,3 @@ def _names(at: Place) -> tuple[str, ...] | None:
     if len(at) % 2 or any(key not in CHILDREN for key in at[1::2]):
         return None
     return at[::2]
-
-
-def moves(paths: Sequence[str], steps: Sequence[Step]) -> dict[str, str | None]:
-    """Return where each of some paths is after some steps; None for what is gone."""
-    return {path: path_after(path, steps) for path in paths}

@@ -1,26 +1,10 @@
-"""Steps applied to a text: each changes only the lines of its own entries, and keeps comments.
-
-A mapping in braces is changed within its line where the result fits there; else it, and it alone, is written anew with
-one entry a line.
-"""
+"""Steps applied to a text: each changes only the lines of its own entries, and keeps comments."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.scalars import write_scalar
-from grip_bt.base.yaml.tree import (
-    YamlEntry,
-    YamlList,
-    YamlMapping,
-    YamlScalar,
-    YamlValue,
-    entries_of,
-    from_data,
-    parse,
-    to_data,
-)
+from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, from_data, inner, parse, to_data
 from grip_bt.base.yaml.writer import in_braces
 
 from ..canonical import lines_of
@@ -46,23 +30,15 @@ from .text_places import (
 
 
 class Text:
-    """A text under edit; `splices` are the changes, in their order.
+    """A text under edit, whose lines end in one way; `splices` are the changes, in their order."""
 
-    Args:
-        tree: its syntax, where it is known already; it stays as it is.
-
-    Raises:
-        EditError: its lines end in a way that can't be kept.
-    """
-
-    def __init__(self, text: str, tree: YamlMapping | None = None):
+    def __init__(self, text: str):
         if "\r" in text.replace("\r\n", ""):
             raise EditError("", NOT_EDITABLE)
         self.text = text
         self.splices: list[Splice] = []
         self._newline = "\r\n" if "\r\n" in text else "\n"
-        self._tree: YamlMapping | None = tree
-        self._lent = tree is not None
+        self._tree: YamlMapping | None = None
         self._pending: dict[int, tuple[int, str]] = {}
 
     def take(self, step: Step) -> str | None:
@@ -89,39 +65,19 @@ class Text:
         self._put(step.to, step.key, value, step.index, source)
         return None
 
-    # --- finding ---------------------------------------------------------------------------------------------------
-
     @property
     def tree(self) -> YamlMapping:
         """The syntax of the text as it is, but for replacements that `flush` hasn't done yet."""
         if self._tree is None:
             tree = parse(self.text)
             assert isinstance(tree, YamlMapping)
-            self._tree, self._lent = tree, False
+            self._tree = tree
         return self._tree
-
-    def _own(self, at: Place) -> None:
-        """Make the entries on the way to a place our own, so that a syntax that was lent stays as it is."""
-        if not self._lent:
-            return
-        value: YamlValue = _copied(self.tree)
-        assert isinstance(value, YamlMapping)
-        self._tree = value
-        for key in at:
-            entry = _inner(value, key)
-            if entry is None:
-                raise EditError("/".join(at), NOT_EDITABLE)
-            mine = replace(entry, value=_copied(entry.value))
-            if isinstance(value, YamlMapping):
-                value.entries[key] = mine
-            elif isinstance(value, YamlList):
-                value.entries[int(key)] = mine
-            value = mine.value
 
     def _value(self, at: Place) -> YamlValue:
         value: YamlValue = self.tree
         for depth, key in enumerate(at):
-            entry = _inner(value, key)
+            entry = inner(value, key)
             if entry is None:
                 raise EditError("/".join(at[: depth + 1]), NOT_EDITABLE)
             value = entry.value
@@ -134,12 +90,10 @@ class Text:
         return value
 
     def _entry(self, at: Place, key: str) -> YamlEntry:
-        entry = _inner(self._value(at), key)
+        entry = inner(self._value(at), key)
         if entry is None:
             raise EditError("/".join((*at, key)), NOT_EDITABLE)
         return entry
-
-    # --- replacing in place ----------------------------------------------------------------------------------------
 
     def flush(self) -> None:
         """Do the replacements that were collected, from the last to the first."""
@@ -161,8 +115,7 @@ class Text:
             self.flush()
             entry = self._entry(step.at, step.key)
         self._pending[entry.start] = (entry.key_end, write_scalar(step.to, flow=True))
-        self._own((*step.at, step.key))
-        inside, entry = self._mapping(step.at), self._entry(step.at, step.key)
+        inside = self._mapping(step.at)
         entry.key = step.to
         inside.entries = {e.key: e for e in inside.entries.values()}
 
@@ -182,7 +135,6 @@ class Text:
         return self._replace(step)
 
     def _taken(self, at: Place, entry: YamlEntry) -> str:
-        """Return the lines of an entry, without what is above it."""
         if not one_entry_a_line(self.text, self._value(at)):
             return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
         begin = line_start(self.text, entry.start)
@@ -217,14 +169,13 @@ class Text:
         self._splice(begin, end, self._joined(indented(lines, entry.column), end))
         return taken
 
-    # --- comments --------------------------------------------------------------------------------------------------
-
     def _remark(self, step: Remark) -> str:
         if is_head(step):
             head = head_at(self.text, self.tree)
-            if head.text != step.text:
+            said = "\n".join(head.lines)
+            if said != step.text:
                 self._splice(*rewritten(head, step.text, self._newline))
-            return head.text
+            return said
         lines = lines_of_comment("/".join(step.at), step.text)
         if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
             return ""
@@ -243,8 +194,6 @@ class Text:
             self._splice(len(self.text[:begin].rstrip(" ")), end, "")
         self._splice(found.begin, found.end, "".join(line + self._newline for line in indented(lines, column)))
         return found.text
-
-    # --- taking out and putting in ---------------------------------------------------------------------------------
 
     def _drop(self, at: Place, key: str) -> str:
         inside, entry = self._mapping(at), self._entry(at, key)
@@ -290,7 +239,6 @@ class Text:
         self._insert(offset, indented(lines, column))
 
     def _open(self, at: Place, lines: list[str]) -> None:
-        """Write the first entry of a mapping that is `{}`."""
         holder = self._entry(at[:-1], at[-1])
         begin, end = holder.value.span
         if self.text[begin:end].strip("{} "):
@@ -315,8 +263,6 @@ class Text:
         text = self._newline.join(lines)
         return text if self.text[end - 1 : end] != "\n" else text + self._newline
 
-    # --- spelling --------------------------------------------------------------------------------------------------
-
     def _make_tidy(self, at: Place, but_last: bool = False) -> None:
         """Write what holds this mapping, and is in braces, with one entry a line."""
         depths = range(len(at) if but_last else len(at) + 1)
@@ -325,19 +271,3 @@ class Text:
                 begin, end, written = expand(self.text, at, depth)
                 self._splice(begin, end, self._joined(written, end) if depth else self._newline.join([*written, ""]))
                 return
-
-
-def _copied(value: YamlValue) -> YamlValue:
-    """Return a value with entries of its own; what these hold is shared."""
-    if isinstance(value, YamlMapping):
-        return replace(value, entries=dict(value.entries))
-    if isinstance(value, YamlList):
-        return replace(value, entries=list(value.entries))
-    return replace(value)
-
-
-def _inner(value: YamlValue, key: str) -> YamlEntry | None:
-    if isinstance(value, YamlMapping):
-        return value.entries.get(key)
-    entries = entries_of(value)
-    return entries[int(key)] if key.isdecimal() and int(key) < len(entries) else None

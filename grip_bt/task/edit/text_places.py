@@ -154,13 +154,10 @@ def _end(entry: YamlEntry) -> int:
 
 
 def expand(text: str, at: Place, depth: int) -> tuple[int, int, list[str]]:
-    """Return how the mappings on the way to a place are written with one entry a line, from a depth on.
+    """Return two offsets, and the lines between them for the mappings on the way to a place, one entry a line.
 
     Args:
         depth: how far down the first one is that is in braces; 0 is the file as a whole.
-
-    Returns:
-        Two offsets, and the lines in place of what is between them.
 
     Raises:
         EditError: that first one doesn't begin a line.

@@ -12,13 +12,11 @@ from typing_extensions import override
 
 from grip_bt.base.errors import EditError, ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
-from grip_bt.task.edit.editing import BaseCommand
-from grip_bt.task.model import children_of, expressions_of, join
 
 from ..canonical import file_data
-from ..model import AnyNode, Name, Variable
-from ..shape import DECLARING
-from .editing import Edit
+from ..document import DECLARING
+from ..model import AnyNode, Name, Variable, children_of, expressions_of, join
+from .editing import BaseCommand, Edit
 
 _READS = ("items",)
 """Keys of containers that hold the name of a variable."""

@@ -103,63 +103,28 @@ class Questions(Protocol):
     kept: State
 
     @property
-    def names(self) -> Sequence[str]:
-        """The children's names."""
-
+    def names(self) -> Sequence[str]: ...  # the children's names
     @property
-    def ends(self) -> Sequence[Ended | None]:
-        """How the children have ended."""
-
-    def at(self, name: str) -> int:
-        """Return the position of a child."""
-
-    def now(self) -> State:
-        """Return the time of the run's clock."""
-
-    def deadline(self, seconds: float) -> State:
-        """Return the time in so many seconds, and have the task ticked then."""
-
-    def passed(self, at: State) -> bool:
-        """Tell whether a time has come."""
-
-    def up(self, count: State) -> State:
-        """Return one more."""
-
-    def reached(self, count: State, limit: int) -> bool:
-        """Tell whether a count has come to its limit."""
-
-    def pick(self, count: State, size: int) -> int:
-        """Return the count modulo `size`."""
-
-    def holds(self, key: str) -> bool:
-        """Tell whether the condition at a key is true."""
-
-    def value(self, key: str) -> Value:
-        """Return what the expression at a key evaluates to."""
-
+    def ends(self) -> Sequence[Ended | None]: ...  # how the children have ended
+    def at(self, name: str) -> int: ...  # the position of a child
+    def now(self) -> State: ...  # the time of the run's clock
+    def deadline(self, seconds: float) -> State: ...  # the time in so many seconds, and have the task ticked then
+    def passed(self, at: State) -> bool: ...  # whether a time has come
+    def up(self, count: State) -> State: ...  # one more
+    def reached(self, count: State, limit: int) -> bool: ...  # whether a count has come to its limit
+    def pick(self, count: State, size: int) -> int: ...  # the count modulo `size`
+    def holds(self, key: str) -> bool: ...  # whether the condition at a key is true
+    def value(self, key: str) -> Value: ...  # what the expression at a key evaluates to
     def match(self, key: str, literals: Sequence[tuple[str, Case]], default: str) -> str:
         """Return the name of the first literal that equals the value at a key, else `default`."""
 
-    def items(self, key: str) -> State:
-        """Return the items of the list that the variable at a key holds."""
-
-    def empty(self, left: State) -> bool:
-        """Tell whether no items are left."""
-
-    def take(self, left: State) -> tuple[Value, State]:
-        """Return the first item, and what is left then."""
-
-    def put(self, key: str, value: Value) -> None:
-        """Write the variable at a key."""
-
-    def exit(self, end: Ended) -> str | None:
-        """Return the outcome that an end is mapped to by `exits`, or None."""
-
-    def edge(self, end: Ended) -> str:
-        """Return where an end leads by the child's `on`: a sibling or an outcome."""
-
-    def ask(self, text: str) -> None:
-        """Request the children that still run to stop; `text` says why."""
+    def items(self, key: str) -> State: ...  # the items of the list that the variable at a key holds
+    def empty(self, left: State) -> bool: ...  # whether no items are left
+    def take(self, left: State) -> tuple[Value, State]: ...  # the first item, and what is left then
+    def put(self, key: str, value: Value) -> None: ...  # write the variable at a key
+    def exit(self, end: Ended) -> str | None: ...  # the outcome that an end is mapped to by `exits`, or None
+    def edge(self, end: Ended) -> str: ...  # where an end leads by the child's `on`: a sibling or an outcome
+    def ask(self, text: str) -> None: ...  # request the children that still run to stop; `text` says why
 
 
 class BaseNode(WithFreeKeys):
@@ -231,15 +196,14 @@ class Kind(BaseNode):
         kind: str
 
         @property
-        def data(self) -> FrozenDict[Name, Variable | str]: ...  # noqa: D102
+        def data(self) -> FrozenDict[Name, Variable | str]: ...
         @property
-        def outcomes(self) -> FrozenDict[Name, Meaning]: ...  # noqa: D102
+        def outcomes(self) -> FrozenDict[Name, Meaning]: ...
         @property
-        def exits(self) -> FrozenDict[str, str]: ...  # noqa: D102
+        def exits(self) -> FrozenDict[str, str]: ...
 
     @classmethod
     def kind_name(cls) -> str:
-        """Return what stands in the document as `kind`."""
         return str(cls.model_fields["kind"].annotation.__args__[0])  # type: ignore[union-attr]
 
     @property
@@ -303,7 +267,6 @@ class Kind(BaseNode):
         """Return outcome -> what is surely written then.
 
         Args:
-            ends: of each child.
             after: child, what is written before it -> outcome -> what is written after it, as a set of bits.
             state: what is written on entry.
         """
@@ -329,7 +292,6 @@ class Kind(BaseNode):
         return ""
 
     def words(self) -> str:
-        """Return what it does in a few words."""
         settings = self.settings()
         return self.kind.replace("_", " ") + (f": {settings}" if settings else "")
 
@@ -393,7 +355,6 @@ class Composite(Declaring):
 
     @property
     def below(self) -> FrozenDict[Name, Node]:
-        """The children by name, in order."""
         return self.children
 
 
@@ -406,5 +367,4 @@ class Decorator(Declaring):
 
     @property
     def below(self) -> FrozenDict[Name, Node]:
-        """The child by name."""
         return self.child

@@ -29,10 +29,8 @@ class Cooldown(Decorator):
         return End("failure", Reason("cooldown", f"{q.names[0]} is cooling down for another {ready - q.now():g} s"))
 
     def over(self, state: State, q: Questions) -> None:
-        """Begin to rest, when the child has run."""
         if state == "ran":
             q.kept = q.now() + self.seconds
 
     def settings(self) -> str:
-        """Return the time."""
         return f"not again for {self.seconds:g} s"

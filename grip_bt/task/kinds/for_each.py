@@ -42,9 +42,7 @@ class ForEach(Decorator):
         return Run((0,), left)
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """Go on with the next item until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
 
     def settings(self) -> str:
-        """Return the variables."""
         return f"{self.item} of {self.items}"

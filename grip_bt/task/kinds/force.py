@@ -22,9 +22,7 @@ class Force(Decorator):
     as_: Meaning = Field(alias="as")
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """End with `as`."""
         return End(self.as_)
 
     def settings(self) -> str:
-        """Return the end."""
         return f"always {self.as_}"

@@ -49,7 +49,6 @@ class Foreign(Kind):
 
     @property
     def below(self) -> FrozenDict[Name, Node]:
-        """The children by name, in order."""
         return self.children
 
     @property
@@ -72,11 +71,9 @@ class Foreign(Kind):
         return {"success": state, "failure": state}
 
     def settings(self) -> str:
-        """Return where it comes from."""
         return self.behaviour
 
     def lines(self) -> list[str]:
-        """Return its arguments, and what it has of the blackboard."""
         found = [", ".join(f"{name}={value}" for name, value in self.args.items())]
         found += [f"{way} {', '.join(keys)}" for way, keys in (("reads", self.in_), ("writes", self.out)) if keys]
         return [line for line in found if line]

@@ -25,17 +25,13 @@ class Guard(Decorator):
 
     @property
     def reactive(self) -> bool:
-        """Always."""
         return True
 
     def begin(self, state: State, q: Questions) -> Step:
-        """Run the child where the condition holds."""
         return self.again(state, (), q) or Run((0,))
 
     def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step | None:
-        """Look at the condition again."""
         return None if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
 
     def settings(self) -> str:
-        """Return the condition."""
         return f"only while {self.if_}"

@@ -36,10 +36,8 @@ class Loop(Decorator):
         return Run((0,), q.up(0 if state is None else state))
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """Another pass, until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
 
     def settings(self) -> str:
-        """Return the condition and the limit."""
         limit = f"at most {self.times} passes" if self.times else ""
         return ", ".join(part for part in (f"while {self.while_}" if self.while_ else "", limit) if part)

@@ -29,7 +29,6 @@ class Once(Decorator):
         return End("success", None)
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """Keep how the child has ended."""
         if end.meaning == "success":
             q.kept = _SUCCEEDED
         elif self.policy == "any":
@@ -37,5 +36,4 @@ class Once(Decorator):
         return End(end.meaning)
 
     def settings(self) -> str:
-        """Return what is kept."""
         return "whatever its end" if self.policy == "any" else "when it has succeeded"

@@ -44,7 +44,6 @@ class ParallelRule(Shape):
         return sum(end.meaning == self.ends for end in there) >= (self.at_least or 0)
 
     def words(self) -> str:
-        """Return its conditions in a few words."""
         words = [f"{child}: {said if isinstance(said, str) else ' | '.join(said)}" for child, said in self.when.items()]
         if self.at_least is not None:
             words.append(f"{self.at_least} × {self.ends}")
@@ -92,27 +91,22 @@ class Parallel(Composite):
 
     @property
     def reactive(self) -> bool:
-        """With `retick`."""
         return self.retick
 
     @property
     def settles(self) -> bool:
-        """Always: it is decided after all children were ticked."""
         return True
 
     @property
     def blocking(self) -> bool:
-        """Only where it waits for all children."""
         return self.joins
 
     @property
     def joins(self) -> bool:
-        """Whether it waits for all children, whose order doesn't matter."""
         return self.cancel == "join" and self.order is None and bool(self.children)
 
     @property
     def may_ask(self) -> bool:
-        """With `cancel: ask`."""
         return self.cancel == "ask"
 
     def explorable(self, ends: ChildEnds) -> bool:
@@ -168,11 +162,9 @@ class Parallel(Composite):
         return ("failure", "success") if self.policy == "all" else ("success", "failure")
 
     def begin(self, state: State, q: Questions) -> Step:
-        """Run all children."""
         return Run(tuple(range(len(q.names))), None)
 
     def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step:
-        """Run all children again."""
         return Run(tuple(range(len(q.names))), state)
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
@@ -196,7 +188,6 @@ class Parallel(Composite):
         return decided
 
     def _outcome(self, q: Questions) -> str | None:
-        """Return what the ends decide, or None."""
         there = [end for end in q.ends if end is not None]
         if not self._waited({end.child for end in there}, len(q.ends)):
             return None
@@ -231,7 +222,6 @@ class Parallel(Composite):
                 return set(names) <= ended
 
     def settings(self) -> str:
-        """Return what decides it, whom it waits for, and what becomes of the rest."""
         words = ["all must succeed" if self.policy == "all" else "first success ends it"]
         if self.rules:
             words = [f"{len(self.rules)} rules"]
@@ -240,7 +230,6 @@ class Parallel(Composite):
         return ", ".join([*words, self.cancel])
 
     def lines(self) -> list[str]:
-        """Return its rules."""
         return [f"{rule.words()} ⇥ {rule.then}" for rule in self.rules]
 
 

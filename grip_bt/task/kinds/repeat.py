@@ -23,7 +23,6 @@ class Repeat(Decorator):
         return Run((0,), 0 if state is None else state)
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """Count a success, and run the child again."""
         if end.meaning == "failure":
             return End("failure")
         if self.times is None:
@@ -32,5 +31,4 @@ class Repeat(Decorator):
         return End("success") if q.reached(done, self.times) else Next(done)
 
     def settings(self) -> str:
-        """Return how often it repeats."""
         return "for ever" if self.times is None else f"{self.times} times"

@@ -25,7 +25,6 @@ class Retry(Decorator):
         return Run((0,), 0 if state is None else state)
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """Count a failure, and try again."""
         if end.meaning == "success":
             return End("success")
         if self.times is None:
@@ -34,5 +33,4 @@ class Retry(Decorator):
         return End("failure") if q.reached(done, self.times) else Next(done)
 
     def settings(self) -> str:
-        """Return how often it tries."""
         return "until it succeeds" if self.times is None else f"at most {self.times} attempts"

@@ -29,6 +29,5 @@ class RoundRobin(Composite):
         return Run((q.pick(turns, len(q.names)),), turns)
 
     def over(self, state: State, q: Questions) -> None:
-        """Count the turn of a child that was run."""
         if state is not None:
             q.kept = q.up(state)

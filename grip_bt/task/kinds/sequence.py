@@ -14,25 +14,20 @@ class _InOrder(Composite):
 
     @property
     def reactive(self) -> bool:
-        """Without memory."""
         return not self.memory
 
     def begin(self, state: State, q: Questions) -> Step:
-        """Run the first child."""
         return Run((0,)) if q.names else End(self.onward)
 
     def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step:
-        """Begin with the first child again."""
         return Run((0,))
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
-        """Go on with the next child, or end with the meaning of this one."""
         if end.meaning == self.onward and child + 1 < len(q.names):
             return Run((child + 1,))
         return End(end.meaning)
 
     def settings(self) -> str:
-        """Return whether it is reactive."""
         return "" if self.memory else "asks again on every tick"
 
 

@@ -31,11 +31,9 @@ class StateMachine(Declaring):
 
     @property
     def below(self) -> FrozenDict[Name, Node]:
-        """The children by name."""
         return self.children
 
     def begin(self, state: State, q: Questions) -> Step:
-        """Run the initial child, or the one to which the last transition leads."""
         return Run((q.at(self.initial if state is None else state),))
 
     def ended(self, state: State, child: int, end: Ended, q: Questions) -> Step:
@@ -44,5 +42,4 @@ class StateMachine(Declaring):
         return Next(target) if target in q.names else End(target)
 
     def all_outcomes(self) -> Mapping[str, Meaning]:
-        """Return the outcomes that it declares, and no others."""
         return self.outcomes

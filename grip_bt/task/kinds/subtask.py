@@ -42,9 +42,7 @@ class Subtask(Kind):
         return self.meaning
 
     def settings(self) -> str:
-        """Return the file."""
         return self.task
 
     def lines(self) -> list[str]:
-        """Return its literals."""
         return [", ".join(f"{name}={value}" for name, value in self.with_.items())] if self.with_ else []

@@ -37,7 +37,6 @@ class Switch(Composite):
 
     @property
     def reactive(self) -> bool:
-        """Without memory."""
         return not self.memory
 
     def literals(self) -> Iterator[tuple[str, Case]]:
@@ -47,16 +46,13 @@ class Switch(Composite):
                 yield child, literal
 
     def begin(self, state: State, q: Questions) -> Step:
-        """Run the child whose literal equals the value."""
         child = q.match("on_value", list(self.literals()), self.default)
         if not child:
             return End("failure", Reason("no_case", f"no case matches {q.value('on_value')!r}"))
         return Run((q.at(child),), 0, True)
 
     def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step:
-        """Look at the value again."""
         return self.begin(state, q)
 
     def settings(self) -> str:
-        """Return the value."""
         return f"on {self.on_value}"

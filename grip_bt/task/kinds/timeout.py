@@ -29,12 +29,10 @@ class Timeout(Decorator):
 
     @property
     def reactive(self) -> bool:
-        """The clock is looked at before the child, on every tick."""
         return not self.child_first
 
     @property
     def settles(self) -> bool:
-        """Or after it."""
         return self.child_first
 
     def begin(self, state: State, q: Questions) -> Step:
@@ -42,16 +40,13 @@ class Timeout(Decorator):
         return Run((0,), q.deadline(self.seconds))
 
     def again(self, state: State, running: tuple[int, ...], q: Questions) -> Step | None:
-        """Look at the clock before the child."""
         return self._late(q) if q.passed(state) else None
 
     def settle(self, state: State, q: Questions) -> Step:
-        """Look at the clock after the child."""
         return self._late(q) if q.passed(state) else Stay(state)
 
     def _late(self, q: Questions) -> Step:
         return End("failure", Reason("time_out", f"{q.names[0]} was still running after {self.seconds:g} s"))
 
     def settings(self) -> str:
-        """Return the limit."""
         return f"at most {self.seconds:g} s"

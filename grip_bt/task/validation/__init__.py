@@ -6,11 +6,10 @@ from grip_bt.base.issue import Issue, Report, ordered
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
-from grip_bt.task.validation.dataflow import PossibleOutcomes
 
 from .analysis import TaskAnalysis
 from .codes import SEVERITY, STRUCTURAL
-from .dataflow import check_dataflow
+from .dataflow import PossibleOutcomes, check_dataflow
 from .expressions import check_expressions
 from .leaves import check_names, check_numbers, check_subtasks
 from .outcomes import check_outcomes, check_reach
@@ -22,13 +21,10 @@ __all__ = ["SEVERITY", "structural_issues", "analyse", "validate"]
 
 
 def validate(task: Task, catalog: Catalog, document: Document | None = None) -> Report:
-    """Check a task against the nodes that exist.
+    """Check a task against the nodes that exist; return all issues, in the order of the text.
 
     Args:
         document: the text that the task was read from; with it, issues have lines and columns.
-
-    Returns:
-        All issues, in the order of the text.
     """
     return ordered(_checked(task, catalog, document, None).issues)
 
@@ -48,11 +44,7 @@ _FURTHER_RULES = (check_numbers, check_messages, check_parts)
 
 
 def _checked(
-    task: Task,
-    catalog: Catalog,
-    document: Document | None,
-    subtasks: Subtasks | None,
-    structure_only: bool = False,
+    task: Task, catalog: Catalog, document: Document | None, subtasks: Subtasks | None, structure_only: bool = False
 ) -> TaskAnalysis:
 
     def inside(task: Task) -> Checked:

@@ -51,11 +51,6 @@ class VariableDeclaration:
     """Where it is declared: `data`, or `inputs` or `outputs` of a task."""
 
     @property
-    def type_text(self) -> str:
-        """The type as it is written."""
-        return type_of(self.variable)
-
-    @property
     def has_value(self) -> bool:
         """Whether it has an initial value."""
         return has_value(self.variable)
@@ -75,7 +70,6 @@ class PlacedNode:
         manifest: of a leaf whose type is known, and of a subtask whose file is.
         outcomes: its outcomes and their meanings; of a leaf of unknown type, whatever the task expects of it.
         reads: variables that it or anything below it reads.
-        writes: likewise.
     """
 
     def __init__(self, path: str, name: str, node: AnyNode, parent: PlacedNode | None, scope: Scope):

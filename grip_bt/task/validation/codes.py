@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from grip_bt.base.issue import Severity
 from grip_bt.base.types import BUILTINS
-from grip_bt.task.catalog import Catalog, Type
+from grip_bt.task.catalog import Type
 
 _STRUCTURAL = (
     *("unknown-node", "unknown-parameter", "missing-parameter", "unknown-input", "missing-input", "unknown-output"),
@@ -35,12 +35,6 @@ _WRITTEN = frozenset({*BUILTINS, "list", "dict", "Any", "None", "Pose"}) - {"byt
 def has_literal_form(type_: Type) -> bool:
     """Tell whether a task file can write a value of a type; what it can't is made by nodes."""
     return type_.name in _WRITTEN
-
-
-def producers(catalog: Catalog, type_: Type) -> str:
-    """Return some of the nodes that give a value of a type, as the end of a sentence; empty when none does."""
-    makers = catalog.makers_of(type_)[:2]
-    return f", for instance by {' or '.join(makers)}" if makers else ""
 
 
 def suggestion(hint: str, otherwise: str) -> str:

@@ -16,17 +16,7 @@ from grip_bt.base.issue import Issue
 from grip_bt.task import Leaf, Task
 from grip_bt.task.canonical import file_data
 from grip_bt.task.catalog import Catalog, InputPort, OutputPort, is_assignable, parse_type
-from grip_bt.task.edit import (
-    AnyCommand,
-    Connect,
-    Declare,
-    Group,
-    Remove,
-    Set,
-    Undeclare,
-    Unset,
-    apply,
-)
+from grip_bt.task.edit import AnyCommand, Connect, Declare, Group, Remove, Set, Undeclare, Unset, apply
 
 from .analysis import PlacedNode, TaskAnalysis, VariableDeclaration
 from .parts import known_messages, names_for
@@ -72,7 +62,6 @@ def _near(name: str, allowed: Iterable[str]) -> list[str]:
 
 
 def _corrected(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) -> _Found:
-    """Write the nearest names, or the only one, in place of one that isn't there."""
     if placed is None:
         return
     key = tuple(map(str, issue.key))
@@ -112,7 +101,6 @@ def _removed(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) ->
 
 
 def _renamed(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) -> _Found:
-    """Correct a parameter, a port or a meaning to the nearest one, or take it out."""
     if placed is None or not isinstance(placed.node, Leaf) or placed.manifest is None:
         return
     side, name = str(issue.key[0]), str(issue.key[1])
@@ -170,7 +158,6 @@ def _binding(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) ->
 
 
 def _unused_variable(analysis: TaskAnalysis, placed: PlacedNode | None, issue: Issue) -> _Found:
-    """Take out a variable that nobody reads, with the bindings of those who write it."""
     name = str(issue.key[-1])
     writers = [
         Unset(path=other.path, key=("out", port))

@@ -12,7 +12,7 @@ from grip_bt.task import Leaf, Subtask, Switch, Variable
 from grip_bt.task.catalog import Manifest, check_value
 
 from .analysis import PlacedNode, TaskAnalysis, type_or_none
-from .codes import has_literal_form, producers, suggestion
+from .codes import has_literal_form, suggestion
 
 _HINTED = 300
 """Unknown node types for which a similar one is looked for: who has more has no slip of the pen."""
@@ -73,7 +73,7 @@ def _other_side(analysis: TaskAnalysis, placed: PlacedNode, key: str, name: str)
         text, type_ = inputs[name].type, type_or_none(inputs[name].type)
         given = type_ is None or has_literal_form(type_)
         declared = f"`data: {{{name}: {f'{{type: {text}, value: ...}}' if given else text}}}`"
-        first = "" if type_ is None or given else f"; write it first{producers(analysis.catalog, type_)}"
+        first = "" if type_ is None or given else "; write it first"
         return f"{name!r} is an input: declare a variable, {declared}, and bind it: `in: {{{name}: {name}}}`{first}"
     if key == "in" and name in parameters:
         return f"{name!r} is a parameter: give it as a literal, `with: {{{name}: ...}}`"

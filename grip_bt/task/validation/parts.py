@@ -54,8 +54,6 @@ class TaughtNames:
 
         Args:
             kind: `state` (looked up before a run), `posture` or `taught` (looked up when they are reached).
-            part: the arm or the hand.
-            name: the name.
             taught: what was taught to it so far, as states or poses.
 
         Returns:
@@ -196,7 +194,6 @@ def _problems(placed: PlacedNode, parts: ProjectParts, taught_names: TaughtNames
 
 
 def _of_part(side: str, value: object, parts: ProjectParts) -> Iterator[Problem]:
-    """Yield that there is no such arm or hand, else what is wrong with it."""
     named = parts.arms if side == "arm" else parts.hands
     code = f"unknown-{side}"
     if named is None:
@@ -216,7 +213,6 @@ def _of_part(side: str, value: object, parts: ProjectParts) -> Iterator[Problem]
 
 
 def _of_names(kind: str, value: object, part: str, there: PartNames, taught_names: TaughtNames) -> Iterator[Problem]:
-    """Yield which of the names that a literal holds aren't there; an empty one stands for nothing or for a default."""
     if kind not in there.known:
         return
     known, taught = there.known[kind], there.known.get("taught", ())
@@ -263,14 +259,11 @@ READ, PUT = "messages/get", "messages/put"
 
 def check_messages(analysis: TaskAnalysis) -> None:
     """Find messages that are read by name, and that are neither in the project nor put by the task."""
-    read = [placed for placed in analysis.leaves if isinstance(placed.node, Leaf) and placed.node.node == READ]
+    read = list(_messages(analysis, READ))
     names = known_messages(analysis) if read else None
-    if names is None:
-        return
-    for placed in read:
-        store, name = _place(placed)
-        if isinstance(store, str) and isinstance(name, str) and name not in names.get(store, ()):
-            there = names.get(store, ())
+    for placed, store, name in read if names is not None else ():
+        there = (names or {}).get(store, ())
+        if name not in there:
             hint = nearest(name, there)
             known_ones = f" (available: {listing(there)})" if there else ""
             message = f"store {store!r} has no message {name!r}{hint}{known_ones}"
@@ -284,22 +277,17 @@ def known_messages(analysis: TaskAnalysis) -> dict[str, set[str]] | None:
     if known is None:
         return None
     names = {store: set(there) for store, there in known.items()}
-    for store, name in _put(analysis.leaves):
+    for _, store, name in _messages(analysis, PUT):
         names.setdefault(store, set()).add(name)
     return names
 
 
-def _put(leaves: list[PlacedNode]) -> Iterator[tuple[str, str]]:
-    for placed in leaves:
-        if isinstance(placed.node, Leaf) and placed.node.node == PUT:
-            store, name = _place(placed)
+def _messages(analysis: TaskAnalysis, what: str) -> Iterator[tuple[PlacedNode, str, str]]:
+    for placed in analysis.leaves:
+        if isinstance(placed.node, Leaf) and placed.node.node == what:
+            store, name = placed.node.with_.get("store"), placed.node.with_.get("name")
             if isinstance(store, str) and isinstance(name, str):
-                yield store, name
-
-
-def _place(placed: PlacedNode) -> tuple[object, object]:
-    assert isinstance(placed.node, Leaf), "leaves read and put messages"
-    return placed.node.with_.get("store"), placed.node.with_.get("name")
+                yield placed, store, name
 
 
 DRAWN = "x-tree"

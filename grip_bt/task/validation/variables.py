@@ -5,9 +5,10 @@ from __future__ import annotations
 from grip_bt.base.errors import listing, nearest
 from grip_bt.task import Foreign, Leaf, Parallel, Subtask, Variable
 from grip_bt.task.catalog import InputPort, OutputPort, Type, check_value, is_assignable, parse_type
+from grip_bt.task.parts import type_of
 
 from .analysis import Key, PlacedNode, TaskAnalysis, VariableDeclaration
-from .codes import has_literal_form, producers
+from .codes import has_literal_form
 from .outcomes import check_label, unknown_target
 
 _PORTED = (Leaf, Subtask, Foreign)
@@ -54,7 +55,7 @@ def _items(analysis: TaskAnalysis, placed: PlacedNode, key: str, items: str) -> 
 def _declaration(analysis: TaskAnalysis, declared: VariableDeclaration) -> None:
     where = (declared.key, declared.name)
     try:
-        type_ = parse_type(declared.type_text)
+        type_ = parse_type(type_of(declared.variable))
     except ValueError as error:
         analysis.add(declared.owner, where, "unknown-type", f"{declared.name!r}: {error}")
         return
@@ -62,15 +63,15 @@ def _declaration(analysis: TaskAnalysis, declared: VariableDeclaration) -> None:
         reason = check_value(type_, declared.variable.value)
         if reason:
             message = f"the initial value of {declared.name!r} {reason}"
-            analysis.add(declared.owner, (*where, "value"), "wrong-initial-value", message, _instead(analysis, type_))
+            analysis.add(declared.owner, (*where, "value"), "wrong-initial-value", message, _instead(type_))
 
 
-def _instead(analysis: TaskAnalysis, type_: Type) -> str:
+def _instead(type_: Type) -> str:
     """Return what to do in place of a wrong initial value: values that YAML can't write are made by nodes."""
     written = "leave `value` out and write the variable first"
     if has_literal_form(type_):
         return f"give a literal of type {type_}, or {written}"
-    return f"no literal is a {type_.name}: {written}{producers(analysis.catalog, type_)}"
+    return f"no literal is a {type_.name}: {written}"
 
 
 def _shadowed(analysis: TaskAnalysis) -> None:

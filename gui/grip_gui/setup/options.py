@@ -12,7 +12,7 @@ from grip_bt.base.errors import GripError, listing, nearest
 from grip_bt.base.message_store import STANDARD
 from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
-from grip_bt.task.catalog.component_parts import Unit
+from grip_bt.task.catalog.component_file import Unit
 from grip_bt.task.catalog.ros_config import MESSAGES
 from grip_gui.wire.setup import Template
 from grip_sim.worlds import read_world, world_files

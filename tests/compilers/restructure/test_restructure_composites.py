@@ -9,7 +9,7 @@ from restructure_tasks import CATALOG, leaf, machine, task
 
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.restructure import to_state_machines, to_trees
-from grip_bt.task import Sequence, StateMachine, dumps, walk
+from grip_bt.task import dumps, walk
 
 
 def converted(root: dict[str, Any]) -> dict[str, Any]:
@@ -111,32 +111,7 @@ def test_new_names_are_free() -> None:
     assert "a_then_b_2" in names
 
 
-def test_what_has_a_structure_in_a_machine_that_has_none_becomes_composites() -> None:
-    before = task(
-        machine(
-            "start",
-            {
-                "start": {"success": "a", "failure": "b"},
-                "a": {"success": "b", "failure": "failure"},
-                "b": {"success": "c", "failure": "failure"},
-                "c": {"success": "a", "failure": "success"},
-            },
-        )
-    )
-    result = to_trees(before, CATALOG)
-    root = result.task.root
-    assert isinstance(root, StateMachine)
-    assert list(root.children) == ["start", "a", "b_then_c"]
-    assert isinstance(root.children["b_then_c"], Sequence)
-    assert root.children["b_then_c"].on["a"] == "a"
-    assert (result.paths["b"], result.paths["c"]) == ("b_then_c/b", "b_then_c/c")
-    (note,) = result.notes
-    assert len(note.edges) == 1
-    assert note.edges[0] in note.reason
-    assert "what else has a structure in it became composites" in note.reason
-
-
-def test_a_loop_with_two_ways_in_stays_and_the_fewest_edges_are_named() -> None:
+def test_a_loop_with_two_ways_in_stays_and_the_edges_are_named() -> None:
     root = machine(
         "start",
         {

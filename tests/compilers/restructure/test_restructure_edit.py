@@ -13,7 +13,7 @@ from restructure_tasks import CATALOG
 from grip_bt.base.errors import EditError, InvalidTaskError
 from grip_bt.compilers.restructure import expanded, to_state_machines, to_trees
 from grip_bt.task import Task, dumps, loads, read_text, walk
-from grip_bt.task.edit import Convert, Group, Rename, apply, apply_to_document, command_of
+from grip_bt.task.edit import Convert, Group, Rename, apply, apply_to_document, command_of, path_after
 
 TEXT = """\
 grip: 1
@@ -74,7 +74,7 @@ def test_only_what_was_asked_for_is_converted_and_comments_stay() -> None:
         ("put/down", ""),
         ("put/drop", ""),
     ]
-    assert done.path("pick/look") == "pick/repeat_look/try_look/look"
+    assert path_after("pick/look", done.steps) == "pick/repeat_look/try_look/look"
     for comment in ("# first of all", "# where is it?", "# as long as it takes", "# gently"):
         assert comment in done.document.text
     assert apply_to_document(done.document, done.inverse).document.text == TEXT

@@ -1,8 +1,7 @@
-"""The graph work: reductions against the criterion of dominators, and the smallest sets of edges by brute force."""
+"""The graph work: reductions against the criterion of dominators, and the edges that keep them from an end."""
 
 from __future__ import annotations
 
-from itertools import chain, combinations
 from random import Random
 
 import networkx as nx
@@ -13,9 +12,7 @@ from grip_bt.compilers.restructure.regions import (
     Loop,
     Region,
     State,
-    Tangle,
     flow_graph,
-    offending_edges,
     structured,
     unruly_edges,
 )
@@ -35,7 +32,7 @@ def states(region: Region) -> list[str]:
     if isinstance(region, State):
         return [region.entry]
     parts = region.parts if isinstance(region, Chain) else (region.body,)
-    return list(chain.from_iterable(states(part) for part in parts))
+    return [state for part in parts for state in states(part)]
 
 
 def without(graph: nx.DiGraph, edges: tuple[tuple[str, str], ...]) -> nx.DiGraph:
@@ -49,7 +46,7 @@ def test_the_reductions_end_in_one_region_exactly_where_each_loop_has_one_way_in
     for seed in range(1500):
         arcs = random_arcs(seed)
         found = structured("s0", arcs)
-        whole = not isinstance(found, Tangle)
+        whole = found is not None
         assert whole == (not unruly_edges(flow_graph("s0", arcs), "s0")), seed
         reduced += whole
     assert 300 < reduced < 1450
@@ -59,16 +56,10 @@ def test_a_region_holds_each_state_once_and_lets_no_arc_to_a_state_out() -> None
     for seed in range(500):
         arcs = random_arcs(seed)
         found = structured("s0", arcs)
-        if not isinstance(found, Tangle):
+        if found is not None:
             assert sorted(states(found)) == sorted(arcs)
             assert found.entry == "s0"
             assert not found.leaving  # all targets of these arcs are states
-            continue
-        assert sorted(state for region in found.regions.values() for state in states(region)) == sorted(arcs)
-        assert set(found.regions) == set(found.graph)
-        for entry, region in found.regions.items():
-            assert region.entry == entry
-            assert {arc.target for arc in region.leaving} <= set(found.regions), "edges lead to entries only"
 
 
 def test_a_loop_holds_what_leads_back_and_no_more() -> None:
@@ -85,16 +76,12 @@ def test_a_loop_holds_what_leads_back_and_no_more() -> None:
     assert states(after) == ["c"]
 
 
-def test_the_offending_edges_are_enough_and_no_fewer_are() -> None:
+def test_the_unruly_edges_are_enough() -> None:
     checked = 0
     for seed in range(600):
         graph = flow_graph("s0", random_arcs(seed))
         if not unruly_edges(graph, "s0"):
             continue
-        edges, smallest = offending_edges(graph, "s0")
-        assert smallest
-        assert not unruly_edges(without(graph, tuple(edges)), "s0")
-        fewer = chain.from_iterable(combinations(graph.edges, size) for size in range(len(edges)))
-        assert all(unruly_edges(without(graph, some), "s0") for some in fewer), seed
+        assert not unruly_edges(without(graph, tuple(unruly_edges(graph, "s0"))), "s0")
         checked += 1
     assert checked > 60

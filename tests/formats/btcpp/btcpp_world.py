@@ -12,7 +12,8 @@ from grip_bt.compilers.binding import implementation_of
 from grip_bt.formats.btcpp import from_xml
 from grip_bt.formats.imported import Imported
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import ManualClock, TickEngine
+from grip_bt.runtime import ManualClock
+from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.validation import validate
 
@@ -90,7 +91,7 @@ class World:
         self.tree = to_tree(self.file.task, catalog, leaf_factory=self._make, data=data)
         self.tree.prepare(self)
         self.tree.data[""].reset()
-        self.engine = TickEngine(self.tree.root) if by_engine else None
+        self.tick_once = make_ticker(self.tree.root) if by_engine else self.tree.root.tick_once
 
     def _make(self, path: str, node: Any, manifest: Manifest) -> Leaf:
         if manifest.implementation.startswith("grip_bt."):
@@ -103,7 +104,7 @@ class World:
     def tick(self) -> str:
         """Tick once; return the outcome, or `running`, and forget the trace before."""
         self.trace.clear()
-        (self.engine.tick if self.engine is not None else self.tree.root.tick_once)()
+        self.tick_once()
         return "running" if self.tree.root.status == Status.RUNNING else str(self.tree.root.outcome)
 
     def ticks(self, times: int, period: float = 0.0) -> list[str]:

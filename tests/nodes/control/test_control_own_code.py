@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from grip_bt.compilers import to_machine
 from grip_bt.nodes.control import Control
-from grip_bt.runtime import TickEngine
+from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Task
 from grip_bt.task.validation import validate
@@ -55,8 +55,8 @@ def test_the_first_child_ticks_the_others_and_its_end_is_the_containers() -> Non
 
 def test_the_engine_ticks_it_as_py_trees_does_and_a_halt_reaches_all() -> None:
     world = Deciding(control(a=leaf()), {"a": "..success"})
-    engine = TickEngine(world.root)
-    engine.tick()
+    tick = make_ticker(world.root)
+    tick()
     world.root.stop(Status.INVALID)
     assert (world.ticked, world.halted) == (["a"], ["a"])
     assert world.root.children[0].log == ["new", "halted"]

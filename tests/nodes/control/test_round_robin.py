@@ -6,7 +6,8 @@ from control_world import CATALOG, World, leaf
 from py_trees.common import Status
 
 from grip_bt.compilers import Rushing, to_machine
-from grip_bt.runtime import ManualClock, RunContext, TickEngine
+from grip_bt.runtime import ManualClock, RunContext
+from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.model import Task
 
 TURNS = {"kind": "round_robin", "children": {name: leaf() for name in "abc"}}
@@ -24,9 +25,9 @@ def test_each_activation_runs_the_next_child_and_begins_again_after_the_last() -
 
 def test_the_tick_engine_and_the_machine_take_the_same_turns() -> None:
     world = World(times(5))
-    engine = TickEngine(world.root)
+    tick = make_ticker(world.root)
     for _ in range(5):
-        engine.tick()
+        tick()
     assert [path.rpartition("/")[2] for path in world.ticked] == list("abcab")
     ran: list[str] = []
     task = Task.model_validate({"grip": 1, "name": "turns", "root": times(5)})

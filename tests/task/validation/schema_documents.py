@@ -14,7 +14,8 @@ from pydantic import BaseModel
 
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
-from grip_bt.task.shape import keys_of, model_of_kind
+from grip_bt.task.document import keys_of
+from grip_bt.task.model import KINDS
 
 CATALOG = Catalog.builtin()
 WORDS = ["success", "failure", "a", "b", "done", "zz", "failure.zz", "", "."]
@@ -98,13 +99,13 @@ SETS = {"node": "flow/set", "with": {"value": 2}, "out": {"value": "x"}}
 
 def shape_of(node: dict[str, Any]) -> type[BaseModel]:
     """Return the model of a node."""
-    return model_of_kind(node["kind"]) if "kind" in node else model.Leaf
+    return KINDS[node["kind"]] if "kind" in node else model.Leaf
 
 
 def of_kind(kind: str, **children: dict[str, Any]) -> dict[str, Any]:
     """Return a node of a kind, with these children as far as it holds some."""
     node: dict[str, Any] = {"kind": kind, **BASES.get(kind, {})}
-    keys = keys_of(model_of_kind(kind))
+    keys = keys_of(KINDS[kind])
     given = children or {"a": LEAF, "b": FAILS}
     if kind == "state_machine":
         given = {name: {"on": {"success": "done", "failure": "failure"}, **child} for name, child in given.items()}
@@ -152,7 +153,7 @@ def document(root: dict[str, Any], **more: Any) -> dict[str, Any]:
 def systematic() -> Iterator[dict[str, Any]]:
     """Yield every kind with every value of every key, and every built-in leaf in several ways, in several places."""
     for kind in model.KINDS:
-        for key in (*keys_of(model_of_kind(kind)), "x-note"):
+        for key in (*keys_of(KINDS[kind]), "x-note"):
             for value in VALUES[key]:
                 for node in around({**of_kind(kind), key: value}):
                     yield document(node)

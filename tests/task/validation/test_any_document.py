@@ -13,7 +13,8 @@ import survival
 from hypothesis import HealthCheck, given, settings
 
 from grip_bt.compilers.restructure import equivalence
-from grip_bt.task.shape import keys_of, model_of_kind
+from grip_bt.task.document import keys_of
+from grip_bt.task.model import KINDS
 
 FUZZ = int(os.environ.get("GRIP_FUZZ_DOCUMENTS", "0"))
 SOME = FUZZ or 40
@@ -28,7 +29,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def test_each_key_of_each_kind_has_values() -> None:
-    kinds = [model_of_kind(kind) for kind in schema_documents.model.KINDS]
+    kinds = [KINDS[kind] for kind in schema_documents.model.KINDS]
     keys = {key for shape in (*kinds, schema_documents.model.Leaf) for key in keys_of(shape)}
     assert keys <= schema_documents.VALUES.keys()
 

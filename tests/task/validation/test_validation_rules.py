@@ -67,7 +67,7 @@ def test_the_good_example_has_no_issue(code, catalog):
         (
             "{node: eye/find, with: {cloud: 3}}",
             "'cloud' is an input: declare a variable, `data: {cloud: PointCloud}`, and bind it: `in: {cloud: cloud}`; "
-            "write it first, for instance by eye/look",
+            "write it first",
         ),
         (
             "{node: arm/take, with: {arm: left, grasps: 3}}",
