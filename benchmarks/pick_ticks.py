@@ -17,7 +17,7 @@ from tick_families import pick_task
 
 from grip_bt.compilers import Rushing, to_machine, to_tree
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import Journal, RunContext, WallClock
+from grip_bt.runtime import Journal, RunContext, TickEngine, WallClock
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.runtime.observers import Recorder
 from grip_bt.task.catalog import Catalog, Manifest
@@ -95,13 +95,13 @@ def pick_ticks():
     theirs.add_visitor(SnapshotVisitor())
     with tempfile.TemporaryDirectory() as folder, Journal(Path(folder) / "runs.sqlite") as journal:
         made = picking(Recorder(journal.begin("pick"), WallClock()))
-        engine, unwatched = (make_ticker(side.root) for side in (made, picking()))  # as the runner does
+        engine, unwatched = (TickEngine(side.root, fixed=True) for side in (made, picking()))  # as the runner does
         whole = picking(Recorder(journal.begin("whole"), WallClock()))
         for side in (engine, unwatched):
             for _ in range(10):
-                side()
+                side.tick()
         count = sum(1 for _ in made.root.iterate())
-        ticks = (theirs.tick, engine, unwatched, whole.root.tick_once)
+        ticks = (theirs.tick, engine.tick, unwatched.tick, whole.root.tick_once)
         taken = [[seconds(tick, BUDGET) for tick in ticks] for _ in range(ROUNDS)]
     snapshot, ours, bare, ticked = (min(side) * 1e6 for side in zip(*taken, strict=True))
     print(f"pick task of {count} nodes, the arm approaches: py_trees with a SnapshotVisitor {snapshot:.1f} us a tick;")
@@ -124,9 +124,9 @@ def whole_ticks():
                 made = compiled(nested(depth))
                 if observed:
                     made.observe(Recorder(journal.begin("whole"), WallClock()))
-                engine = make_ticker(made.root)
+                engine = TickEngine(made.root, fixed=True)
                 sides += [made.root.tick_once] if not observed else []
-                sides.append(engine)
+                sides.append(engine.tick)
             count = sum(1 for _ in made.root.iterate())
             taken = zip(*[[seconds(side, BUDGET) for side in sides] for _ in range(ROUNDS)], strict=True)
             theirs, bare, logged = (min(side) / count * 1e6 for side in taken)

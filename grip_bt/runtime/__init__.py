@@ -1,6 +1,6 @@
 """Running compiled tasks: clock, context, runner, tick engine, journal, control.
 
-* Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine` (the same as
+* Ticking: `runner` (a run from beginning to end), `pacing` and `clock` (when to tick), `engine` (trees of py_trees as
   closures), `lockstep` (turns of a run and its simulated world), `context` (also: workers).
 * Stopping: `stopping` (also of ticks that don't end), `motion_end` (what was told to stop is measured to rest),
   `observers` (also: what the parent sees).
@@ -17,6 +17,7 @@ from .clock import WallClock as WallClock
 from .context import RunContext as RunContext
 from .context import RunParts as RunParts
 from .control import serve_control as serve_control
+from .engine import TickEngine as TickEngine
 from .journal import Journal as Journal
 from .journal import RunLog as RunLog
 from .journal_events import Event as Event

@@ -10,6 +10,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from py_trees.behaviour import Behaviour
+
 from grip_bt.base.errors import NodeError, NotStoppedError
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
@@ -22,7 +24,7 @@ from grip_bt.runtime.observers import Recorder, SideState, SideStateObserver
 
 from .context import RunContext
 from .debugger import Debugger
-from .engine import make_ticker
+from .engine import TickEngine, make_ticker
 from .journal import Journal, RunLog
 from .lockstep import Lockstep, WakeOnWrite
 from .pacing import Pacing, State
@@ -77,6 +79,11 @@ class RunResult:
     error: BaseException | None = None
     zombies: tuple[Zombie, ...] = ()
     rest: Rest = Rest()
+
+
+def _engine_of(root: Behaviour) -> TickEngine:
+    # Our nodes keep their methods; somebody's own behaviours may do what they like.
+    return TickEngine(root, fixed=not any(isinstance(node, Foreign) for node in root.iterate()))
 
 
 class Runner:
@@ -295,7 +302,7 @@ class Runner:
         if isinstance(self.compiled, CompiledMachine):
             return self.compiled.execute(pacer, make_ticker if again is None else None)
         root = self.compiled.root
-        tick = root.tick_once if again is not None else self.compiled.ticker() or make_ticker(root)
+        tick = root.tick_once if again is not None else self.compiled.ticker() or _engine_of(root).tick
 
         def tick_observed() -> None:
             if self._stale:

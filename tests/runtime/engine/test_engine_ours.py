@@ -12,7 +12,7 @@ from py_trees.common import Status
 from grip_bt.base.errors import NodeError
 from grip_bt.compilers import CompiledTree, Rushing, to_machine, to_tree
 from grip_bt.nodes import Leaf
-from grip_bt.runtime import ManualClock, RunContext
+from grip_bt.runtime import ManualClock, RunContext, TickEngine
 from grip_bt.runtime.engine import make_ticker
 from grip_bt.task.catalog import Catalog, Manifest
 from grip_bt.task.model import Task
@@ -173,15 +173,15 @@ def test_a_tree_that_goes_on_after_steady_ticks_tells_what_py_trees_tells(name: 
     root, waits = ROOTS[name]
     script = {waits: "run"}
     theirs, ours = compiled(root, script), compiled(root, script)
-    engine = make_ticker(ours[0].root)
-    sides = [(theirs[0].root.tick_once, *theirs), (engine, *ours)]
+    engine = TickEngine(ours[0].root)
+    sides = [(theirs[0].root.tick_once, *theirs), (engine.tick, *ours)]
     for made, _, _ in (theirs, ours):
         made.data[""].reset()
     for _ in range(12):
         for tick, *_ in sides:
             tick()
     before = len(ours[1].told)
-    engine()
+    engine.tick()
     theirs[0].root.tick_once()
     assert len(ours[1].told) == before, "nothing happens"
     script[waits] = {"close": "run", "late": "run", "halt": "run"}.get(ending, ending)
@@ -210,12 +210,12 @@ def test_a_leaf_with_a_tick_of_its_own_is_ticked_as_by_py_trees(name: str, deed:
     root, path = ROOTS[name]
     script = {path: deed, "own tick": path}
     theirs, ours = compiled(root, script), compiled(root, script)
-    engine = make_ticker(ours[0].root)
+    engine = TickEngine(ours[0].root)
     for made, _, _ in (theirs, ours):
         made.data[""].reset()
     for _ in range(3):
         raised = []
-        for tick in (theirs[0].root.tick_once, engine):
+        for tick in (theirs[0].root.tick_once, engine.tick):
             try:
                 tick()
                 raised.append("")
