@@ -81,7 +81,8 @@ class Reader:
         return done.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.ros
+@pytest.mark.sim
 @pytest.mark.parametrize("page", PAGES)
 def test_a_reader_who_types_it_sees_what_it_says(page, tmp_path, domain):
     (tmp_path / "work").mkdir()
