@@ -113,7 +113,7 @@ def _supervise(members: Sequence[Member], logs: Path, follow: bool) -> int:
 
 def add_sim(parser: argparse.ArgumentParser) -> None:
     add, positive = parser.add_argument, number(above=0)
-    add("world", nargs="?", default="table", help="which world (default: table)")
+    add("world", nargs="?", help="which world (default: the project's, else table)")
     add("--project", type=Path, default=Path(), metavar="DIR", help="whose robot (default: here)")
     add("--seed", type=int, default=0, help="of the world (default: 0)")
     add("--pace", type=positive, default=1.0, metavar="X", help="playback speed: simulated seconds a second")
@@ -129,7 +129,8 @@ def run_sim(args: argparse.Namespace) -> int:
     project = find_project(args.project)
     serving = load_part("ros_simulation", "the simulator or ROS", "sim,ros")
     rate, simulated = args.camera_rate, args.simulated_time
-    with serving.serve_world(project, args.world, args.seed, args.pace, progress, rate, simulated) as served:
+    world = args.world or project.file.world or "table"
+    with serving.serve_world(project, world, args.seed, args.pace, progress, rate, simulated) as served:
         if args.setup is not None:
             args.setup.write_text(served.setup)
         if args.room is not None:

@@ -27,7 +27,7 @@ from .terminal import counted, put, tell
 
 
 def add_check(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("tasks", nargs="*", metavar="TASK", help="a task file")
+    parser.add_argument("tasks", nargs="*", metavar="TASK", help="a task file, or a project's folder for all its tasks")
     parser.add_argument("--strict", action="store_true", help="1 also where there are only warnings, for CI")
     parser.add_argument("--json", action="store_true", help="print one JSON list")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of task files")
@@ -39,7 +39,7 @@ def run_check(args: argparse.Namespace) -> int:
         return 0
     if not args.tasks:
         args.usage_error("name at least one TASK, or ask for the --schema")
-    found = {path: _issues(path) for path in args.tasks}
+    found = {path: _issues(path) for named in args.tasks for path in _task_files(named)}
     wrong = any(args.strict or issue.severity == "error" for issues in found.values() for issue in issues)
     lines = []
     for path, issues in found.items():
@@ -47,6 +47,14 @@ def run_check(args: argparse.Namespace) -> int:
         lines += [*map(str, issues), f"{path}: {counted(errors, len(issues) - errors)}"]
     tell(args.json, [{"task": path, "issues": [i.as_dict() for i in found[path]]} for path in found], lines)
     return int(wrong)
+
+
+def _task_files(path: str) -> list[str]:
+    """Return a file itself, and the task files of a project's folder."""
+    tasks = Path(path) / "tasks"
+    if not tasks.is_dir():
+        return [path]
+    return [str(file) for file in sorted(tasks.rglob("*.yaml")) if not file.name.endswith(".layout.yaml")]
 
 
 def _issues(path: str) -> tuple[Issue, ...]:

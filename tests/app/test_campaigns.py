@@ -180,14 +180,27 @@ def test_the_referee_counts_and_not_what_the_task_says(project, capsys):
     )
     (project / "campaigns/who.yaml").write_text(
         "campaign: 1\ntask: tasks/count.yaml\nseeds: [3]\nsuccess: status == 'success' and placed == objects\n"
-        "measure: {placed: placed, standing: standing}\n"
+        "measure: {placed: placed, standing: standing, cleared: cleared}\n"
     )
     assert bench(project) == 0
     (row,) = read(project / ".grip/campaigns/who.jsonl").rows
     assert row["status"] == "success"
     assert not row["success"]
     assert set(row["truth"].values()) == {"standing"}
-    assert row["measures"] == {"placed": 0, "standing": len(row["truth"])}
+    assert row["judged"] == {"cleared": False}
+    assert row["measures"] == {"placed": 0, "standing": len(row["truth"]), "cleared": False}
+
+
+@pytest.mark.parametrize("world", ["", "table", "bottle_bench"])
+def test_conditions_of_the_simulated_world_are_known_by_name(project, world):
+    (project / "grip.yaml").write_text("grip: 1\nrobot: panda_allegro\n" + (f"world: {world}\n" if world else ""))
+    file = project / "campaigns/who.yaml"
+    file.write_text(CAMPAIGN.replace("robot: fake", "robot: sim").replace("reached >= 3", "cleared"))
+    if world in ("", "table"):  # which is what is simulated where a project names none
+        check(read_campaign(file))
+    else:
+        with pytest.raises(CampaignError, match="unknown name 'cleared'"):
+            check(read_campaign(file))
 
 
 @pytest.mark.parametrize(

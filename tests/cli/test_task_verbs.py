@@ -38,6 +38,18 @@ def test_check_reports_all_issues_of_all_tasks_and_fails(file, capsys):
     assert f"{EXAMPLE}: ok" in out
 
 
+def test_a_projects_folder_stands_for_all_its_tasks(tmp_path, capsys):
+    (tmp_path / "tasks/more").mkdir(parents=True)
+    for name, text in {"a.yaml": WRONG, "more/b.yaml": TIDY, "more/b.layout.yaml": "grip: 1\n"}.items():
+        (tmp_path / "tasks" / name).write_text(text)
+    assert main(["check", str(tmp_path)]) == 1
+    ends = [line for line in capsys.readouterr().out.splitlines() if line.endswith(("errors", "error", "warning"))]
+    assert [line.rpartition(": ")[0] for line in ends] == [
+        str(tmp_path / f"tasks/{name}.yaml") for name in ("a", "more/b")
+    ]
+    assert main(["check", str(tmp_path / "tasks/more")]) == 1  # no project's folder
+
+
 def test_check_prints_json_and_the_schema(file, capsys):
     assert main(["check", "--json", str(file(WRONG))]) == 1
     (found,) = json.loads(capsys.readouterr().out)

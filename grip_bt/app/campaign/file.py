@@ -172,6 +172,7 @@ class TrialRow(TypedDict, total=False):
     run: str | None
     truth: Mapping[str, str] | None
     contradicted: bool
+    judged: dict[str, bool]
     unconfirmed: str
     counts: dict[str, int]
     measures: dict[str, Plain]

@@ -13,7 +13,7 @@ from typing import Any
 from grip_bt.app.campaign.file import Campaign, Plain, TrialRow
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.project.foreign_code import of_task, refuse
-from grip_bt.app.project.worlds import STATES
+from grip_bt.app.project.worlds import STATES, world_of
 from grip_bt.app.runs.execute import RunOptions, check_inputs, check_task
 from grip_bt.app.runs.mocks import apply_mocks, check_nodes, scripted
 from grip_bt.app.runs.supervisor import Supervisor
@@ -139,7 +139,8 @@ def check(campaign: Campaign) -> None:
         for given in settings.set:
             if given not in variables:
                 raise campaign.error(f"{variant}/set: the task has no variable {given!r}{nearest(given, variables)}")
-        names = {*_KNOWN, *said.count, *variables}
+        conditions = world_of(project, campaign.seeds[0]).judge if said.robot == "sim" else {}
+        names = {*_KNOWN, *said.count, *variables, *conditions}
         for place, text in (("success", said.success), *((f"measure/{k}", v) for k, v in said.measure.items())):
             try:
                 parsed = parse_expression(text)
@@ -147,7 +148,7 @@ def check(campaign: Campaign) -> None:
                 raise campaign.error(f"{place}: {error}") from error
             for name in parsed.names:
                 if name not in names:
-                    known = ", ".join((*_KNOWN, "the names below `count`", "the task's variables"))
+                    known = ", ".join((*_KNOWN, "the names below `count`", *conditions, "the task's variables"))
                     raise campaign.error(f"{place}: unknown name {name!r}{nearest(name, names)} (available: {known})")
 
 
@@ -168,6 +169,7 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, s
         "run": started["run"] if started else None,
         "truth": truth,
         "contradicted": bool(end.get("contradiction")),
+        "judged": end.get("judged") or {},
         "unconfirmed": str(Rest(unconfirmed=end.get("unconfirmed") or {})),
     }
     counts, variables = _looked_up(campaign, started)
@@ -175,7 +177,7 @@ def judged(campaign: Campaign, end: RunEnd, wall: float, started: Mapping[str, s
     seen = {state: None if truth is None else states[state] for state in STATES}
     seen["objects"] = None if truth is None else len(truth)
     told = ("status", "outcome", "code", "duration", "contradicted", "wall")
-    facts = {**variables, **seen, **counts, **{key: row.get(key) for key in told}}
+    facts = {**variables, **row["judged"], **seen, **counts, **{key: row.get(key) for key in told}}
     unclear: dict[str, str] = {}
     measures = {name: _computed(text, facts, unclear, name, value_of) for name, text in campaign.file.measure.items()}
     success = bool(_computed(campaign.file.success, facts, unclear, "success", condition_of))
