@@ -191,12 +191,12 @@ def test_the_referee_counts_and_not_what_the_task_says(project, capsys):
     assert row["measures"] == {"placed": 0, "standing": len(row["truth"]), "cleared": False}
 
 
-@pytest.mark.parametrize("world", ["", "table", "bottle_bench"])
+@pytest.mark.parametrize("world", ["table", "bottle_bench"])
 def test_conditions_of_the_simulated_world_are_known_by_name(project, world):
-    (project / "grip.yaml").write_text("grip: 1\nrobot: panda_allegro\n" + (f"world: {world}\n" if world else ""))
+    (project / "grip.yaml").write_text(f"grip: 1\nrobot: panda_allegro\nworld: {world}\n")
     file = project / "campaigns/who.yaml"
     file.write_text(CAMPAIGN.replace("robot: fake", "robot: sim").replace("reached >= 3", "cleared"))
-    if world in ("", "table"):  # which is what is simulated where a project names none
+    if world == "table":
         check(read_campaign(file))
     else:
         with pytest.raises(CampaignError, match="unknown name 'cleared'"):

@@ -139,7 +139,7 @@ def check(campaign: Campaign) -> None:
         for given in settings.set:
             if given not in variables:
                 raise campaign.error(f"{variant}/set: the task has no variable {given!r}{nearest(given, variables)}")
-        conditions = world_of(project, campaign.seeds[0]).judge if said.robot == "sim" else {}
+        conditions = world_of(project, campaign.seeds[0]).judge if said.robot == "sim" and project.file.world else {}
         names = {*_KNOWN, *said.count, *variables, *conditions}
         for place, text in (("success", said.success), *((f"measure/{k}", v) for k, v in said.measure.items())):
             try:
