@@ -15,7 +15,6 @@ from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
@@ -53,7 +52,7 @@ class UrdfJoint:
         """Return the pose of its link in the parent link, at a position [rad or m]."""
         if self.type == "prismatic":
             return self.origin @ Pose(self.axis * q)
-        return self.origin @ Pose((0.0, 0.0, 0.0), np.roll(Rotation.from_rotvec(self.axis * q).as_quat(), 1))
+        return self.origin @ Pose((0.0, 0.0, 0.0), (np.cos(q / 2), *np.sin(q / 2) * self.axis))
 
 
 def joints_of(urdf: str) -> Iterator[UrdfJoint]:
@@ -234,5 +233,7 @@ def _at(track: _Track, time: float) -> Pose | None:
 def between(one: Pose, other: Pose, part: float) -> Pose:
     """Return the pose that lies at `part`, in [0, 1], of the way between two in the same frame."""
     position = (1 - part) * one.position + part * other.position
-    turns = Slerp([0, 1], Rotation.from_quat(np.roll([one.quaternion, other.quaternion], -1, axis=1)))
-    return Pose(position, np.roll(turns(part).as_quat(), 1), one.frame)
+    far = other.quaternion if one.quaternion @ other.quaternion >= 0 else -other.quaternion  # the shorter way
+    angle = 2 * np.arctan2(np.linalg.norm(far - one.quaternion), np.linalg.norm(far + one.quaternion))
+    weight, far_weight = (share * np.sinc(share * angle / np.pi) for share in (1 - part, part))
+    return Pose(position, weight * one.quaternion + far_weight * far, one.frame)
