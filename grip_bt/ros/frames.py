@@ -20,7 +20,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
-from grip_bt.base.values.pose import quaternion_of
+from grip_bt.commanders.description.xml import origin_of
 from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 ROOT = "world"
@@ -59,18 +59,10 @@ def joints_of(urdf: str) -> Iterator[UrdfJoint]:
     """Yield the joints of a URDF."""
     for joint in ET.fromstring(urdf).findall("joint"):
         parts = {part.tag: part.attrib for part in joint}
-        origin, axis = parts.get("origin", {}), parts.get("axis", {}).get("xyz", "1 0 0")
-        xyz, rpy, along = (
-            np.array(text.split(), float) for text in (origin.get("xyz", "0 0 0"), origin.get("rpy", "0 0 0"), axis)
-        )
-        pose = Pose(xyz, quaternion_of(*rpy), parts["parent"]["link"])
-        yield UrdfJoint(
-            joint.get("name", ""),
-            joint.get("type", ""),
-            parts["child"]["link"],
-            pose,
-            along / (np.linalg.norm(along) or 1.0),
-        )
+        along = np.array(parts.get("axis", {}).get("xyz", "1 0 0").split(), float)
+        along /= np.linalg.norm(along) or 1.0
+        names = joint.get("name", ""), joint.get("type", ""), parts["child"]["link"]
+        yield UrdfJoint(*names, origin_of(joint, parts["parent"]["link"]), along)
 
 
 class FrameTree:
