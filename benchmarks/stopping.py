@@ -211,7 +211,8 @@ def simulation_killed(count: int) -> None:
     program = """
 import numpy as np, sys, time
 from grip_bt.base.values import Trajectory
-from grip_sim import WorldSpec, start_simulation
+from grip_sim.simulation import start_simulation
+from grip_sim.specs import WorldSpec
 s = start_simulation(WorldSpec(), pace=1.0)
 e = s.executor("arm"); h = e.state()
 e.execute(Trajectory(h.names, np.array([0.0, 60.0]), np.stack([h.position, h.position + 0.5])))

@@ -76,6 +76,31 @@ class MissingPartError(GripError):
         super().__init__(f"{what} isn't available here. Fix: {remedy}")
 
 
+EXTRAS = {
+    "motion": "coal ompl pinocchio pytracik scipy toppra xacro",
+    "sim": "coacd collada PIL sapien trimesh",
+    "vision": "cv2",
+    "ros": "action_msgs ament_index_python builtin_interfaces geometry_msgs rclpy rosidl_adapter rosidl_generator_c"
+    " rosidl_generator_py rosidl_generator_type_description rosidl_parser rosidl_typesupport_c sensor_msgs shape_msgs"
+    " rosidl_typesupport_fastrtps_c rosidl_typesupport_introspection_c std_msgs trajectory_msgs unique_identifier_msgs",
+    "recording": "mcap",
+    "analytic": "eaik",
+}
+"""Extra of our installation -> the packages that it brings, by what is imported."""
+
+
+def remedy_of(error: BaseException) -> str:
+    """Return how to install what couldn't be imported where an extra brings it, otherwise nothing."""
+    name = (error.name or "").partition(".")[0] if isinstance(error, ModuleNotFoundError) else ""
+    extra = next((extra for extra, brings in EXTRAS.items() if name in brings.split()), "")
+    return f"pip install 'grip-bt[{extra}]'" if extra else libraries_of(str(error))
+
+
+def libraries_of(reason: str) -> str:
+    """Return how to install the system's libraries that wheels rely on, if an import failed for want of one."""
+    return "sudo apt-get install libgl1 libglib2.0-0 libx11-6" if "cannot open shared object file" in reason else ""
+
+
 class DocumentError(GripError):
     """A file can't be read as a task, a project or a manifest; `line` and `column` are 1-based."""
 
@@ -180,7 +205,8 @@ class NodeError(GripError):
 
     def __init__(self, path: str, cause: BaseException):
         self.path, self.cause = path, cause
-        super().__init__(f"{path}: {type(cause).__name__}: {cause}")
+        remedy = remedy_of(cause)
+        super().__init__(f"{path}: {type(cause).__name__}: {cause}" + (f". Fix: {remedy}" if remedy else ""))
 
 
 class HungError(GripError):

@@ -14,9 +14,10 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Literal
 
+from grip_bt.base.errors import libraries_of
 from grip_bt.base.interpreter import python_command
 from grip_bt.ros.environment import environment
-from grip_sim import render_support
+from grip_sim.cameras import render_support
 
 from .terminal import tell
 
@@ -48,7 +49,7 @@ def _imports(part: str, extra: str, modules: dict[str, str], needed: bool = True
         return Finding(part, "ok", ", ".join(f"{d} {_version(d)}" for d in modules.values()), needed=needed)
     reason = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]
     state: Literal["missing", "broken"] = "missing" if "ModuleNotFoundError" in reason else "broken"
-    return Finding(part, state, reason, _INSTALL.format(extra=extra), needed)
+    return Finding(part, state, reason, libraries_of(reason) or _INSTALL.format(extra=extra), needed)
 
 
 def _version(distribution: str) -> str:
@@ -76,18 +77,16 @@ def _compiler() -> Finding:
     return Finding("compiler", "ok" if found else "missing", found or "no gcc/g++ to build ROS interfaces with", remedy)
 
 
-_CORE = {"py_trees": "py_trees", "pydantic": "pydantic", "networkx": "networkx", "cv2": "opencv-python-headless"}
+_CORE = {name: name for name in ("py_trees", "pydantic", "networkx", "fastapi", "uvicorn")}
 _MOTION = {"pinocchio": "pin", "coal": "coal", "ompl.base": "ompl", "toppra": "toppra"}
-_WEB = {"fastapi": "fastapi", "uvicorn": "uvicorn"}
 _CHECKS: tuple[Callable[[], Finding], ...] = (
     _python,
     partial(_imports, "core", "all", _CORE),
     partial(_imports, "motion", "motion", _MOTION),
-    partial(_imports, "simulator", "sim", {"sapien": "sapien"}),
+    partial(_imports, "simulator", "sim", {"sapien": "sapien", "cv2": "OpenCV"}),
     _rendering,
     _ros,
     _compiler,
-    partial(_imports, "editor", "gui", _WEB, needed=False),
 )
 _MARK = {"ok": "ok  ", "missing": "MISS", "broken": "FAIL"}
 

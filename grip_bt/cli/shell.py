@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from importlib import import_module
 
 from grip_bt import __version__
-from grip_bt.base.errors import GripError, MissingPartError, NodeError
+from grip_bt.base.errors import GripError, MissingPartError, NodeError, remedy_of
 
 from . import INVALID, NODE_ERROR
 from .parser import Parser
@@ -102,10 +102,9 @@ def run_verb(arguments: Sequence[str] | None) -> int:
             return INVALID
         return complain(str(error))
     except ModuleNotFoundError as error:
-        package = (error.name or "").partition(".")[0]
-        if package not in _EXTRAS:
+        if not (remedy := remedy_of(error)):
             raise
-        return complain(str(MissingPartError(f"{package!r}", f"pip install 'grip-bt[{_EXTRAS[package]}]'")))
+        return complain(str(MissingPartError(repr(error.name), remedy)))
     except BrokenPipeError:
         # The reader went away (`grip ... | head`): nothing more can be said, and nothing is wrong.
         give_up()
@@ -140,17 +139,6 @@ def _refused_by_the_system(error: OSError) -> int:
     if error.errno == errno.ENOENT:
         return complain(f"{name}: {error.strerror}; make its folder first, or name another place")
     return complain(f"{name}: {error.strerror}; name another place, or change its permissions")
-
-
-_PACKAGES = {
-    "motion": ("coal", "example_robot_data", "ompl", "pinocchio", "pytracik", "toppra", "xacro"),
-    "sim": ("sapien",),
-    "ros": ("ament_index_python", "builtin_interfaces", "rclpy", "rosidl_adapter", "rosidl_parser", "std_msgs"),
-    "gui": ("fastapi", "starlette", "uvicorn", "websockets"),
-    "recording": ("mcap",),
-    "analytic": ("eaik",),
-}
-_EXTRAS = {package: extra for extra, packages in _PACKAGES.items() for package in packages}
 
 
 _BASH = """_grip() {{

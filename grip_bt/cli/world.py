@@ -13,7 +13,8 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.worlds import checked_world
 from grip_bt.base.errors import GripError
 from grip_bt.base.yaml.tree import read_file
-from grip_sim import objects, start_simulation
+from grip_sim import objects
+from grip_sim.simulation import start_simulation
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.worlds import BUILTIN, load_world, read_world, world_files
 

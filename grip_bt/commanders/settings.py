@@ -29,7 +29,7 @@ SOLVERS = ("damped_least_squares", "trac_ik", "analytic")
 class MotionSettings(BaseModel):
     """How an arm is asked to move; the defaults are those of a project."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
 
     planner: str = "RRTConnect"
     kinematics: str = "damped_least_squares"

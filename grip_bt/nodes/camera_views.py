@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -51,7 +50,7 @@ class Change:
 def compare(before: RgbdFrame, after: RgbdFrame, place: ArrayLike | None, limits: Thresholds) -> Change:
     """Classify what changed between two frames of one camera around a place in world [m]; around everything for None.
 
-    A pixel has changed when a colour channel differs by more than the threshold (`cv2.absdiff`) or its height does;
+    A pixel has changed when a colour channel differs by more than the threshold or its height does;
     the mask is opened with a 3 x 3 square, so that noise and the fringes of edges drop out. By depth, a changed pixel
     is *vacated* when it showed something above the table and shows the table now, and *appeared* when it is the other
     way round.
@@ -75,7 +74,8 @@ def compare(before: RgbdFrame, after: RgbdFrame, place: ArrayLike | None, limits
 def _changed(
     before: RgbdFrame, after: RgbdFrame, z_before: NDArray[np.float64], z_after: NDArray[np.float64], limits: Thresholds
 ) -> Mask:
-    color = cv2.absdiff(before.image.pixels, after.image.pixels).max(axis=2) > limits.color
+    one, other = before.image.pixels, after.image.pixels
+    color = (np.maximum(one, other) - np.minimum(one, other)).max(axis=2) > limits.color
     with np.errstate(invalid="ignore"):  # NaN where a pixel has no depth: no evidence of a change
         height = np.abs(z_after - z_before) > limits.height
     return _opened(color | height)
@@ -90,8 +90,11 @@ def _classify(z: NDArray[np.float64], limits: Thresholds) -> tuple[Mask, Mask]:
 
 
 def _opened(mask: Mask) -> Mask:
-    opened: Mask = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)) > 0
-    return opened
+    for combine, beyond in ((np.logical_and, True), (np.logical_or, False)):
+        for _ in "xy":
+            rows = np.pad(mask, ((1, 1), (0, 0)), constant_values=beyond)
+            mask = combine(combine(rows[:-2], rows[1:-1]), rows[2:]).T
+    return mask
 
 
 Hulls = Sequence[NDArray[np.float64]]
@@ -145,6 +148,8 @@ def _draw(mask: NDArray[np.uint8], info: CameraInfo, hull: NDArray[np.float64]) 
     if away.min() <= _NEAREST:
         mask[:] = 1  # around the camera: its projection has no bounds
         return away
+    import cv2  # of the extra `vision`, which who masks nothing does without
+
     corners = cv2.convexHull(info.project(hull).astype(np.float32)).reshape(-1, 2)
     corners = np.clip(corners, -1e5, 1e5)
     cv2.fillConvexPoly(mask, np.round(corners - 0.5).astype(np.int32), 1)

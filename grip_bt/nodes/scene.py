@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,6 +28,8 @@ def _clusters_above(points: Points, low: float, high: float, cell: float, min_po
     points = points[(points[:, 2] > low) & (points[:, 2] < high)]
     if not len(points):
         return []
+    import cv2  # of the extra `vision`, which an empty table does without
+
     cells = np.floor(points[:, :2] / cell).astype(np.int64)
     cells -= cells.min(axis=0)
     grid = np.zeros(cells.max(axis=0) + 1, np.uint8)
@@ -45,6 +46,8 @@ def _upright_box(points: Points, floor: float) -> tuple[NDArray[np.float64], Pos
     A camera above sees the top of a thing and little of its sides. Its foot is the rectangle of least area around the
     points seen from above (`cv2.minAreaRect`).
     """
+    import cv2  # of the extra `vision`
+
     (x, y), (width, depth), angle = cv2.minAreaRect(points[:, :2].astype(np.float32))
     top, bottom = float(points[:, 2].max()), floor + TABLE_GAP
     size = np.array([max(width, 0.005), max(depth, 0.005), max(top - bottom, 0.005)])

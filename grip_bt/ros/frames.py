@@ -15,13 +15,12 @@ from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import Grasp, PointCloud, Pose
-from grip_bt.base.values.pose import quaternion_of
+from grip_bt.commanders.description.xml import origin_of
 from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 ROOT = "world"
@@ -53,25 +52,17 @@ class UrdfJoint:
         """Return the pose of its link in the parent link, at a position [rad or m]."""
         if self.type == "prismatic":
             return self.origin @ Pose(self.axis * q)
-        return self.origin @ Pose((0.0, 0.0, 0.0), np.roll(Rotation.from_rotvec(self.axis * q).as_quat(), 1))
+        return self.origin @ Pose((0.0, 0.0, 0.0), (np.cos(q / 2), *np.sin(q / 2) * self.axis))
 
 
 def joints_of(urdf: str) -> Iterator[UrdfJoint]:
     """Yield the joints of a URDF."""
     for joint in ET.fromstring(urdf).findall("joint"):
         parts = {part.tag: part.attrib for part in joint}
-        origin, axis = parts.get("origin", {}), parts.get("axis", {}).get("xyz", "1 0 0")
-        xyz, rpy, along = (
-            np.array(text.split(), float) for text in (origin.get("xyz", "0 0 0"), origin.get("rpy", "0 0 0"), axis)
-        )
-        pose = Pose(xyz, quaternion_of(*rpy), parts["parent"]["link"])
-        yield UrdfJoint(
-            joint.get("name", ""),
-            joint.get("type", ""),
-            parts["child"]["link"],
-            pose,
-            along / (np.linalg.norm(along) or 1.0),
-        )
+        along = np.array(parts.get("axis", {}).get("xyz", "1 0 0").split(), float)
+        along /= np.linalg.norm(along) or 1.0
+        names = joint.get("name", ""), joint.get("type", ""), parts["child"]["link"]
+        yield UrdfJoint(*names, origin_of(joint, parts["parent"]["link"]), along)
 
 
 class FrameTree:
@@ -234,5 +225,7 @@ def _at(track: _Track, time: float) -> Pose | None:
 def between(one: Pose, other: Pose, part: float) -> Pose:
     """Return the pose that lies at `part`, in [0, 1], of the way between two in the same frame."""
     position = (1 - part) * one.position + part * other.position
-    turns = Slerp([0, 1], Rotation.from_quat(np.roll([one.quaternion, other.quaternion], -1, axis=1)))
-    return Pose(position, np.roll(turns(part).as_quat(), 1), one.frame)
+    far = other.quaternion if one.quaternion @ other.quaternion >= 0 else -other.quaternion  # the shorter way
+    angle = 2 * np.arctan2(np.linalg.norm(far - one.quaternion), np.linalg.norm(far + one.quaternion))
+    weight, far_weight = (share * np.sinc(share * angle / np.pi) for share in (1 - part, part))
+    return Pose(position, weight * one.quaternion + far_weight * far, one.frame)

@@ -126,7 +126,7 @@ def test_a_robot_whose_models_are_not_installed_is_missed_with_what_to_install(n
     assert main(["robot", "check", name]) == 1
     said = capsys.readouterr()
     assert said.err.count("\n") == 1
-    assert "Fix: pip install 'grip-bt[motion]'" in said.err
+    assert "Fix: pip install 'grip-bt[robots]'" in said.err
     with pytest.raises(MissingPartError, match=rf"robot {name!r}, in the package 'example-robot-data'"):
         load_robot(name)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from sim_bench import SPEC, Bench
 
-from grip_sim import start_simulation
+from grip_sim.simulation import start_simulation
 
 
 @pytest.fixture(scope="module")

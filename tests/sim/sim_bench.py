@@ -11,7 +11,7 @@ from patience import PATIENCE
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.commanders.description.load import build_robot
-from grip_sim import Simulation
+from grip_sim.simulation import Simulation
 from grip_sim.specs import ObjectSpec, WorldSpec
 
 AT = np.array([0.2319, 0.6334, -0.4097, -2.4792, 2.2391, 1.4242, -1.3702])

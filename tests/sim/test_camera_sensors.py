@@ -15,8 +15,8 @@ from test_repeated_runs import NODES, PROJECT, TASK
 from grip_bt.app.runs.execute import RunOptions, open_session
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import Trajectory
-from grip_sim import start_simulation
 from grip_sim.noise import PRESETS, NoiseSpec
+from grip_sim.simulation import start_simulation
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.worlds import load_world
 

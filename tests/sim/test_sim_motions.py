@@ -11,8 +11,8 @@ from grip_bt.base.failures import CanceledError, ExecutionAbortedError
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.description.load import build_robot
-from grip_sim import start_simulation
 from grip_sim.motions import MoveHand
+from grip_sim.simulation import start_simulation
 from grip_sim.specs import WorldSpec
 from grip_sim.world import World
 

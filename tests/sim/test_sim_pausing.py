@@ -13,8 +13,8 @@ from sim_bench import SPEC, Bench
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import CanceledError
 from grip_bt.base.ports import Pausable
-from grip_sim import start_simulation
 from grip_sim.motions import STILL
+from grip_sim.simulation import start_simulation
 
 pytestmark = pytest.mark.sim
 TURN = np.array([0.5, 0, 0, 0, 0, 0, 0.5])

@@ -14,12 +14,13 @@ from sim_bench import SPEC, Bench
 
 from grip_bt.base.errors import SimulatorLostError, UnknownNameError
 from grip_sim import connection as process_module
-from grip_sim import start_simulation
+from grip_sim.simulation import start_simulation
 from grip_sim.specs import ObjectSpec, WorldSpec
 
 PARENT = """
 import sys, threading
-from grip_sim import WorldSpec, start_simulation
+from grip_sim.simulation import start_simulation
+from grip_sim.specs import WorldSpec
 
 simulation = start_simulation(WorldSpec())
 print(simulation.pid, flush=True)

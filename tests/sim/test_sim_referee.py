@@ -7,7 +7,7 @@ import pytest
 from sim_bench import ABOVE, ASIDE, AT, SPOT
 
 from grip_bt.base.values import Pose
-from grip_sim import ObjectTruth
+from grip_sim.referee import ObjectTruth
 
 pytestmark = pytest.mark.sim
 LYING = [np.sqrt(0.5), 0, np.sqrt(0.5), 0]

@@ -10,14 +10,14 @@ import csv
 import io
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from statistics import median
+from math import comb, sqrt
+from statistics import NormalDist, median
 from typing import Any
-
-from scipy.stats import binomtest
 
 from grip_bt.app.campaign.file import Plain, Results, TrialRow
 
 _CONFIDENCE = 0.95
+_SPREAD = NormalDist().inv_cdf((1 + _CONFIDENCE) / 2)
 
 
 def summary(results: Results) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def summary(results: Results) -> dict[str, Any]:
 
 def _one(rows: Sequence[TrialRow]) -> dict[str, Any]:
     good = sum(row["success"] for row in rows)
-    low, high = binomtest(good, len(rows)).proportion_ci(_CONFIDENCE, method="wilson")
+    low, high = _interval(good, len(rows))
     measures: dict[str, list[Plain]] = {}
     for row in rows:
         for name, value in {**row["counts"], **row["measures"]}.items():
@@ -56,7 +56,7 @@ def _one(rows: Sequence[TrialRow]) -> dict[str, Any]:
         "successes": good,
         "false_successes": sum(bool(row.get("contradicted")) for row in rows),
         "rate": good / len(rows),
-        "interval": [round(float(low), 4), round(float(high), 4)],
+        "interval": [round(low, 4), round(high, 4)],
         "duration": _times(row["duration"] for row in rows),
         "wall": _times(row["wall"] for row in rows),
         "measures": {name: _measure(values) for name, values in measures.items()},
@@ -76,6 +76,13 @@ def reason(row: TrialRow) -> str:
     if row["status"] == "success":
         return f"ended as {row['outcome']}, but the campaign's condition is false"
     return f"{row['outcome']}.{row['code']}" if row["code"] else f"{row['outcome']}"
+
+
+def _interval(good: int, of: int) -> tuple[float, float]:
+    """Return within what a rate lies, at 95 % (Wilson 1927)."""
+    squared = _SPREAD**2
+    middle, spread = good + squared / 2, _SPREAD * sqrt(good * (of - good) / of + squared / 4)
+    return max(0.0, (middle - spread) / (of + squared)), min(1.0, (middle + spread) / (of + squared))
 
 
 def _times(values: Iterable[float | None]) -> dict[str, float] | None:
@@ -99,7 +106,8 @@ def _compared(first: Sequence[TrialRow], other: Sequence[TrialRow]) -> dict[str,
     common = firsts.keys() & others.keys()
     only_this = sum(others[seed] and not firsts[seed] for seed in common)
     only_first = sum(firsts[seed] and not others[seed] for seed in common)
-    p = float(binomtest(only_this, only_this + only_first).pvalue) if only_this + only_first else 1.0
+    differ = only_this + only_first  # the sign test, exact: how likely is this much, or more, of a fair coin?
+    p = min(1.0, 2 * sum(comb(differ, k) for k in range(min(only_this, only_first) + 1)) / 2**differ)
     return {"seeds": len(common), "only_this": only_this, "only_first": only_first, "p": round(p, 4)}
 
 

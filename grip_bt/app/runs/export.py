@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.base.errors import DocumentError, GripError, MissingPartError, UnknownNameError
+from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import DepthImage, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Event, JournalReader, RunRecord
 
@@ -167,10 +167,8 @@ def _mcap(reader: JournalReader, record: RunRecord, file: Path) -> Iterator[_Wri
     Topics: `/grip/events` (everything), `/grip/log` (for people), `/grip/data/VARIABLE` (what was written). Times are
     wall times, so that a recording of ROS topics made meanwhile lies beside it.
     """
-    try:
-        from mcap.writer import Writer
-    except ImportError as error:
-        raise MissingPartError("the mcap library", "pip install 'grip-bt[recording]'") from error
+    from mcap.writer import Writer  # of the extra `recording`
+
     with file.open("wb") as stream:
         writer = Writer(stream)
         writer.start(profile="", library="grip")

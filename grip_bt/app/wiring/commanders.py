@@ -46,7 +46,7 @@ from .parts import Opening, Resources, load_part
 if TYPE_CHECKING:
     from grip_bt.ros.client.bus import Bus
 from grip_bt.runtime.lockstep import InTurn, Lockstep
-from grip_sim import start_simulation
+from grip_sim.simulation import start_simulation
 
 from ..project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
 from ..project.worlds import regions_of, room_of, world_of

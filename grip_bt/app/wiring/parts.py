@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import Any, Literal, Protocol
 
 from grip_bt.app.project.folder import Project
-from grip_bt.base.errors import MissingPartError
+from grip_bt.base.errors import MissingPartError, libraries_of
 from grip_bt.base.ports import Clock
 from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
 from grip_bt.commanders.taught import TaughtStates
@@ -57,7 +57,8 @@ def load_part(module: str, what: str, extra: str) -> Any:
     try:
         return import_module(f"{__package__}.{module}")
     except ImportError as error:
-        raise MissingPartError(f"{what} ({error})", f"pip install 'grip-bt[{extra}]'") from None
+        how = libraries_of(str(error)) or f"pip install 'grip-bt[{extra}]'"
+        raise MissingPartError(f"{what} ({error})", how) from None
 
 
 @dataclass

@@ -26,8 +26,7 @@ from grip_bt.ros.served import (
     RobotStatePublisher,
     TrajectoryActionServer,
 )
-from grip_sim import start_simulation
-from grip_sim.simulation import Simulation
+from grip_sim.simulation import Simulation, start_simulation
 from grip_sim.specs import CameraSpec
 
 from ..project.faults import check, faults_of_cameras, jerks_of_arms

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import cos, isfinite, sin, sqrt
+from math import atan2, cos, hypot, isfinite, sin, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -122,6 +122,14 @@ def quaternion_of(roll: float, pitch: float, yaw: float) -> tuple[float, float, 
         cr * sp * cy + sr * cp * sy,
         cr * cp * sy - sr * sp * cy,
     )
+
+
+def angles_of(r: Array) -> tuple[float, float, float]:
+    """Return a matrix's roll, pitch and yaw [rad], as `quaternion_of` takes them; at pitch +-90 degrees, roll is 0."""
+    pitch = atan2(-r[2, 0], hypot(r[0, 0], r[1, 0]))
+    if hypot(r[0, 0], r[1, 0]) < 1e-9:
+        return 0.0, pitch, atan2(-r[0, 1], r[1, 1])
+    return atan2(r[2, 1], r[2, 2]), pitch, atan2(r[1, 0], r[0, 0])
 
 
 def check_frame(pose: Pose, frame: str) -> None:

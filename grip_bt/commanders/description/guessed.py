@@ -12,13 +12,13 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState
-from grip_bt.base.values.pose import Pose, quaternion_of
+from grip_bt.base.values.pose import Pose
 
 from .files import Finding
 from .robot import EndEffector, RobotDescription
 from .srdf import Group, Srdf
 from .tree import Joint, Tree
-from .xml import numbers
+from .xml import numbers, origin_of
 
 LONGEST_FINGER = 5
 """Joints of a finger; what branches off into longer chains is no hand."""
@@ -126,12 +126,14 @@ class _Ways:
 
     def __init__(self, robot: RobotDescription, tree: Tree, hand: str):
         self.tree, self.mimics, urdf = tree, robot.mimics, ET.fromstring(robot.urdf)
-        self.fixed = {e.get("name", ""): _matrix_at(e) for e in urdf.findall("joint")}
+        self.fixed = {e.get("name", ""): origin_of(e).matrix() for e in urdf.findall("joint")}
         self.axes = {e.get("name", ""): numbers(_axis_of(e), "xyz", 3, "1 0 0") for e in urdf.findall("joint")}
         links = set(robot.hands[hand])
         tips = {mine[-1] for mine in robot.finger_links.values() if mine and mine[-1] in links}
         self.middles = {
-            link.get("name", ""): np.zeros(3) if (at := link.find("inertial")) is None else _matrix_at(at)[:3, 3]
+            link.get("name", ""): np.zeros(3)
+            if (at := link.find("inertial")) is None
+            else origin_of(at).matrix()[:3, 3]
             for link in urdf.findall("link")
             if link.get("name") in tips
         }
@@ -159,11 +161,3 @@ class _Ways:
 
 def _axis_of(joint: ET.Element) -> ET.Element:
     return next(joint.iterfind("axis"), ET.Element("axis"))
-
-
-def _matrix_at(element: ET.Element) -> Array:
-    """Return where an element's `<origin>` puts it, shape (4, 4)."""
-    if (origin := element.find("origin")) is None:
-        return np.eye(4)
-    xyz, rpy = (numbers(origin, key, 3, "0 0 0") for key in ("xyz", "rpy"))
-    return Pose(xyz, quaternion_of(*rpy)).matrix()

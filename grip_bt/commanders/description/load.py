@@ -13,7 +13,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, InvalidRobotError, MissingPartError, UnknownNameError
 from grip_bt.base.yaml.models import check_model, document_error, read_model
 from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
-from grip_bt.commanders.description.packages import EXTRAS, ROBOTS
+from grip_bt.commanders.description.packages import ROBOTS
 
 from .compose import in_one_world, namespaced, on_arm
 from .config import RobotConfig
@@ -39,10 +39,8 @@ def build_robot(name: str) -> RobotDescription:
         said = " ".join(finding.message for finding in inspected.findings)
     except MissingPartError as error:
         inspected, said = Inspected(()), str(error)
-    for package, extra in EXTRAS.items():  # the file is ours and right: what lacks is what it speaks of
-        if f"package {package!r}" in said:
-            what = f"the model of the robot {name!r}, in the package {package!r},"
-            raise MissingPartError(what, f"pip install 'grip-bt[{extra}]'")
+    if (package := "package 'example-robot-data'") in said:  # the file is ours and right: what it speaks of lacks
+        raise MissingPartError(f"the model of the robot {name!r}, in the {package},", "pip install 'grip-bt[robots]'")
     if inspected.description is None:
         raise InvalidRobotError(name, errors(inspected.findings))
     return inspected.description

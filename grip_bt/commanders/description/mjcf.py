@@ -6,15 +6,12 @@ Orientations are quaternions, angles radians; a file that says otherwise is refu
 
 from __future__ import annotations
 
-import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
-
 from grip_bt.base.errors import DocumentError
-from grip_bt.base.values import Pose
+from grip_bt.base.values.pose import Pose, angles_of
 
 from .xml import line_of, numbers, read_xml
 
@@ -165,13 +162,5 @@ class _Conversion:
 
 
 def _origin(element: ET.Element, place: Pose) -> None:
-    xyz, rpy = (" ".join(map(repr, values)) for values in (place.position.tolist(), _rpy(place.rotation())))
+    xyz, rpy = (" ".join(map(repr, values)) for values in (place.position.tolist(), angles_of(place.rotation())))
     ET.SubElement(element, "origin", xyz=xyz, rpy=rpy)
-
-
-def _rpy(r: np.ndarray) -> tuple[float, float, float]:
-    """Return fixed-axis roll, pitch and yaw of a rotation matrix; at pitch +-90 degrees, roll is zero."""
-    pitch = math.atan2(-r[2, 0], math.hypot(r[0, 0], r[1, 0]))
-    if math.hypot(r[0, 0], r[1, 0]) < 1e-9:
-        return 0.0, pitch, math.atan2(-r[0, 1], r[1, 1])
-    return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])

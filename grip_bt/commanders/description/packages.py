@@ -65,9 +65,9 @@ def surroundings(package: Path) -> list[Path]:
     """Return the folders that a package's companions lie below, nearest first.
 
     They go up to the workspace's `src`, else to where its repository stands beside others, else no further than its own
-    folder's.
+    folder's. What pip has installed has none.
     """
-    above = list(package.parents)[:_HIGHEST]
+    above = [] if "site-packages" in package.parts else list(package.parents)[:_HIGHEST]
     top = max((k for k, folder in enumerate(above) if folder.name == "src"), default=None)
     if top is None:
         top = next((k for k, folder in enumerate((package, *above)) if (folder / ".git").exists()), 0)
@@ -159,5 +159,3 @@ ROBOTS: Mapping[str, Path] = MappingProxyType(
     {file.stem: file for file in sorted((Path(__file__).parents[1] / "robots").glob("*.yaml"))}
 )
 """Ready-made robot -> its file, which holds what `robot:` in a project file may hold. A new robot is a new file."""
-EXTRAS: Mapping[str, str] = MappingProxyType({"example-robot-data": "motion"})
-"""Package with models of ready-made robots -> our extra that brings it."""

@@ -15,6 +15,7 @@ from xml.parsers import expat
 
 from grip_bt.base.errors import DocumentError, listing
 from grip_bt.base.interpreter import python_command
+from grip_bt.base.values.pose import Pose, quaternion_of
 
 from .files import note
 from .packages import Packages
@@ -95,6 +96,13 @@ def numbers(element: ET.Element, attribute: str, count: int, default: str, sourc
             f"{attribute}={text!r} of <{element.tag}> has to be {wanted}", source, line_of(element)
         ) from None
     return values
+
+
+def origin_of(element: ET.Element, frame: str = "world") -> Pose:
+    """Return where an element's `origin` puts it, as URDF has it: angles about fixed axes."""
+    given = {} if (found := element.find("origin")) is None else found.attrib
+    xyz, rpy = ([float(v) for v in given.get(key, "0 0 0").split()] for key in ("xyz", "rpy"))
+    return Pose(xyz, quaternion_of(*rpy), frame)
 
 
 def required(element: ET.Element, attribute: str, source: str = "") -> str:

@@ -268,12 +268,17 @@ def _spread(ranks: list[list[Item]], gap: float) -> None:
 
 def _separated(rank: list[Item], wanted: list[float], gap: float) -> list[float]:
     """Return the places nearest to `wanted` (least squares) that keep the order and the distances."""
-    from scipy.optimize import isotonic_regression
-
     offsets, offset = [], 0.0
     for left, right in zip([None, *rank], rank, strict=False):
         if left is not None:
             offset += (left.width + right.width) / 2 + gap
         offsets.append(offset)
-    flat = isotonic_regression([want - off for want, off in zip(wanted, offsets, strict=True)]).x
-    return [float(mean) + off for mean, off in zip(flat, offsets, strict=True)]
+    blocks: list[tuple[float, int]] = []  # mean and length of what is pushed together: pool adjacent violators
+    for want, off in zip(wanted, offsets, strict=True):
+        mean, length = want - off, 1
+        while blocks and blocks[-1][0] >= mean:
+            before, many = blocks.pop()
+            mean, length = (before * many + mean * length) / (many + length), many + length
+        blocks.append((mean, length))
+    flat = [mean for mean, length in blocks for _ in range(length)]
+    return [mean + off for mean, off in zip(flat, offsets, strict=True)]

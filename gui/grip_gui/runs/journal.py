@@ -6,20 +6,21 @@ A value is looked at as a line, its parts, and a drawing where one helps.
 from __future__ import annotations
 
 import dataclasses
+import struct
 import threading
+import zlib
 from base64 import b64encode
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
+from grip_bt.base.values.pose import angles_of
 from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
 from grip_bt.runtime import RunRecord as JournalRecord
 from grip_gui.wire.runs import CloudView, NamedPlace, RunEvent, RunRecord, ValueView
@@ -224,7 +225,7 @@ def _numbers(values: Iterable[float]) -> str:
 
 def _turns(pose: Pose) -> str:
     """Return a rotation as roll, pitch, yaw: about the fixed axes x, y, z [deg]."""
-    turns = Rotation.from_matrix(pose.rotation()).as_euler("xyz", degrees=True)
+    turns = np.degrees(angles_of(pose.rotation()))
     return "roll {:.1f}, pitch {:.1f}, yaw {:.1f} deg".format(*turns.round(1) + 0.0)
 
 
@@ -235,7 +236,11 @@ DARK = 24  # background of clouds, of 255
 
 def png(pixels: Pixels) -> bytes:
     """Return pixels of shape (height, width, 3) as a PNG file."""
-    return cv2.imencode(".png", pixels[..., ::-1])[1].tobytes()
+    rows = np.insert(pixels.reshape(len(pixels), -1), 0, 0, axis=1)  # each begins with its filter: none
+    head = struct.pack(">2I5B", pixels.shape[1], len(pixels), 8, 2, 0, 0, 0)
+    parts = (b"IHDR" + head, b"IDAT" + zlib.compress(rows.tobytes(), 1), b"IEND")
+    framed = (struct.pack(">I", len(part) - 4) + part + struct.pack(">I", zlib.crc32(part)) for part in parts)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(framed)
 
 
 def address(pixels: Pixels) -> str:

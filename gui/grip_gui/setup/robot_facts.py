@@ -19,7 +19,6 @@ from xml.etree.ElementTree import Element, fromstring
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
-from scipy.spatial.transform import Rotation
 
 from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.errors import GripError, InvalidRobotError
@@ -29,7 +28,7 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.files import FileCache, Stamps
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.packages import ROBOTS
-from grip_bt.commanders.kinematics.shapes import load_mesh
+from grip_bt.commanders.description.xml import origin_of
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 from grip_gui.processes import answer_question
@@ -138,6 +137,8 @@ def _asked(question: str, stamps: Stamps) -> dict[str, Any]:
 
 
 def _described(robot: object, hands: Mapping[str, str], folder: str) -> dict[str, Any]:
+    from grip_bt.commanders.kinematics.shapes import load_mesh  # of the extra `motion`, which the page does without
+
     source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
     description = load_robot(source, Path(folder))
     urdf = fromstring(description.urdf)
@@ -220,12 +221,8 @@ def _joint(joint: Element) -> dict[str, Any]:
 
 def _origin(part: Element) -> list[float]:
     """Return x y z [m] and the quaternion w x y z of an `origin`."""
-    origin = part.find("origin")
-    if origin is None:
-        return [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-    turns = Rotation.from_euler("xyz", _floats(origin.get("rpy"), (0.0, 0.0, 0.0)))  # fixed axes, as URDF has it
-    x, y, z, w = turns.as_quat().tolist()
-    return [*_floats(origin.get("xyz"), (0.0, 0.0, 0.0)), w, x, y, z]
+    pose = origin_of(part)
+    return [*pose.position.tolist(), *pose.quaternion.tolist()]
 
 
 def _floats(text: str | None, otherwise: tuple[float, ...]) -> list[float]:

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
-from scipy.spatial.transform import Rotation
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import GripError
+from grip_bt.commanders.description.xml import origin_of
 from grip_sim.cameras.mesh_files import Look, read_mesh, read_texture
 from grip_sim.physics import physx
 from grip_sim.specs import Colour
@@ -67,11 +67,7 @@ def _looks_of(visuals: Sequence[ET.Element], known: Mapping[str, ET.Element]) ->
 
 
 def _look_of(visual: ET.Element, known: Mapping[str, ET.Element]) -> Iterator[Look]:
-    body, origin = visual.find("geometry/*"), visual.find("origin")
-    place = {} if origin is None else origin.attrib
-    matrix, scale, parts = np.eye(4), np.ones(1), list[Look]()
-    matrix[:3, :3] = Rotation.from_euler("xyz", _numbers(place.get("rpy"), "0 0 0")).as_matrix()
-    matrix[:3, 3] = _numbers(place.get("xyz"), "0 0 0")
+    body, matrix, scale, parts = visual.find("geometry/*"), origin_of(visual).matrix(), np.ones(1), list[Look]()
     match "" if body is None else body.tag, {} if body is None else body.attrib:
         case "mesh", {"filename": file, **more}:
             parts, scale = list(read_mesh(Path(_local(file)))), np.array(_numbers(more.get("scale"), "1 1 1"))

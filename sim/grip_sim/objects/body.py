@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from scipy.spatial.transform import Rotation
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError
+from grip_bt.base.values.pose import Pose, quaternion_of
 from grip_sim.cameras.mesh_files import Look, joined, read_mesh
 
 from .model import ObjectFile, SolidConfig
@@ -118,10 +118,8 @@ WEDGES = 16
 
 
 def parts_of(solid: SolidConfig) -> Iterator[Array]:
-    """Yield the corners of a piece's convex parts, each of shape (n, 3) [m], where the piece is put."""
-    turn = Rotation.from_euler("xyz", solid.turn)
-    for points in _parts(solid):
-        yield turn.apply(points) + solid.at
+    """Return the corners of a piece's convex parts, each of shape (n, 3) [m], where the piece is put."""
+    return map(Pose(solid.at, quaternion_of(*solid.turn)).apply, _parts(solid))
 
 
 def _parts(solid: SolidConfig) -> Iterator[Array]:
