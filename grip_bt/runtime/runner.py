@@ -7,7 +7,7 @@ import time
 import traceback
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from py_trees.behaviour import Behaviour
@@ -16,6 +16,7 @@ from grip_bt.base.errors import NodeError, NotStoppedError
 from grip_bt.base.values import Failure
 from grip_bt.compilers import CompiledMachine, CompiledTree, Halted, Pacer, TaskEnd
 from grip_bt.compilers.binding import parts_of
+from grip_bt.compilers.scopes import Scopes
 from grip_bt.nodes.foreign import Foreign
 from grip_bt.nodes.leaf import STOPPING
 from grip_bt.nodes.node import SILENT, Observer, Observers
@@ -68,6 +69,7 @@ class RunResult:
         error: what a leaf raised, in a NodeError that names it; the journal has the traceback.
         zombies: leaves whose code hadn't returned at the end; it was left behind.
         rest: what was measured of the robot after a stop or an error.
+        data: the task's variables that have a value, with their last ones.
     """
 
     outcome: str | None
@@ -79,6 +81,7 @@ class RunResult:
     error: BaseException | None = None
     zombies: tuple[Zombie, ...] = ()
     rest: Rest = Rest()
+    data: Mapping[str, object] = field(default_factory=dict, compare=False, repr=False)
 
 
 def _engine_of(root: Behaviour) -> TickEngine:
@@ -417,6 +420,7 @@ class Runner:
             ticks=self.pacing.ticks,
             duration=self.context.clock.now() - self._start,
             error=error,
+            data={name: v for (path, name), v in self.compiled.data.snapshot().items() if path == Scopes.TASK},
         )
 
 

@@ -10,7 +10,7 @@ import grip_bt
 PAGE = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
 FENCES = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 SAID = [
-    "Report(issues=())\nsuccess success 3\n",
+    "Report(issues=())\nsuccess success 3 3\n",
     "/ failure no_luck\nno_luck\n",
     "success {'n': 1}\n",
 ]
