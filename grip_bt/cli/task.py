@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
@@ -16,14 +16,15 @@ from grip_bt.base.errors import DocumentError, EditError, GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
-from grip_bt.compilers.restructure import expanded, extracted
 from grip_bt.task import fmt, read, read_text, schema
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
-from grip_bt.task.edit import Edited, Extract, apply_to_document, command_of
 from grip_bt.task.validation import validate
 
 from .terminal import counted, put, tell
+
+if TYPE_CHECKING:
+    from grip_bt.task.edit import Edited
 
 
 def add_check(parser: argparse.ArgumentParser) -> None:
@@ -137,6 +138,9 @@ def _listed(words: str) -> list[Any]:
 
 
 def _applied(data: object, document: Document, catalog: Catalog, files: dict[str, str]) -> Edited:
+    from grip_bt.compilers.restructure import expanded, extracted  # for this verb alone: `check` is to answer at once
+    from grip_bt.task.edit import Extract, apply_to_document, command_of
+
     try:
         command = command_of(data)
     except ValidationError as error:
