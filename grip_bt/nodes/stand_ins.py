@@ -27,7 +27,13 @@ _STORING = frozenset(
 
 
 class Judge:
-    """Answers what code asks of stand-ins: this one obligingly, and keeps nothing."""
+    """Answers what code asks of stand-ins: this one obligingly, and keeps nothing.
+
+    Attributes:
+        elsewhere: whether it gave an answer that isn't true of what stand-ins hold.
+    """
+
+    elsewhere = False
 
     def decide(self, what: str, wanted: bool) -> bool:
         """Return the answer to a question with two answers; `wanted` is the one that leads on, most often."""
@@ -240,7 +246,13 @@ def lifted(work: Callable[..., Any], name: str, *arguments: object, **named: obj
     by_name = {key: value_of(each) for key, each in named.items()}
     if any(each is UNKNOWN for each in (*given, *by_name.values())):
         return stand_in(name)
-    return stand_in(name, work(*given, **by_name))
+    try:
+        return stand_in(name, work(*given, **by_name))
+    except Exception:
+        if judge.elsewhere:  # where that answer is true, something else is held
+            return stand_in(name)
+        judge.note(name, next((v for each, v in zip(arguments, given, strict=True) if stands_in(each)), UNKNOWN))
+        raise
 
 
 def stand_in_class(name: str) -> type:

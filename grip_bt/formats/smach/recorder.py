@@ -69,6 +69,7 @@ class Asking(stand_ins.Judge):
             raise TooManyError
         answer = self.given[len(self.answers)] if len(self.answers) < len(self.given) else wanted
         self.answers.append(answer)
+        self.elsewhere = self.elsewhere or answer != wanted
         self.asked.append(_told(what))
         return answer
 

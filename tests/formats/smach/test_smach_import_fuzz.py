@@ -61,6 +61,9 @@ WORLDLY = [
     "for each in {'S1', 'S2', 'S3', 'S4', 'S5', 'S6'}:\n        names.append(each)",
     "names += [x for x in set('uvwxyz')]",
     "if len(sys.argv) > 1:\n        names.append(sys.argv[1])",
+    "if sys.argv[1:]:\n        names.append(sys.argv[1])",
+    "try:\n        names.append(rospy.get_param('~made', {})['k'])\n    except KeyError:\n        names.append('UNMADE')",
+    "if rospy.get_param('~rooms', []):\n        names.append(rospy.get_param('~rooms', [])[0])",
     "if 'verbose' in sys.argv:\n        names.append('VERBOSE')",
     "names.append('C%d' % (int(time.time() * 1000) % 1000))",
     "if datetime.datetime.now().microsecond % 2:\n        names.append('ODD')",
@@ -127,7 +130,7 @@ WORLDS = [
     {"env": "P2,Q2", "params": {"rooms": ["r2", "r3"], "flag": False, "speed": 2.0, "tool": "hand", "count": 1}},
     {
         "env": "x",
-        "params": {"count": 3, "more": ["M1", "M2"], "verbose": True, "tool": "none"},
+        "params": {"made": {"k": "K1"}, "count": 3, "more": ["M1", "M2"], "verbose": True, "tool": "none"},
         "argv": ["p", "verbose"],
     },
     {"missing": True, "params": {"viewer": True, "rooms": [], "count": 0}, "argv": ["p", "other"]},
