@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import combinations
@@ -17,7 +18,8 @@ from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from ..scene_state import SceneObject, SceneSnapshot
 from .model import GRASP_FRAME, Chain
-from .shapes import between, coal_mesh, shape_reaches
+from .outline import between, radii, reaches, shape_reaches
+from .shapes import coal_mesh
 
 HELD_SLACK = 0.01
 """What is held is checked with this much [m] taken off every side.
@@ -45,7 +47,8 @@ class CollisionChecker:
 
     def __init__(self, chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0):
         self.chain, self.scene = chain, scene
-        self._geometry = chain.geometry.copy()
+        self._geometry, self._outline = chain.geometry.copy(), chain.outline.geometry.copy()
+        self._place = dict(chain.outline.place)
         self._names = list(chain.links)
         robot = range(self._geometry.ngeoms)
         slack = HELD_SLACK if margin == 0 else 0.0
@@ -66,15 +69,16 @@ class CollisionChecker:
         for one, other in combinations(carried, 2):  # what different hands hold, where they can move apart
             if carried[one] != carried[other] and joint[one] != joint[other]:
                 self._pair([one], [other])
-        rows, columns = np.nonzero(self._against)
-        pairs = self._geometry.collisionPairMapping >= 0
-        pairs[np.minimum(rows, columns), np.maximum(rows, columns)] = True
-        self._geometry.setCollisionPairs(pairs)  # in one go: one by one they take longer than all the rest
-        added = self._geometry.geometryObjects[chain.geometry.ngeoms :]
-        self._shape_reaches = np.hstack([chain.reaches, shape_reaches(chain.model, added)])
-        self.reaches = self._shape_reaches.max(axis=1, initial=0.0)
+        self._set_pairs()
+        lent = radii(chain.model, [self._geometry.geometryObjects[k] for k in (*held, *carried)])
+        self.reaches = reaches(chain.model, np.maximum(chain.radii, lent))
         self._threads = min(os.cpu_count() or 1, 8)
-        self._pool = _Pool(chain.model, self._geometry, self._threads)
+        self._rough = _Pool(chain.model, self._outline, self._threads)
+
+    @cached_property
+    def _pool(self) -> _Pool:
+        """All shapes; made when an outline touches something for the first time, since it takes a millisecond."""
+        return _Pool(self.chain.model, self._geometry, self._threads)
 
     @cached_property
     def _data(self) -> pin.GeometryData:
@@ -107,12 +111,21 @@ class CollisionChecker:
 
         Put first what is likely to touch.
         """
-        first, rest = configurations[:_ONE_BY_ONE], configurations[_ONE_BY_ONE:]
-        return not self._touching(first, True).any() and not (len(rest) and self._touching(rest, True).any())
+        first = configurations[:_ONE_BY_ONE]
+        while len(first):  # one thread stops at the first that touches, having seen all before it
+            touching = self._ask(self._rough, first, stop_at_first=True)
+            if not touching.any():
+                break
+            row = int(np.argmax(touching))
+            if self._ask(self._pool, first[row : row + 1], stop_at_first=True).any():
+                return False
+            first = first[row + 1 :]
+        rest = configurations[_ONE_BY_ONE:]
+        return not len(rest) or not self._collide(rest, stop_at_first=True).any()
 
     def free_each(self, configurations: Array) -> Mask:
         """Tell for each of the configurations, shape (k, n), whether it touches nothing; shape (k,)."""
-        return ~self._touching(configurations)
+        return ~self._collide(configurations, stop_at_first=False)
 
     def pairs(self, q: Array) -> tuple[tuple[str, str], ...]:
         """Return the names of the links and objects that touch one another in a configuration, without repetition."""
@@ -124,41 +137,57 @@ class CollisionChecker:
         return tuple(dict.fromkeys(names))
 
     def clear_each(self, configurations: Array, margin: float) -> Mask:
-        """Tell of which configurations, shape (k, n), whatever could touch is `margin` [m] apart."""
-        count = self._geometry.ngeoms
+        """Tell of which configurations, shape (k, n), it is certain that whatever could touch is `margin` [m] apart.
+
+        A hand counts as its hull here: False doesn't mean that it isn't so.
+        """
+        count = self._outline.ngeoms
         return self._clear_each(configurations, np.full((count, count), margin))
 
-    def clear_while_moving(self, configurations: Array, motion: Array) -> Mask:
+    def clear_while_moving(self, configurations: Array, motion: Array, hulls: bool = True) -> Mask:
         """Tell from which configurations, shape (k, n), the joints can certainly move so far and touch nothing.
 
         Two things come closer only by the joints between them, so what is always near, such as links of a wrist,
-        isn't doubtful because a shoulder moves.
+        isn't doubtful because a shoulder moves. A hand counts as its hull: False doesn't mean that it isn't so.
 
         Args:
             configurations: where the joints are.
             motion: at most so far each joint moves, either way [rad or m], shape (n,).
+            hulls: False: as its shapes, which takes longer.
         """
-        return self._clear_each(configurations, np.tensordot(motion, self._between, axes=1))
+        between = self._between if hulls else self._between_shapes
+        return self._clear_each(configurations, np.tensordot(motion, between, axes=1), hulls)
 
-    def _clear_each(self, configurations: Array, margins: Array) -> Mask:
-        self._keep_apart(margins)
-        result: Mask = ~self._touching(configurations)
-        self._keep_apart(np.zeros_like(margins))
+    def _clear_each(self, configurations: Array, margins: Array, hulls: bool = True) -> Mask:
+        pool, geometry = (self._rough, self._outline) if hulls else (self._pool, self._geometry)
+        _keep_apart(pool, geometry, margins)
+        result: Mask = ~self._ask(pool, configurations, stop_at_first=False)
+        _keep_apart(pool, geometry, np.zeros_like(margins))
         return result
-
-    def _keep_apart(self, margins: Array) -> None:
-        for manager in self._pool.getBroadPhaseManagers():
-            manager.getGeometryData().setSecurityMargins(self._geometry, margins)
 
     @cached_property
     def _between(self) -> Array:
-        """How far each joint can move two shapes against one another, shape (n, k, k)."""
-        return between(self._shape_reaches)
+        """How far each joint can move two shapes of the outline against one another, shape (n, k, k)."""
+        added = self._outline.geometryObjects[self.chain.outline.geometry.ngeoms :]
+        return between(np.hstack([self.chain.outline_reaches, shape_reaches(self.chain.model, added)]))
 
-    def _touching(self, configurations: Array, stop_at_first: bool = False) -> Mask:
+    @cached_property
+    def _between_shapes(self) -> Array:
+        """How far each joint can move two shapes against one another, shape (n, k, k)."""
+        return between(shape_reaches(self.chain.model, self._geometry.geometryObjects))
+
+    def _collide(self, configurations: Array, stop_at_first: bool) -> Mask:
+        """Ask the outline first: nearly all that is free is seen to be free by it."""
+        result = self._ask(self._rough, configurations, stop_at_first=False)
+        suspects = np.flatnonzero(result)
+        if len(suspects):
+            result[suspects] = self._ask(self._pool, configurations[suspects], stop_at_first)
+        return result
+
+    def _ask(self, pool: _Pool, configurations: Array, stop_at_first: bool) -> Mask:
         columns = np.asfortranarray(configurations.T)
         threads = self._threads if columns.shape[1] >= _ENOUGH_FOR_THREADS else 1
-        return np.array(pin.computeCollisionsInParallel(threads, self._pool, columns, True, stop_at_first), dtype=bool)
+        return np.array(pin.computeCollisionsInParallel(threads, pool, columns, True, stop_at_first), dtype=bool)
 
     def _add(self, item: SceneObject, frame: pin.Frame | None, margin: float) -> int:
         placement = pin.SE3(item.pose.matrix())
@@ -167,7 +196,9 @@ class CollisionChecker:
             joint, placement = frame.parentJoint, frame.placement * placement
         shape, name = _shape(item.shape.grown(margin)), f"scene/{item.name}"
         self._names.append(item.name)
-        return int(self._geometry.addGeometryObject(pin.GeometryObject(name, joint, placement, shape)))
+        index = int(self._geometry.addGeometryObject(pin.GeometryObject(name, joint, placement, shape)))
+        self._place[index] = int(self._outline.addGeometryObject(pin.GeometryObject(name, joint, placement, shape)))
+        return index
 
     def _pair(self, ones: Sequence[int], others: Sequence[int]) -> None:
         """Look at shapes against others, where a contact isn't allowed."""
@@ -177,6 +208,43 @@ class CollisionChecker:
         for one in ones:
             name = self._names[one]
             self._against[one, [k for k in others if not self.scene.may_touch(name, self._names[k])]] = True
+
+    def _set_pairs(self) -> None:
+        """Give the pairs to both geometries, each in one go: one by one they take longer than all the rest."""
+        one, other = np.nonzero(self._against)
+        place = np.array([self._place[k] for k in range(self._geometry.ngeoms)], dtype=int)
+        for geometry, a, b in ((self._geometry, one, other), (self._outline, place[one], place[other])):
+            pairs = geometry.collisionPairMapping >= 0
+            pairs[np.minimum(a, b), np.maximum(a, b)] = True
+            geometry.setCollisionPairs(pairs)
+
+
+def _keep_apart(pool: _Pool, geometry: pin.GeometryModel, margins: Array) -> None:
+    for manager in pool.getBroadPhaseManagers():
+        manager.getGeometryData().setSecurityMargins(geometry, margins)
+
+
+class _Recent(threading.local):
+    """The checkers that a thread made last, the newest first."""
+
+    def __init__(self) -> None:
+        self.checkers: list[tuple[tuple[Chain, SceneSnapshot, str, float], CollisionChecker]] = []
+
+
+_recent = _Recent()
+_KEPT = 6
+
+
+def recent_checker(chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0) -> CollisionChecker:
+    """Return a checker as `CollisionChecker` would make it, the same one as before when nothing has changed.
+
+    Making one takes milliseconds, and a task plans many motions in one scene.
+    """
+    key = (chain, scene, hand, margin)
+    checker = next((made for known, made in _recent.checkers if known == key), None) or CollisionChecker(*key)
+    others = [entry for entry in _recent.checkers if entry[1] is not checker]
+    _recent.checkers = [(key, checker), *others][:_KEPT]
+    return checker
 
 
 def _shape(shape: Solid) -> coal.CollisionGeometry:

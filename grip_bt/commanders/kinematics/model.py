@@ -20,7 +20,8 @@ from grip_bt.base.values import JointState, Pose
 
 from ..description.robot import RobotDescription
 from ..trajectory.limits import Limits
-from .shapes import corners, shape_reaches, simplified
+from .outline import Outline, corners, outlined, radii, shape_reaches
+from .shapes import simplified
 
 GRASP_FRAME = "grasp"
 _SAMPLES = 300
@@ -60,9 +61,19 @@ class Chain:
         self.links = tuple(links)
 
     @cached_property
-    def reaches(self) -> Array:
-        """How far each joint can move each shape; see `shapes.shape_reaches`."""
-        return shape_reaches(self.model, self.geometry.geometryObjects)
+    def outline(self) -> Outline:
+        """The collision shapes with each hand as one hull."""
+        return outlined(self.geometry, self.hand)
+
+    @cached_property
+    def outline_reaches(self) -> Array:
+        """How far each joint can move each shape of the outline; see `outline.shape_reaches`."""
+        return shape_reaches(self.model, self.outline.geometry.geometryObjects)
+
+    @cached_property
+    def radii(self) -> Array:
+        """How far from each joint's frame what moves with it reaches [m], shape (n + 1,); the base comes first."""
+        return radii(self.model, self.geometry.geometryObjects)
 
     def grasp_pose(self, q: Array) -> pin.SE3:
         """Return the grasp frame in world for a configuration of shape (n,)."""

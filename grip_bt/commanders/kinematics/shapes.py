@@ -1,4 +1,4 @@
-"""Collision shapes from solids and mesh files, and how far joints move them."""
+"""Collision shapes from solids and mesh files."""
 
 from __future__ import annotations
 
@@ -97,53 +97,3 @@ def convex_hull(points: Array) -> coal.ConvexBase:
     rows = coal.StdVec_Vec3s()
     rows.extend(list(np.array(points)))
     return coal.Convex.convexHull(rows, True, "Qt")
-
-
-def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> Array:
-    """Return how far from each joint's axis each shape can come [m, or m per m for a sliding joint], shape (nv, k).
-
-    It is 0 where the joint doesn't move the shape. The displacement of any point of a shape is at most the sum over the
-    joints of this times the joint's motion, whatever the others do.
-    """
-    columns = []
-    for shape in shapes:
-        column, joint = np.zeros(model.nv), shape.parentJoint
-        radius = float(np.linalg.norm(corners(shape), axis=1).max()) if joint else 0.0
-        while joint:
-            kind, stroke = model.joints[joint], 0.0
-            if kind.shortname() in _SLIDING:
-                stroke = max(abs(model.lowerPositionLimit[kind.idx_q]), abs(model.upperPositionLimit[kind.idx_q]))
-                column[kind.idx_v] = 1.0
-            else:
-                column[kind.idx_v] = radius
-            radius += float(np.linalg.norm(model.jointPlacements[joint].translation)) + stroke
-            joint = model.parents[joint]
-        columns.append(column)
-    return np.array(columns).reshape(-1, model.nv).T
-
-
-def between(moved: Array) -> Array:
-    """Return how far each joint can move two shapes against one another [m/rad], shape (nv, k, k).
-
-    A joint that moves both moves them alike; so it counts only where it moves one of them.
-
-    Args:
-        moved: see `shape_reaches`, shape (nv, k).
-    """
-    one, other = moved[:, :, None], moved[:, None, :]
-    return np.where((one > 0) != (other > 0), one + other, 0.0)
-
-
-_SLIDING = ("JointModelPX", "JointModelPY", "JointModelPZ", "JointModelPrismaticUnaligned")
-
-
-def corners(shape: pin.GeometryObject) -> Array:
-    """Return points in the body's frame, shape (k, 3), whose convex hull contains the shape."""
-    solid = shape.geometry
-    if isinstance(solid, coal.ConvexBase):
-        points = np.array(solid.points())
-    else:
-        solid.computeLocalAABB()
-        low, high = solid.aabb_local.min_, solid.aabb_local.max_
-        points = np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-    return points @ shape.placement.rotation.T + shape.placement.translation

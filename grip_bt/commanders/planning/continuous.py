@@ -20,7 +20,8 @@ from ..trajectory.splines import cubics
 from ..trajectory.stopping import quintic_jerks
 
 FINE = (1e-3, 1e-4)
-"""Joint steps [rad] near to touching. What isn't clear even at the last, by some 0.05 mm, counts as touching."""
+"""Joint steps in which a hand's shapes are looked at, not its hull [rad]. What isn't clear even at the last, by
+some 0.05 mm, counts as touching."""
 _NEEDS = (0.03, 0.008, 0.002)
 """Pieces are made so short, one level after the other, that nothing moves further than this from their middles [m]."""
 _GROUPS = 3
@@ -154,11 +155,12 @@ def _undecided(checker: CollisionChecker, curve: Curve, pieces: _Pieces) -> _Pie
             return pieces
         if not len(pieces.begin):
             return None
-    for step in FINE:  # near to touching
+    for step in FINE:  # near a hand's hull, or near to touching
         pieces = pieces.divided(2 * _halves(curve, pieces).max(axis=1) / step)
-        pieces = pieces.those(~_clear(checker, curve(pieces.middle), _halves(curve, pieces)))
-        if not len(pieces.begin):
-            return None
+        for hulls in (True, False):
+            pieces = pieces.those(~_clear(checker, curve(pieces.middle), _halves(curve, pieces), hulls))
+            if not len(pieces.begin):
+                return None
     return pieces
 
 
@@ -169,10 +171,10 @@ def _halves(curve: Curve, pieces: _Pieces) -> Array:
     return ends + pieces.bow / 4
 
 
-def _clear(checker: CollisionChecker, rows: Path, halves: Array) -> Mask:
+def _clear(checker: CollisionChecker, rows: Path, halves: Array, hulls: bool = True) -> Mask:
     """Tell from which rows, shape (k, n), the joints can move so far, shape (k, n), and touch nothing."""
     clear = np.zeros(len(rows), dtype=bool)
     order = np.argsort(halves @ checker.reaches)
     for some in np.array_split(order, min(_GROUPS, len(order))):
-        clear[some] = checker.clear_while_moving(rows[some], halves[some].max(axis=0))
+        clear[some] = checker.clear_while_moving(rows[some], halves[some].max(axis=0), hulls)
     return clear
