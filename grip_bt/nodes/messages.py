@@ -9,18 +9,15 @@ from grip_bt.base.types import Value, check_value
 from .leaf import OperationLeaf, Status
 
 
-def _name(leaf: OperationLeaf) -> str:
-    """Return the name of an entry: set in the task, or worked out by it; of the queue, an empty one."""
-    if "name" in leaf.manifest.inputs:
-        return str(leaf.read("name"))
-    return str(leaf.params.get("name", ""))
-
-
-class ReadMessage(OperationLeaf):
-    """Read a value by its name, or take the oldest one out of a store's queue."""
+class _Reading(OperationLeaf):
+    """Read an entry of a store."""
 
     def start(self) -> Operation[Value]:
-        return self.context.messages().get(self.params["store"], _name(self))
+        return self.context.messages().get(self.params["store"], self.entry_name())
+
+    def entry_name(self) -> str:
+        """Return the name that is asked for; of the queue, an empty one."""
+        return ""
 
     def finish(self, result: Value) -> Status:
         """Hand it out, when it is what the task expects."""
@@ -31,11 +28,44 @@ class ReadMessage(OperationLeaf):
         return self.end(value=result.value)
 
 
-class WriteMessage(OperationLeaf):
-    """Keep a value under a name, or put it at the end of a store's queue."""
+class GetMessage(_Reading):
+    """Read a value by its name."""
+
+    def entry_name(self) -> str:
+        return str(self.params["name"])
+
+
+class SelectMessage(_Reading):
+    """Read a value whose name the task has worked out."""
+
+    def entry_name(self) -> str:
+        return str(self.read("name"))
+
+
+class TakeMessage(_Reading):
+    """Take the oldest value out of a store's queue."""
+
+
+class _Writing(OperationLeaf):
+    """Hand a value to a store."""
 
     def start(self) -> Operation[None]:
-        return self.context.messages().put(self.params["store"], _name(self), self.read("value"), self.path)
+        return self.context.messages().put(self.params["store"], self.entry_name(), self.read("value"), self.path)
+
+    def entry_name(self) -> str:
+        """Return the name under which it is kept; of the queue, an empty one."""
+        return ""
+
+
+class PutMessage(_Writing):
+    """Keep a value under a name."""
+
+    def entry_name(self) -> str:
+        return str(self.params["name"])
+
+
+class PushMessage(_Writing):
+    """Put a value at the end of a store's queue."""
 
 
 class DeleteMessage(OperationLeaf):

@@ -71,7 +71,7 @@ def test_our_own_reader_finds_the_same_commands_in_it(project):
     (project / "grip.yaml").write_text(text)
     file = project / "all.launch.xml"
     file.write_text(launch_file_of(find_project(project)))
-    found = {p.name: p for p in read_launch_file(file, {"python": sys.executable}).processes}
+    found = {p.name: p for p in read_launch_file(file, {"python": sys.executable})}
     (member,) = project_members(find_project(project))
     assert found["recorder"].command == tuple(member.command)
     assert found["recorder"].command[-1] == 'it\'s $(HOME) "quoted"'

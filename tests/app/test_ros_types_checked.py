@@ -94,7 +94,8 @@ def test_a_program_that_a_package_lacks_is_told_with_those_that_it_has(project, 
     (found,) = with_component(project, "my_msgs/srv/Do", "start: {package: my_driver, executable: drivr_node}\n")
     assert "my_driver has no program 'drivr_node'; did you mean 'driver_node'?" in found
     (found,) = with_component(project, "my_msgs/srv/Do", "start: {package: my_driver, launch: bringup.launch.py}\n")
-    assert "no launch file 'bringup.launch.py'; did you mean 'launch/bringup.launch.xml'?" in found
+    assert "no launch file 'bringup.launch.py' in " in found
+    assert "share/my_driver; did you mean 'launch/bringup.launch.xml'?" in found
 
 
 def test_the_message_of_a_sensor_is_looked_up(project):

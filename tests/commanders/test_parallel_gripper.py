@@ -149,7 +149,8 @@ def without(monkeypatch):
 
     def hide(*hidden):
         found = packages._installed
-        monkeypatch.setattr(packages, "_PLACES", (lambda name: None if name in hidden else found(name),))
+        monkeypatch.setattr(packages, "_installed", lambda name: None if name in hidden else found(name))
+        monkeypatch.setattr(packages, "_in_ros", lambda name: None)
         build_robot.cache_clear()
 
     yield hide

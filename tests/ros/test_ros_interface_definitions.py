@@ -102,7 +102,7 @@ def test_what_is_wrong_is_told_with_its_line(text, line, told):
         ("Graps input", "did you mean 'Grasp'"),
         (
             "int32 class",
-            "field 'class': it is a keyword of Python, C or C\\+\\+; rename it, for example to 'class_value'",
+            "field 'class': it is a keyword of Python; rename it, for example to 'class_value'",
         ),
         ("int32 in", "it is a keyword of Python"),
         ("duration input", "'duration' is of ROS 1; ROS 2 has builtin_interfaces/Duration"),

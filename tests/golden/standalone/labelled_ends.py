@@ -233,21 +233,17 @@ class Fallback(Kind):
 
     @property
     def reactive(self):
-        """Without memory."""
         return not self.memory
 
     def begin(self, state, q):
-        """Run the first child."""
         return Run((0,)) if q.names else End(self.onward)
 
     def ended(self, state, child, end, q):
-        """Go on with the next child, or end with the meaning of this one."""
         if end.meaning == self.onward and child + 1 < len(q.names):
             return Run((child + 1,))
         return End(end.meaning)
 
     def again(self, state, running, q):
-        """Begin with the first child again."""
         return Run((0,))
 
 
@@ -291,16 +287,13 @@ class Parallel(Kind):
 
     @property
     def reactive(self):
-        """With `retick`."""
         return self.retick
 
     @property
     def settles(self):
-        """Always: it is decided after all children were ticked."""
         return True
 
     def begin(self, state, q):
-        """Run all children."""
         return Run(tuple(range(len(q.names))), None)
 
     def ended(self, state, child, end, q):
@@ -308,7 +301,6 @@ class Parallel(Kind):
         return self.settle(state, q) if self.prompt else Stay(state)
 
     def again(self, state, running, q):
-        """Run all children again."""
         return Run(tuple(range(len(q.names))), state)
 
     def settle(self, state, q):
@@ -328,7 +320,6 @@ class Parallel(Kind):
         return decided
 
     def _outcome(self, q):
-        """Return what the ends decide, or None."""
         there = [end for end in q.ends if end is not None]
         if not self._waited({end.child for end in there}, len(q.ends)):
             return None
@@ -373,15 +364,12 @@ class Guard(Kind):
 
     @property
     def reactive(self):
-        """Always."""
         return True
 
     def begin(self, state, q):
-        """Run the child where the condition holds."""
         return self.again(state, (), q) or Run((0,))
 
     def again(self, state, running, q):
-        """Look at the condition again."""
         return None if q.holds("if_") else End("failure", Reason("guard", f"`{self.if_}` is false"))
 
 
@@ -402,7 +390,6 @@ class Loop(Kind):
         return Run((0,), q.up(0 if state is None else state))
 
     def ended(self, state, child, end, q):
-        """Another pass, until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
 
 
@@ -417,7 +404,6 @@ class Cooldown(Kind):
         return End("failure", Reason("cooldown", f"{q.names[0]} is cooling down for another {ready - q.now():g} s"))
 
     def over(self, state, q):
-        """Begin to rest, when the child has run."""
         if state == "ran":
             q.kept = q.now() + self.seconds
 
@@ -435,7 +421,6 @@ class ForEach(Kind):
         return Run((0,), left)
 
     def ended(self, state, child, end, q):
-        """Go on with the next item until one fails."""
         return Next(state) if end.meaning == "success" else End("failure")
 
 
@@ -447,18 +432,15 @@ class Switch(Kind):
 
     @property
     def reactive(self):
-        """Without memory."""
         return not self.memory
 
     def begin(self, state, q):
-        """Run the child whose literal equals the value."""
         child = q.match("on_value", list(self.literals()), self.default)
         if not child:
             return End("failure", Reason("no_case", f"no case matches {q.value('on_value')!r}"))
         return Run((q.at(child),), 0, True)
 
     def again(self, state, running, q):
-        """Look at the value again."""
         return self.begin(state, q)
 
     def literals(self):
@@ -472,7 +454,6 @@ class StateMachine(Kind):
     """One child at a time; each child's `on` says who is next."""
 
     def begin(self, state, q):
-        """Run the initial child, or the one to which the last transition leads."""
         return Run((q.at(self.initial if state is None else state),))
 
     def ended(self, state, child, end, q):
