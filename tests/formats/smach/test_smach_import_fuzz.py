@@ -62,7 +62,7 @@ WORLDLY = [
     "names += [x for x in set('uvwxyz')]",
     "if len(sys.argv) > 1:\n        names.append(sys.argv[1])",
     "if sys.argv[1:]:\n        names.append(sys.argv[1])",
-    "try:\n        names.append(rospy.get_param('~made', {})['k'])\n    except KeyError:\n        names.append('UNMADE')",
+    "try:\n        names.append(rospy.get_param('~made', {})['k'])\n    except KeyError:\n        names.append('NO_K')",
     "if rospy.get_param('~rooms', []):\n        names.append(rospy.get_param('~rooms', [])[0])",
     "if 'verbose' in sys.argv:\n        names.append('VERBOSE')",
     "names.append('C%d' % (int(time.time() * 1000) % 1000))",
