@@ -9,7 +9,9 @@ ROOT = Path(__file__).resolve().parent  # with --symlink-install a link to this 
 READ = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT, WHEEL = READ["project"], READ["tool"]["hatch"]["build"]["targets"]["wheel"]
 NAME = PROJECT["name"].replace("-", "_")
-PACKAGES = {WHEEL["sources"].get(folder, folder).replace("/", "."): folder for folder in WHEEL["only-include"]}
+# With --symlink-install what lies within another package isn't linked; it is found in the repository.
+THERE = [folder for folder in WHEEL["only-include"] if Path(folder).is_dir()]
+PACKAGES = {WHEEL["sources"].get(folder, folder).replace("/", "."): folder for folder in THERE}
 
 
 class FromHere(Distribution):
