@@ -106,6 +106,16 @@ def tried(wheel: Path, version: str, python: str, extra: str) -> list[Row]:
     return rows
 
 
+def built_by_colcon(version: str, python: str) -> None:
+    """Have colcon build the repository and a project in an environment of its own, which pip fills."""
+    needed = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    with tempfile.TemporaryDirectory(prefix="grip-colcon-") as place:
+        own = environment(python, Path(place) / "env", "colcon-core", "colcon-ros", *needed)
+        around = os.environ | {"PATH": f"{own.parent}{os.pathsep}{os.environ['PATH']}"}
+        tests = (sys.executable, "-m", "pytest", "-q", "-m", "slow", "tests/test_ros_package.py")
+        print(f"{version} colcon: {said(*tests, cwd=ROOT, env=around).strip().splitlines()[-1]}", flush=True)
+
+
 def _surroundings(home: Path) -> dict[str, str]:
     """Return the variables of a user who has nothing else: no other Python's paths, no ROS, a home of his own."""
     kept = {name: value for name, value in os.environ.items() if name in ("PATH", "LANG", "TMPDIR")}
@@ -154,6 +164,12 @@ def main() -> int:
         if python is None:
             print(f"NOT RUN: Python {version} isn't installed")
             continue
+        if not args.extra:
+            try:
+                built_by_colcon(version, python)
+            except subprocess.SubprocessError as error:
+                print(f"{version} colcon: WRONG: {error}", flush=True)
+                wrong += 1
         for extra in extras:
             try:
                 rows = sorted(tried(wheel, version, python, extra), key=lambda row: row[0].lower())

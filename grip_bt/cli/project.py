@@ -12,6 +12,7 @@ from pathlib import Path
 
 from grip_bt.app.project.folder import FILE_NAME, find_project, make_project
 from grip_bt.app.project.foreign_code import refuse
+from grip_bt.app.project.ros_package import ros_files
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
 from grip_bt.formats.pytrees import import_from_code
@@ -29,10 +30,13 @@ def add_new(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", metavar="PATH|NAME", help=robot)
     which = "which one, where the robot has several"
     parser.add_argument("--configuration", metavar="NAME", action="append", default=[], help=which)
+    parser.add_argument("--ros", action="store_true", help="make it a ROS package too, which colcon builds")
 
 
 def run_new(args: argparse.Namespace) -> None:
-    files = _files_of_robot(args) if args.robot is not None else None
+    files = ros_files(Path(args.folder)) if args.ros else {}
+    if args.robot is not None:
+        files |= _files_of_robot(args)
     written = make_project(args.folder, files)
     print(f"{args.folder}: {', '.join(str(file) for file in written)}")
     folder = shlex.quote(args.folder)
@@ -42,7 +46,7 @@ def run_new(args: argparse.Namespace) -> None:
 def _files_of_robot(args: argparse.Namespace) -> dict[str, str]:
     from grip_bt.app.project.new_robot import new_robot  # it takes the extra `motion`
 
-    made = new_robot(args.robot, Path(args.folder), partial(_chosen, args.configuration))
+    made = new_robot(args.robot, Path(args.folder), partial(_chosen, args.configuration), by_package=args.ros)
     told = {finding.code: finding for finding in reversed(made.findings)}
     for finding in told.values():
         count = sum(other.code == finding.code for other in made.findings)

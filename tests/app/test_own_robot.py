@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 from smally_project import PROJECT, robot_files, write_project
 
@@ -124,6 +126,27 @@ def test_a_new_project_for_a_robots_files_runs_at_once(tmp_path, capsys, given):
         assert (arm.group, list(file.hands)) == ("manipulator", ["gripper"])
         assert file.sensors["camera"].topics["seen"].topic == "/camera/points"
         assert "sensor-not-read" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("place", ["src/lab", "install/lab/share/lab"])
+def test_a_ros_package_names_the_robots_package_and_not_its_path(tmp_path, monkeypatch, place):
+    """It is found around the project in the workspace, and by ament's path where both are installed."""
+    made = workspace(tmp_path)
+    (made / "package.xml").write_text("<package><name>smally_moveit_config</name></package>")
+    lab = tmp_path / "src" / "lab"
+    assert main(["new", str(lab), "--ros", "--robot", str(made)]) == 0
+    text = (lab / "grip.yaml").read_text()
+    assert "moveit: package://smally_moveit_config\n" in text
+    assert str(tmp_path) not in text
+    assert "../" not in text
+    if place != "src/lab":
+        prefix = tmp_path / "install"
+        shutil.copytree(lab, tmp_path / place)
+        for package in (tmp_path / "src").rglob("package.xml"):
+            shutil.copytree(package.parent, prefix / "share" / package.parent.name, dirs_exist_ok=True)
+        shutil.rmtree(tmp_path / "src")
+        monkeypatch.setenv("AMENT_PREFIX_PATH", str(prefix))
+    assert main(["run", str(tmp_path / place / "tasks" / "first.yaml"), "--robot", "fake"]) == 0
 
 
 def test_of_several_configurations_the_first_is_taken_and_the_others_can_be_named(tmp_path, capsys):

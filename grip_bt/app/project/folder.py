@@ -170,7 +170,7 @@ def make_project(folder: str | Path, files: Mapping[str, str] | None = None) -> 
     """Make a project in a folder that isn't there yet or is empty (a `.git` in it is no harm).
 
     Args:
-        files: path in it -> text, in place of the usual ones.
+        files: path in it -> text, beside the usual ones or in place of them.
 
     Returns:
         The files written, relative to the folder.
@@ -184,9 +184,11 @@ def make_project(folder: str | Path, files: Mapping[str, str] | None = None) -> 
     sources = {file.relative_to(_TEMPLATE): file for file in sorted(_TEMPLATE.rglob("*")) if file.is_file()}
     # A file of this name in the package's own folder would hide files from git and from the package's build.
     named = {path.with_name(".gitignore") if path.name == "gitignore" else path: f for path, f in sources.items()}
-    for path, source in named.items():
+    texts = {path: source.read_text("utf-8") for path, source in named.items()}
+    texts |= {Path(path): text for path, text in (files or {}).items()}
+    for path, text in texts.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        (folder / path).write_text((files or {}).get(str(path)) or source.read_text("utf-8"), encoding="utf-8")
+        (folder / path).write_text(text, encoding="utf-8")
     for name in _FOLDERS:
         (folder / name).mkdir(exist_ok=True)
-    return list(named)
+    return list(texts)

@@ -19,7 +19,7 @@ from grip_bt.commanders.description.configurations import Configurations, config
 from grip_bt.commanders.description.files import Finding, errors
 from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robot
-from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages
+from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages, name_of_package, package_around
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.roles import arms_of
 
@@ -44,7 +44,7 @@ class NewRobot:
     findings: tuple[Finding, ...]
 
 
-def new_robot(source: str, folder: Path, choose: Choose) -> NewRobot:
+def new_robot(source: str, folder: Path, choose: Choose, *, by_package: bool = False) -> NewRobot:
     """Return the files of a project.
 
     Args:
@@ -52,6 +52,7 @@ def new_robot(source: str, folder: Path, choose: Choose) -> NewRobot:
             or of a workspace with some, or such a package's name.
         folder: of the project, which `grip.yaml` begins its paths in.
         choose: asked where there are several.
+        by_package: name files of ROS packages by `package://`, since the project will be installed elsewhere.
 
     Raises:
         InvalidRobotError: the robot's files can't be used.
@@ -66,7 +67,7 @@ def new_robot(source: str, folder: Path, choose: Choose) -> NewRobot:
     finder = MotionFinder(robot) if arms else None
     motions = {group: finder.of(group) for group in arms} if finder is not None else {}
     parts = _parts(robot, arms)
-    lines = _robot_lines(source, _with_files(said, inspected), folder, motions)
+    lines = _robot_lines(_with_files(said, inspected), folder.resolve(), motions, by_package)
     grip = _grip_text(robot, lines, parts, inspected, "table" if source in ROBOTS else "empty")
     return NewRobot(grip, _task_text(robot, parts, motions), inspected.findings)
 
@@ -112,14 +113,17 @@ def _with_files(said: Mapping[str, Any], inspected: Inspected) -> dict[str, Any]
     return _named(said["moveit"], chosen.srdf, {kind: chosen.urdf}, chosen.arguments)
 
 
-def _robot_lines(source: str, said: Mapping[str, Any], folder: Path, motions: Mapping[str, FirstMotions]) -> list[str]:
+def _robot_lines(
+    said: Mapping[str, Any], folder: Path, motions: Mapping[str, FirstMotions], by_package: bool
+) -> list[str]:
     homes = {group: {"home": dict(each.home)} for group, each in motions.items() if each.home}
     if set(said) == {"ready"} and not homes:
         return [f"robot: {said['ready']}"]
     lines = ["robot:"]
     for key, value in said.items():
         if key in ("urdf", "xacro", "mjcf", "srdf", "moveit"):
-            value = os.path.relpath(value, folder.resolve())
+            home, path = package_around(Path(value)) if by_package else None, os.path.relpath(value, folder)
+            value = f"package://{Path(name_of_package(home), os.path.relpath(value, home))}" if home else path
         lines.append(f"  {key}: {_flow(value)}")
     if homes:
         lines += ["  states:  # where nothing touches; the robot's files don't say it"]

@@ -62,7 +62,7 @@ class _Single:
         self.config, self.folder = config, folder
         self.findings: list[Finding] = []
         given = {name: folder / Path(place).expanduser() for name, place in config.packages.items()}
-        self.packages = Packages(given)
+        self.packages = Packages(given, (folder,))
         files = (config.urdf, config.xacro, config.srdf, config.moveit and f"{config.moveit}/package.xml")
         self.packages = Packages(given, tuple(self._path(file) for file in files if file))
         self.moveit = MoveItPackage(folder)  # of which nothing is said
