@@ -32,7 +32,9 @@ class MotionSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
 
     planner: str = "RRTConnect"
+    """A planner of OMPL, such as `RRTConnect` or `BiTRRT`; `move_group` for MoveIt's."""
     kinematics: str = "damped_least_squares"
+    """Inverse kinematics: `damped_least_squares`, `trac_ik` or `analytic`."""
     speed: float = Field(default=0.5, gt=0, le=1)
     """Fraction of the joints' speed limits."""
     acceleration: float | None = Field(default=None, gt=0, le=1)

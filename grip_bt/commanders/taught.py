@@ -17,31 +17,38 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
-from pydantic import BaseModel, ConfigDict, RootModel, ValidationError
+from pydantic import RootModel, ValidationError
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.files import replace_text
 from grip_bt.base.values import JointState, Pose
-from grip_bt.base.yaml.models import diagnostic_of, document_error
+from grip_bt.base.yaml.models import Settings, diagnostic_of, document_error
 from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
 
 
-class _PoseEntry(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class TaughtPose(Settings):
+    """A pose in a frame."""
+
     position: tuple[float, float, float]
+    """Of the arm's hand [m]."""
     quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    """Its orientation, w x y z."""
     frame: str = "world"
+    """The frame that it is given in."""
 
 
-class _Entry(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class TaughtEntry(Settings):
+    """A joint state, or a pose."""
+
     state: dict[str, float] | None = None
-    pose: _PoseEntry | None = None
+    """Joint -> position [rad or m]."""
+    pose: TaughtPose | None = None
+    """In place of `state`."""
 
 
-class _File(RootModel[dict[str, dict[str, _Entry]]]):
-    pass
+class TaughtFile(RootModel[dict[str, dict[str, TaughtEntry]]]):
+    """Arm or hand of the project -> name -> what was taught."""
 
 
 class TaughtStates:
@@ -95,17 +102,17 @@ class TaughtStates:
                 _write(self._file, self._parts)
 
 
-def _read(file: Path) -> dict[str, dict[str, _Entry]]:
+def _read(file: Path) -> dict[str, dict[str, TaughtEntry]]:
     tree = parse(read_file(file), str(file))
     if not isinstance(tree, YamlMapping):
         raise document_error([("a mapping of names to what was taught is expected", tree.line, tree.column)], str(file))
     try:
-        return _File.model_validate(to_data(tree)).root
+        return TaughtFile.model_validate(to_data(tree)).root
     except ValidationError as error:
         raise document_error([diagnostic_of(tree, e) for e in error.errors()], str(file)) from None
 
 
-def _value(entry: _Entry, where: str, file: Path) -> JointState | Pose:
+def _value(entry: TaughtEntry, where: str, file: Path) -> JointState | Pose:
     if (entry.state is None) == (entry.pose is None):
         raise DocumentError(f"{where} has either a `state:` or a `pose:`", str(file))
     try:

@@ -20,9 +20,11 @@ class MockStep(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, defer_build=True)
     outcome: str = "success"
+    """Label of the outcome."""
     code: str = ""
     """Of the failure; empty for none."""
     message: str = ""
+    """Of the failure, for people."""
     outputs: dict[str, Value] = {}
     """Port -> value, written at the end."""
     seconds: Annotated[float, Field(ge=0)] = 0.0

@@ -15,7 +15,7 @@ The figures are of these papers' order; a sensor of one's own is measured, and i
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,4 +130,6 @@ def _named(said: Any) -> Any:
     return said
 
 
-Noise = Annotated[NoiseSpec, BeforeValidator(_named)]
+Noise = Annotated[
+    NoiseSpec, BeforeValidator(_named, json_schema_input_type=Literal["realsense", "kinect2"] | NoiseSpec)
+]

@@ -27,7 +27,9 @@ class SeedRange(Settings):
     """Seeds one after the other."""
 
     first: Seed = 0
+    """The first seed."""
     count: int = Field(ge=1, le=MOST_SEEDS)
+    """How many there are."""
 
 
 class Variant(Settings, populate_by_name=True):
@@ -53,6 +55,7 @@ class CampaignFile(Settings):
     task: str | None = None
     """The task's file, for variants that name none."""
     robot: Literal["sim", "fake"] = "sim"
+    """The simulated robot, or one without physics."""
     seeds: SeedRange | list[Seed] = SeedRange(count=10)
     """Of the worlds: every variant meets each of them once."""
     timeout: float = Field(default=600.0, gt=0)
@@ -64,6 +67,7 @@ class CampaignFile(Settings):
     measure: dict[Key, str] = {}
     """Name -> expression over what is known of a trial."""
     variants: dict[Key, Variant] = {}
+    """What is compared; without it, the task alone."""
 
     @field_validator("seeds", mode="wrap")
     @classmethod

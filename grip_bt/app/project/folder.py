@@ -47,6 +47,7 @@ class HandConfig(Settings):
     """One hand."""
 
     group: str = "hand"
+    """Group of joints in the robot's description."""
 
 
 class ProjectFile(Settings):

@@ -29,8 +29,11 @@ from grip_sim.faults import Fault
 Script = str | MockStep | list[str | MockStep]
 
 
-class _MocksFile(Settings):
+class MocksFile(Settings):
+    """Scripts in place of nodes."""
+
     mocks: dict[str, Script]
+    """Path of a node, or a type of leaf -> `outcome`, `outcome.code`, several with commas between them, or steps."""
 
 
 def read_mocks(file: Path | None, given: Sequence[str] = ()) -> dict[str, list[dict[str, Any]]]:
@@ -44,7 +47,7 @@ def read_mocks(file: Path | None, given: Sequence[str] = ()) -> dict[str, list[d
     Raises:
         DocumentError: a script can't be read.
     """
-    scripts: dict[str, Script] = dict(read_model(file, _MocksFile).mocks) if file is not None else {}
+    scripts: dict[str, Script] = dict(read_model(file, MocksFile).mocks) if file is not None else {}
     for text in given:
         node, found, script = text.partition("=")
         if not found or not node.strip() or not script.strip():

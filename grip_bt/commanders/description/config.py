@@ -26,6 +26,7 @@ class FrameConfig(_Placed):
     """A frame on a link."""
 
     link: str
+    """The link that it is fixed to."""
 
 
 class MountConfig(_Placed):
@@ -43,39 +44,51 @@ class GroupConfig(_Config):
     """A planning group, as in an SRDF."""
 
     joints: tuple[str, ...] = ()
+    """Its joints, in order."""
     links: tuple[str, ...] = ()
+    """Its links."""
     chain: tuple[str, str] | None = None
     """Base link and tip link."""
     groups: tuple[str, ...] = ()
+    """Groups that it joins."""
 
 
 class EndEffectorConfig(_Config):
     """Which hand sits on which arm, as in an SRDF."""
 
     parent_link: str
+    """The arm's link that carries the hand."""
     group: str = ""
+    """The hand's group."""
     parent_group: str = ""
+    """The arm's group."""
 
 
 class DriveConfig(_Config):
     """How a group's joints are driven in simulation."""
 
     stiffness: float = Field(gt=0, allow_inf_nan=False)
+    """Torque or force by which a joint is pulled to its target [N m/rad or N/m]."""
     damping: float = Field(ge=0, allow_inf_nan=False)
+    """Torque or force against its speed [N m s/rad or N s/m]."""
     limit: float = Field(gt=0, allow_inf_nan=False)
+    """The largest torque or force [N m or N]."""
     armature: float = Field(default=0.0, ge=0, allow_inf_nan=False)
+    """Inertia of the motor, added to the joint's [kg m^2 or kg]."""
 
 
 class PlacedConfig(_Placed):
     """One of several robots, and where its base stands in the world."""
 
     robot: str | RobotConfig
+    """A ready-made robot's name, a path, or a description."""
 
 
 class RobotConfig(_Config):
     """A robot: from files, or put together of others. Relative paths begin in the folder of the file they are in."""
 
     name: str | None = None
+    """What it is called; otherwise as its description says."""
     urdf: str | None = None
     """Path of a URDF file."""
     xacro: str | None = None

@@ -44,6 +44,7 @@ class PortType(Settings):
     type: str = Field(min_length=1)
     """Name of a value (`PointCloud`, `list[Grasp]`), a builtin, or a ROS type, which leaves the message as it is."""
     doc: str = ""
+    """A sentence about the port."""
     field: _FieldPath | None = None
     """Where it is in the message, such as `target.pose`; the field of the port's own name by default."""
     unit: Unit | None = None
@@ -111,14 +112,14 @@ class Start(Settings):
 
 
 class Timeouts(Settings):
-    """How long to wait [s]."""
+    """How long to wait."""
 
     call: float = Field(default=30.0, gt=0)
-    """For the answer of one call, or the result of one goal."""
+    """For the answer of one call, or the result of one goal [s]."""
     ready: float = Field(default=15.0, gt=0)
-    """For the server to appear, after its start or before a call."""
+    """For the server to appear, after its start or before a call [s]."""
     cancel: float = Field(default=3.0, gt=0)
-    """For an action to end after it was asked to stop."""
+    """For an action to end after it was asked to stop [s]."""
 
 
 Restart = Literal["never", "on_failure", "always"]
@@ -179,6 +180,7 @@ class ComponentFile(Settings):
     """One external component."""
 
     name: Identifier
+    """As its folder is called; its node is `component/NAME`."""
     doc: str = ""
     interface: _InterfaceName
     """Type of the service, action or message, such as `antipodal_interfaces/srv/ProposeGrasps`."""
@@ -195,11 +197,13 @@ class ComponentFile(Settings):
     meaning: FrozenDict[Label, Meaning] = FrozenDict()
     """What an outcome means; `success` where nothing is said."""
     ports: FrozenDict[Identifier, PortType] = FrozenDict()
-    """Types of the fields as values; a field that isn't named here keeps its message type."""
+    """Field -> its type as a value, or more; a field that isn't named here keeps its message type."""
     fixed: FrozenDict[Identifier, object] = FrozenDict()
     """Fields of the request that are always sent with one value, and are no ports."""
     start: Start | None = None
+    """How it is started; without it, it is expected to run already."""
     timeouts: Timeouts = Timeouts()
+    """How long to wait for it."""
     moves: bool = True
     """Whether its work may move something. Then nothing else that may begins before it has ended; a call that was
     halted, which can't be stopped, before it is answered."""
@@ -222,7 +226,7 @@ class ComponentFile(Settings):
             return {**data, "outcomes": tuple(given), "rules": rules}
         return data
 
-    @field_validator("outcomes", mode="before")
+    @field_validator("outcomes", mode="before", json_schema_input_type=tuple[Label, ...] | int | dict[Label, str])
     @classmethod
     def _number_of_outcomes(cls, value: object) -> object:
         if isinstance(value, int) and not isinstance(value, bool):
@@ -235,7 +239,7 @@ class ComponentFile(Settings):
             raise ValueError(f"they are numbered in their order: write [{in_order}], or give each a rule")
         return value
 
-    @field_validator("ports", mode="before")
+    @field_validator("ports", mode="before", json_schema_input_type=dict[Identifier, PortType | str])
     @classmethod
     def _short_ports(cls, value: object) -> object:
         if isinstance(value, dict):

@@ -29,11 +29,13 @@ class TopicConfig(Settings):
     """One topic of a sensor; an output of its node."""
 
     topic: RosName
+    """Name of the topic."""
     type: str
     """Type of the output: a value (`PointCloud`), a builtin, or the ROS type itself."""
     message: str | None = None
     """ROS type of the topic; the usual one of the value where nothing is said."""
     doc: str = ""
+    """A sentence about the output."""
 
     @field_validator("type")
     @classmethod
@@ -61,9 +63,9 @@ class Mount(Settings):
     """Name of the sensor's frame, as its messages have it."""
     on: str = "world"
     """The link, or `world`."""
-    position: tuple[float, ...] = (0.0, 0.0, 0.0)
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """In `on` [m]."""
-    quaternion: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)
+    quaternion: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     """w x y z."""
 
 
@@ -75,6 +77,7 @@ class SensorConfig(Settings):
     topics: FrozenDict[Identifier, TopicConfig] = FrozenDict()
     """Outputs of the node, each from a topic; several are taken from one moment."""
     mount: Mount | None = None
+    """Where its frame is; without it, TF says so."""
     given_in: str | None = None
     """Frame into which what it gives is transformed."""
     driver: Start | None = None
@@ -225,6 +228,7 @@ class RosRobotConfig(Settings):
     joint_states: RosName = "/joint_states"
     """Topic on which all joints are measured."""
     controller_manager: RosName = "/controller_manager"
+    """Namespace of the controller manager's services."""
     controllers: FrozenDict[str, ControllerConfig] = FrozenDict()
     """Arm or hand of the project -> its controller."""
     cameras: FrozenDict[str, CameraTopics] = FrozenDict()

@@ -66,8 +66,11 @@ class ScrewBottleConfig(Settings):
     mass: Positive = 0.3
     """Of the bottle [kg]."""
     cap_radius: Positive = 0.018
+    """Of the cap [m]."""
     cap_height: Positive = 0.02
+    """Of the cap [m]."""
     cap_mass: Positive = 0.02
+    """Of the cap [kg]."""
     pitch: Positive = 0.003
     """By which a turn lifts the cap [m]."""
     turns: Positive = 1.0
@@ -85,7 +88,7 @@ class ArticulatedConfig(Settings):
     button: ButtonConfig | None = None
     screw_bottle: ScrewBottleConfig | None = None
     at: Vector
-    """The middle of its underside."""
+    """The middle of its underside [m]."""
     yaw: Finite = 0.0
     """Turn about the vertical [rad]."""
 

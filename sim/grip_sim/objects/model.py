@@ -26,24 +26,25 @@ class SolidConfig(Settings):
     """One piece of an object: exactly one of `box`, `ball`, `turned`, `bent` and `prism`."""
 
     box: Size | None = None
-    """Edge lengths; its middle is at `at`."""
+    """Edge lengths; its middle is at `at` [m]."""
     ball: Positive | None = None
-    """Radius; its middle is at `at`."""
+    """Radius of a ball; its middle is at `at` [m]."""
     turned: Profile | None = None
-    """A solid of revolution about z."""
+    """A solid of revolution about z: radius and height of points from the bottom to the top [m]."""
     wall: Positive | None = None
-    """Of a turned piece: thickness of its wall and bottom; it is open at the top. Solid without it."""
+    """Of a turned piece: thickness of its wall and bottom; it is open at the top. Solid without it [m]."""
     bent: Annotated[tuple[Vector, ...], Field(min_length=2, max_length=64)] | None = None
-    """Points of the middle line of a rod."""
+    """Points of the middle line of a rod [m]."""
     radius: Positive | Annotated[tuple[Positive, ...], Field(min_length=2)] | None = None
-    """Of a bent rod, everywhere or at each of its points."""
+    """Of a bent rod, everywhere or at each of its points [m]."""
     prism: Annotated[tuple[tuple[Finite, Finite], ...], Field(min_length=3, max_length=64)] | None = None
-    """Corners of a convex foot, x and y; it reaches from z = 0 to `height`."""
+    """Corners of a convex foot, x and y; it reaches from z = 0 to `height` [m]."""
     height: Positive | None = None
-    """Of a prism."""
+    """Of a prism [m]."""
     at: Vector = (0.0, 0.0, 0.0)
+    """Where its origin is, in the object's frame [m]."""
     turn: Vector = (0.0, 0.0, 0.0)
-    """Roll, pitch and yaw, before it is put at `at`."""
+    """Roll, pitch and yaw, before it is put at `at` [rad]."""
     colour: Colour | None = None
     """Red green blue, 0-255; the object's own where not given."""
 
@@ -75,9 +76,11 @@ class ObjectFile(Settings):
     scale: Positive = 1.0
     """Factor of all lengths; 0.001 for a mesh in millimetres."""
     mass: Positive
+    """Of the whole [kg]."""
     friction: NotNegative = 0.6
     """Coefficient against hands and fixtures."""
     colour: Colour | None = None
+    """Red green blue, 0-255."""
     centre_of_mass: Vector | None = None
     """In the frame of the solids or the mesh, scaled [m]; that of a body of even density without it."""
     source: str = ""

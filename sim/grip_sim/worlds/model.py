@@ -34,6 +34,7 @@ class FixtureConfig(Settings):
     scale: Positive = 1.0
     """Factor of the mesh's lengths; 0.001 for one in millimetres."""
     at: Vector = (0.0, 0.0, 0.0)
+    """The middle of its underside; of a mesh, its origin [m]."""
     yaw: Finite = 0.0
     """Turn about the vertical [rad]."""
     pitch: Finite = 0.0
@@ -57,8 +58,9 @@ class RegionConfig(Settings):
     size: Size
     """Edge lengths [m]."""
     at: Vector
-    """The middle of its underside."""
+    """The middle of its underside [m]."""
     yaw: Finite = 0.0
+    """Turn about the vertical [rad]."""
     target: bool = False
     """Whether an object at rest in it counts as placed."""
 
@@ -77,7 +79,7 @@ class ShapeConfig(Settings):
     height: Span | None = None
     """Of a cylinder or box [m]."""
     mass: Span | None = None
-    """[kg]; a model's own, and 0.2 of other shapes, without it."""
+    """Without it a model has its own, other shapes 0.2 [kg]."""
     friction: NotNegative | None = None
     """Coefficient against hands and fixtures; a model's own, and 1 of other shapes, without it."""
     colour: Colour | None = None
@@ -100,8 +102,9 @@ class ObjectConfig(ShapeConfig):
     """An object at a place, or several that a seed draws into a region."""
 
     at: Vector | None = None
-    """Where it stands; the middle of its underside."""
+    """Where it stands; the middle of its underside [m]."""
     yaw: Finite = 0.0
+    """Turn about the vertical [rad]."""
     tilt: tuple[Finite, Finite] = (0.0, 0.0)
     """Roll and pitch [rad]."""
     draw: Annotated[int, Field(ge=0)] = 0
@@ -130,13 +133,15 @@ class CameraConfig(Settings):
     """A pinhole RGB-D camera."""
 
     at: Vector
-    """Of the optical centre; in the link's frame where there is a `link`."""
+    """The optical centre; in the link's frame where there is a `link` [m]."""
     look_at: Vector | None = None
-    """The point in the middle of the image; the image's up is z."""
+    """The point in the middle of the image; the image's up is z [m]."""
     quaternion: tuple[Finite, Finite, Finite, Finite] | None = None
     """Of the optical frame (x right, y down, z forward), w x y z; instead of `look_at`."""
     width: Annotated[int, Field(gt=0, le=4096)] = 320
+    """Of the image [px]."""
     height: Annotated[int, Field(gt=0, le=4096)] = 240
+    """Of the image [px]."""
     field_of_view: Annotated[float, Field(gt=0, lt=3.14)] = 0.8
     """Vertical opening angle [rad]."""
     far: Positive = 3.0
@@ -144,7 +149,7 @@ class CameraConfig(Settings):
     link: str | None = None
     """The robot's link that carries it; without it, it stands in the world."""
     renderer: Literal["auto", "sapien", "raster"] = "auto"
-    """SAPIEN's, or triangles drawn on the CPU; `auto` is SAPIEN's where Vulkan works."""
+    """`sapien` draws by Vulkan, `raster` triangles on the CPU; `auto` takes `sapien` where Vulkan works."""
     noise: Noise | None = None
     """What its sensor does to a frame: `realsense`, `kinect2`, or its figures; nothing without it."""
 
