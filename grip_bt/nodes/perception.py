@@ -187,9 +187,16 @@ class ClearView(ArmLeaf):
             raise UnknownNameError("named state", self.params["state"], states, where=self.path)
 
     def start(self) -> Operation[JointState]:
-        return self.context.run_in_worker(self._clear).then(
-            lambda clear: first_of(partial(go, self.arm, state) for state in clear)
-        )
+        return run_steps(self._steps())
+
+    def _steps(self) -> Steps[JointState]:
+        try:
+            self.camera.info()
+        except SensorError:  # of a camera on topics nothing is known before its first frame
+            yield self.camera.capture()
+        clear = yield self.context.run_in_worker(self._clear)
+        reached: JointState = yield first_of(partial(go, self.arm, state) for state in clear)
+        return reached
 
     def _clear(self) -> list[JointState]:
         """Return the candidates that hide little enough: the named state, then the nearest to where the arm is."""

@@ -97,7 +97,7 @@ class Camera(Protocol):
     """An RGB-D camera."""
 
     def info(self) -> CameraInfo:
-        """Return the camera's geometry."""
+        """Return the camera's geometry. Raises SensorError: it isn't known before the first frame."""
 
     def capture(self) -> Operation[RgbdFrame]:
         """Take one frame. Ends with SensorError when there is none."""

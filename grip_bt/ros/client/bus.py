@@ -40,7 +40,7 @@ class Bus(Connection):
         """
         return self._client(ServiceClient, interface, name)
 
-    def call(self, interface: str, name: str, timeout: float, wait: float, **fields: object) -> Operation[Message]:
+    def call(self, interface: str, name: str, timeout: float, wait: float, /, **fields: object) -> Operation[Message]:
         """Call a service with a request of these fields; see `ServiceClient.call`."""
         client = self.service(interface, name)
         return client.call(client.type.Request(**fields), timeout, wait)

@@ -15,6 +15,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -40,7 +41,9 @@ def interface_packages(prefixes: Sequence[Path]) -> set[str]:
 
 def package_like(package: str, prefixes: Sequence[Path]) -> str:
     """Return ``; did you mean 'x'?`` for a package that isn't there, or an empty string."""
-    return nearest(package, sorted(interface_packages(prefixes)))
+    # Names end alike (`_msgs`, `_interfaces`), so they have to be nearer to one another than other words.
+    close = get_close_matches(package, sorted(interface_packages(prefixes)), n=1, cutoff=0.8)
+    return f"; did you mean {close[0]!r}?" if close else ""
 
 
 def python_folder(prefix: Path) -> Path | None:
