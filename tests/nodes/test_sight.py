@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_perception_leaves import INFO, frame, thing
 
+from grip_bt.base.failures import SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.commanders.scene import PlanningScene
 from grip_bt.nodes.camera_views import outline, robot_pixels, share, within
@@ -104,6 +105,26 @@ def test_the_named_state_is_taken_where_it_hides_nothing(world, tick):
     robot_over(world, lambda at: [])
     assert tick(world.leaf("arm/clear_view"))[0] == "SUCCESS"
     assert [argument.position.tolist() for verb, argument in world.arm.log if verb == "plan"] == [[0.0]]
+
+
+def test_a_camera_of_which_nothing_is_known_yet_takes_a_frame_first(world, tick):
+    """As one on topics, before its first capture."""
+    robot_over(world, lambda at: [])
+    seen, taken = world.context.cameras["overhead"], []
+
+    def info():
+        if not taken:
+            raise SensorError("nothing was heard yet")
+        return INFO
+
+    def capture():
+        taken.append(1)
+        return seen.capture()
+
+    world.context.cameras["overhead"] = SimpleNamespace(info=info, capture=capture)
+    for _ in range(2):
+        assert tick(world.leaf("arm/clear_view"))[0] == "SUCCESS"
+    assert len(taken) == 1
 
 
 def test_elsewhere_the_arm_turns_until_it_hides_little_enough(world, tick):
