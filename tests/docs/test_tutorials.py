@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,7 +50,7 @@ class Reader:
     """Somebody at a shell."""
 
     def __init__(self, folder: Path, domain: int):
-        self.folder = folder
+        self.folder, self._groups = folder, list[int]()
         self._environment = {
             **os.environ,
             "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
@@ -64,7 +66,7 @@ class Reader:
     def types(self, fence: Fence) -> str:
         """Return what was said; the commands worked, or their last one didn't where the page says that."""
         script = f"set -eu\n{fence.body}\npwd > {self.folder.parent}/where\n"
-        done = subprocess.run(
+        shell = subprocess.Popen(
             ["bash", "-c", script],
             cwd=self.folder,
             env=self._environment,
@@ -72,21 +74,29 @@ class Reader:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=600,
-            check=False,
+            process_group=0,
         )
-        assert (done.returncode != 0) == fence.fails, f"{fence.body}\n{done.stdout}"
-        if not done.returncode:
+        self._groups.append(shell.pid)
+        said, _ = shell.communicate(timeout=600)
+        assert (shell.returncode != 0) == fence.fails, f"{fence.body}\n{said}"
+        if not shell.returncode:
             self.folder = Path((self.folder.parent / "where").read_text().strip())
-        return done.stdout
+        return said
+
+    def leaves(self) -> None:
+        """End what was left in the background."""
+        for group in self._groups:
+            with suppress(ProcessLookupError):
+                os.killpg(group, signal.SIGKILL)
 
 
 @pytest.mark.ros
 @pytest.mark.sim
 @pytest.mark.parametrize("page", PAGES)
-def test_a_reader_who_types_it_sees_what_it_says(page, tmp_path, domain):
+def test_a_reader_who_types_it_sees_what_it_says(page, tmp_path, domain, request):
     (tmp_path / "work").mkdir()
     reader, said = Reader(tmp_path / "work", domain), ""
+    request.addfinalizer(reader.leaves)
     for before in PAGES[: PAGES.index(page)]:
         for fence in fences(before):
             if fence.file:
