@@ -9,8 +9,12 @@ from grip_bt.compilers.machine_table import AGAIN, chooses, counts, state_labels
 from grip_bt.compilers.resolve import Part
 from grip_bt.formats.python_source import Bracketed, Raw, call
 from grip_bt.formats.smach_export.forms import (
+    is_next_item,
     is_obeyed,
     legacy_state,
+    names_inside,
+    reads,
+    writes,
 )
 from grip_bt.task import model
 
@@ -112,7 +116,67 @@ def add(
         given["transitions"] = dict(leads)
     if known is not None and known.remapping:
         given["remapping"] = known.remapping
+    if smach_form(part, refined) == "items":
+        if renamed := {key: variable for variable, key in _names(part).items() if key != variable}:
+            given["remapping"] = renamed
     builder.write(call(f"smach.{'Concurrence' if leads is None else 'StateMachine'}.add", label, made, **given), "", 8)
+
+
+def _items(builder: SourceBuilder, part: Part, needed: Refined) -> str:
+    """Write what an import had made of an Iterator as one."""
+    assert isinstance(part.node, model.StateMachine), "it is a machine of these"
+    first = next(child for child in part.children if child.name == part.node.initial)
+    other = next(child for child in part.children if not is_next_item(child))
+    table = table_of(part, needed)
+    made = state(builder, other, table.refined[other.name])
+    assert isinstance(first.node, model.Leaf), "it hands out items"
+    names = _names(part)
+    given = {
+        "input_keys": list(names.values()),
+        "output_keys": list(names.values()),
+        "it": first.node.with_["items"],
+        "it_label": names[first.node.out["item"]],
+        "exhausted_outcome": first.node.on["exhausted"],
+    }
+    name = builder.take(part)
+    builder.body.append("")
+    builder.write(call("smach.Iterator", outcomes=labels(part.meaning, needed), **given), name)
+    again = {child.name for child in part.children if is_next_item(child)}
+    mapped: dict[str, str] = {}
+    for step in part.children:
+        node = step.node
+        if is_next_item(step) and isinstance(node, model.Leaf) and not node.with_.get("leaves_by"):
+            into = [label for label, to in table.rows[other.name].items() if to == step.name]
+            mapped |= {label: node.on.get("preempted", label) for label in into}
+    _contained(builder, name, other, made, table.rows[other.name], again, mapped)
+    return name
+
+
+def _names(part: Part) -> dict[str, str]:
+    """Return variable -> key of what was an Iterator."""
+    other = next(child for child in part.children if not is_next_item(child))
+    return names_inside(legacy_state(other), {**reads(part), **writes(part)}) or {}
+
+
+def _contained(
+    builder: SourceBuilder,
+    name: str,
+    child: Part,
+    made: Made,
+    row: Mapping[str, str],
+    again: set[str],
+    loops_to: Mapping[str, str],
+) -> None:
+    """Write the state of an Iterator; `loops_to`: what it ends with when it is preempted after these outcomes."""
+    row = {label: to for label, to in row.items() if legacy_state(child) is None or "." not in label}
+    leaving = {label: to for label, to in row.items() if to not in again}
+    loops = [label for label in row if label not in leaving]
+    given: dict[str, object] = {"loop_outcomes": loops, "break_outcomes": list(leaving)}
+    ways = {**leaving, **{label: to for label, to in loops_to.items() if label in loops}}
+    if mapped := {label: to for label, to in ways.items() if label != to}:
+        given["final_outcome_map"] = mapped
+    builder.body.append(f"    with {name}:")
+    builder.write(call("smach.Iterator.set_contained_state", child.name, made, **given), "", 8)
 
 
 def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
@@ -133,5 +197,6 @@ def _concurrence(builder: SourceBuilder, part: Part, needed: Refined) -> str:
 
 _CONTAINERS: dict[str, Callable[[SourceBuilder, Part, Refined], str]] = {
     "machine": machine,
+    "items": _items,
     "concurrence": _concurrence,
 }

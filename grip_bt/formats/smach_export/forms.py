@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -109,6 +109,13 @@ def is_obeyed(part: Part) -> bool:
     return part.manifest is not None and part.manifest.implementation == OBEYED
 
 
+def names_inside(state: LegacyState | None, variables: Iterable[str]) -> dict[str, str] | None:
+    """Return variable -> key of an Iterator around a state; None where two variables would be one key."""
+    keys = {variable: key for key, variable in state.remapping.items()} if state is not None else {}
+    names = {variable: keys.get(variable, variable) for variable in variables}
+    return names if len(set(names.values())) == len(names) else None
+
+
 @cache
 def _classes(file: Path) -> dict[str, tuple[ast.expr, dict[str, Path]]]:
     """Return class -> what its `make` returns, and the legacy files that this names."""
@@ -145,8 +152,8 @@ def _made(body: list[ast.stmt]) -> ast.expr | None:
     return None
 
 
-SmachForm = Literal["state", "tree", "machine", "concurrence"]
-"""A legacy state; a tree in a state; a StateMachine; a Concurrence."""
+SmachForm = Literal["state", "tree", "machine", "items", "concurrence"]
+"""A legacy state; a tree in a state; containers: StateMachine, Iterator, Concurrence."""
 
 
 def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
@@ -169,7 +176,7 @@ def outcome_map(part: Part) -> tuple[dict[str, dict[str, str]], str] | None:
 def _is_legacy(part: Part) -> bool:
     """Tell whether all that is below are legacy states, which SMACH's containers were once made for."""
     leaves = (below for below in part.walk() if not below.children)
-    return all(is_obeyed(leaf) or legacy_state(leaf) is not None for leaf in leaves)
+    return all(is_next_item(leaf) or is_obeyed(leaf) or legacy_state(leaf) is not None for leaf in leaves)
 
 
 def smach_form(part: Part, needed: Refined) -> SmachForm:
@@ -187,4 +194,24 @@ def smach_form(part: Part, needed: Refined) -> SmachForm:
         return "concurrence" if said and not needed and not by_code and not shares(part) else "tree"
     if counts(part) and needed:
         return "tree"
-    return "tree" if any(is_next_item(child) for child in part.children) else "machine"
+    if not _hands_out_items(part):
+        return "machine"
+    return "items" if _is_legacy(part) else "tree"
+
+
+def _hands_out_items(part: Part) -> bool:
+    """Tell whether a machine is what an import makes of an Iterator."""
+    if not isinstance(part.node, model.StateMachine):
+        return False
+    steps = {child.name: child.node.on for child in part.children if is_next_item(child)}
+    others = [child for child in part.children if not is_next_item(child)]
+    if len(others) != 1 or part.node.initial not in steps:
+        return False
+    (other,) = others
+    state = legacy_state(other)
+    named = names_inside(state, {**reads(part), **writes(part)}) is not None
+    plain = named and (state is None or not state.outcomes)
+    ended = steps[part.node.initial].get("exhausted", "")
+    alike = all(on.get("item") == other.name and on.get("exhausted") == ended for on in steps.values())
+    rest = {label: target for label, target in other.node.on.items() if target not in steps}
+    return plain and alike and rest.get(ended, ended) == ended

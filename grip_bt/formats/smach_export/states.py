@@ -14,7 +14,6 @@ from grip_bt.compilers.scopes import Cell
 from grip_bt.formats.names import Identifiers
 from grip_bt.formats.python_source import Bracketed, Raw, call, literal, statement
 from grip_bt.formats.smach_export.forms import legacy_state, reads, writes
-from grip_bt.nodes.smach_asking import MARK
 from grip_bt.task import model
 
 _TAKEN = (
@@ -88,8 +87,7 @@ def set_key(builder: SourceBuilder, userdata: str, name: str, value: object) -> 
 
 def tree(builder: SourceBuilder, part: Part, needed: Refined) -> Bracketed:
     """Return the state that ticks a node as GRIP does."""
-    left_out = {"on"} if MARK in part.node.x else {"on", "x"}  # what was an Iterator answers preempts as one
-    document = _ordered(part.node.model_dump(by_alias=True, exclude_unset=True, mode="json", exclude=left_out))
+    document = _ordered(part.node.model_dump(by_alias=True, exclude_unset=True, mode="json", exclude={"on", "x"}))
     used = {**reads(part), **writes(part)}
     more: dict[str, object] = {}
     if used:

@@ -33,7 +33,7 @@ def exported(name, spec, folder):
         return None
     text = export(task, project_catalog(paths["build"]), folder)
     if "/next_item" in text:
-        return None  # an Iterator is one state
+        return None  # an Iterator that stays a machine, since its ends can't be told apart by names
     assert "BehaviourTree" not in text
     again = folder / f"{name}_again.py"
     again.write_text(text)
