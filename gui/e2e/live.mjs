@@ -49,7 +49,7 @@ for (const colorScheme of ["light", "dark"]) {
       const text = page.getByLabel("Value (YAML)");
       await text.fill((await text.inputValue()).replace("z: 0.2", "z: nothing"));
       await button("Add it").click();
-      await page.getByRole("alert").getByText("expected a number").waitFor();
+      await page.getByRole("alert").getByText("a valid number").waitFor();
       await text.fill((await text.inputValue()).replace("z: nothing", "z: 1.25"));
       await button("Add it").click();
       await page.getByRole("group", { name: "Message shelf" }).getByText("at (0.4, 0, 1.25) m in world").first().waitFor();

@@ -113,7 +113,7 @@ sensors:
   await template("a joint state of arm");
   await put(["entries", "Name of home_2 in entries"], "above");
   await fine();
-  await mistake(["entries above", "above", "above panda_joint1", "panda joint1"], "left", "0.25", /expected a number, not 'left'/);
+  await mistake(["entries above", "above", "above panda_joint1", "panda joint1"], "left", "0.25", /a valid number, not 'left'/);
   const right = await shown();
   await text.click();
   await page.keyboard.press("Control+a");
@@ -129,7 +129,7 @@ sensors:
   // Named poses.
   await open("Named poses");
   await template("a pose");
-  await mistake(["entries above_table", "position", "x"], "left", "0.55", /expected a number, not 'left'/);
+  await mistake(["entries above_table", "position", "x"], "left", "0.55", /a valid number, not 'left'/);
   await mistake(["entries above_table", "reference frame"], "wrld", "world", /the robot has no frame 'wrld'; did you mean 'world'/, "false");
   await check(page, "poses");
   await saved("messages/poses.yaml", `above_table:
@@ -150,7 +150,7 @@ sensors:
   await fine();
   const second = ["entries approach", "approach 2"];
   await mistake([...second, "name"], "abov", "above", /there is no 'abov'; did you mean 'above'/);
-  await mistake([...second, "interpolate time"], "soon", "2.5", /expected a number, not 'soon'/);
+  await mistake([...second, "interpolate time"], "soon", "2.5", /a valid number, not 'soon'/);
   await check(page, "trajectories");
   await saved("messages/trajectories.yaml", `approach:
   - name: home
