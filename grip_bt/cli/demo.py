@@ -193,6 +193,7 @@ class Attempt:
         outcome: how the attempt node ended; None when it was interrupted.
         where: path of the leaf that failed first.
         held: objects that the referee saw in the hand when the task checked.
+        said: how the leaf ended that checks it; empty where it wasn't reached.
     """
 
     number: int
