@@ -7,24 +7,16 @@ import re
 import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from test_packaging import PACKAGES, PROJECT, ROOT
 
 from grip_bt.app.project.folder import make_project
 from grip_bt.app.project.ros_package import ros_files
 from grip_bt.app.runs.execute import run
 
-ROOT = Path(__file__).resolve().parent.parent
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-PACKAGES = {
-    "grip_bt": "grip_bt",
-    "gui/grip_gui": "grip_gui",
-    "sim/grip_sim": "grip_sim",
-    "examples": "grip_bt/_examples",
-}
 OTHER_KEYS = {"pyyaml": "python3-yaml", "py_trees": "py_trees"}
 OPERATORS = {"version_gte": ">=", "version_lt": "<"}
 
