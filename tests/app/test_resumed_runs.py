@@ -108,7 +108,10 @@ def kill_in_the_middle(folder: Path, task: str, seconds: float, *words: str) -> 
     while True:
         run = _killed(folder, task, seconds, *words)
         with JournalReader(folder / ".grip" / "runs.sqlite") as reader:
-            if run is not None and reader.run(run).status == "running":
+            while run is not None and reader.run(run).status == "running":  # it may take a moment to die
+                assert time.monotonic() < deadline, "a run outlives SIGKILL"
+                time.sleep(0.01)
+            if run is not None and reader.run(run).status == "died":
                 return run
         assert time.monotonic() < deadline, "no run could be killed before it ended"
         seconds /= 2
