@@ -9,6 +9,7 @@ import sys
 if sys.argv[:1] == ["-m"] and not sys.flags.safe_path and {"grip_bt.cli", "grip_bt.cli.__main__"} & {*sys.orig_argv}:
     del sys.path[0]  # `python -m grip_bt.cli`: a `random.py` of the current folder isn't Python's
 
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -21,12 +22,17 @@ _HOME = {
     "loads": "grip_bt.task",
     "dumps": "grip_bt.task",
     "Catalog": "grip_bt.task.catalog",
-    "validate": "grip_bt.task.validation",
+    "build": "grip_bt.app.building",
+    "node": "grip_bt.app.building",
+    "variable": "grip_bt.app.building",
     "check": "grip_bt.app.python",
     "draw": "grip_bt.app.python",
     "tree": "grip_bt.app.python",
     "Tree": "grip_bt.runtime.ticked",
     "Observer": "grip_bt.nodes.node",
+    "Robot": "grip_bt.app.robot",
+    "World": "grip_bt.app.world",
+    "NodeFailedError": "grip_bt.base.errors",
     "RunResult": "grip_bt.runtime",
     "JournalReader": "grip_bt.runtime",
     "to_tree": "grip_bt.compilers",
@@ -47,15 +53,18 @@ _HOME = {
     "TreeRun": "grip_bt.runtime",
     "tree_run": "grip_bt.app.wiring.open",
     "run": "grip_bt.app.runs.execute",
+    "run_async": "grip_bt.app.runs.execute",
 }
 
 __all__ = ["__version__", *_HOME]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'grip_bt' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    if name[:1] != "_" and name in import_module("grip_bt.task.kinds").KINDS:  # `grip.sequence(...)`
+        return partial(import_module("grip_bt.app.building").container, name)
+    raise AttributeError(f"module 'grip_bt' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.building import catalogue_for, project_of
 from grip_bt.app.project.foreign_code import of_task, refuse
-from grip_bt.app.runs.execute import project_of
 from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening, RobotKind, silent
 from grip_bt.base.files import replace_text
@@ -37,12 +36,12 @@ class Picture:
 
 def draw(task: Task, view: Literal["tree", "flow"] = "tree") -> Picture:
     """Return a picture of a task, as a tree or as a flow chart; `print(grip.dumps(task))` is its text."""
-    return Picture(to_svg(task, catalogue_of(project_of(task)), view))
+    return Picture(to_svg(task, catalogue_for(task), view))
 
 
 def check(task: Task) -> Report:
     """Return everything that is wrong with a task, by the nodes of its project."""
-    return validate(task, catalogue_of(project_of(task)))
+    return validate(task, catalogue_for(task))
 
 
 def tree(task: Task, robot: RobotKind = "fake", seed: int = 0, data: dict[str, Any] | None = None) -> Tree:
@@ -58,7 +57,7 @@ def tree(task: Task, robot: RobotKind = "fake", seed: int = 0, data: dict[str, A
         GripError: a part of the robot, or a component, can't be started.
     """
     project = project_of(task)
-    catalog = catalogue_of(project)
+    catalog = catalogue_for(task)
     refuse(of_task(project, task, catalog, robot))
     compiled = to_tree(task, catalog, data=data)
     leaves = [leaf.manifest for leaf in compiled.leaves.values()]

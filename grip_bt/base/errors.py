@@ -209,6 +209,15 @@ class NodeError(GripError):
         super().__init__(f"{path}: {type(cause).__name__}: {cause}" + (f". Fix: {remedy}" if remedy else ""))
 
 
+class NodeFailedError(GripError):
+    """A node that was called on its own has failed; `failure` has its code, message and data, `outcome` its end."""
+
+    def __init__(self, node: str, outcome: str, failure: Any):
+        self.node, self.outcome, self.failure = node, outcome, failure
+        why = outcome if failure is None else f"{failure.code}: {failure.message}"
+        super().__init__(f"{node}: {why}")
+
+
 class HungError(GripError):
     """A node's code doesn't return. `where` is the function, `seconds` how long it was waited for."""
 

@@ -55,6 +55,9 @@ class Report:
 
     issues: tuple[Issue, ...]
 
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.issues)) or "nothing is wrong"
+
     @property
     def errors(self) -> tuple[Issue, ...]:
         """What keeps the task from running."""

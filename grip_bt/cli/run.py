@@ -98,6 +98,13 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     fast = "simulated seconds a second (default: as fast as it goes)"
     add("--pace", type=pace, action=_Given, metavar="X", help=fast)
     add = parser.add_argument_group("the simulated world").add_argument
+    add(
+        "--world",
+        default="",
+        action=_Given,
+        metavar="NAME|FILE",
+        help="in place of the project's; see `grip world list`",
+    )
     fault = "what goes wrong in it, as in its file: 'slip: {fault: drop, node: lift, chance: 0.3}'"
     add("--fault", dest="faults", action="append", default=[], metavar="NAME: {fault: KIND, ...}", help=fault)
     add("--video", type=Path, metavar="FILE.mp4", help="film it, 25 frames a second of simulated time; changes no run")
@@ -148,6 +155,7 @@ def options_of(args: argparse.Namespace) -> RunOptions:
         target=args.target,
         robot=args.robot,
         seed=args.seed,
+        world=args.world,
         pace=args.pace,
         faults=read_faults(args.faults),
         video=args.video and args.video.absolute(),

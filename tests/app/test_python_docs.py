@@ -3,15 +3,35 @@
 import contextlib
 import io
 import re
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import grip_bt
 
 PAGE = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
 FENCES = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+BUILT = """\
+grip: 1
+name: count
+data: {is_far: {type: bool, value: false}, n: {type: int, value: 0}}
+root:
+  kind: loop
+  while: not is_far
+  child:
+    sequence:
+      kind: sequence
+      children:
+        count: {node: flow/count, in: {count: n}, out: {count: n}}
+        far: {node: count/far, with: {limit: 3}, in: {n: n}, out: {far: is_far}}
+
+"""
 SAID = [
-    "Report(issues=())\nsuccess success 3 3\n",
+    "nothing is wrong\nsuccess success 3 3\n",
     "/ failure no_luck\nno_luck\n",
+    BUILT + "4\n",
+    "no_luck\n13 success\n",
+    "3\n",
     "success {'n': 1}\n",
 ]
 
@@ -20,8 +40,9 @@ def test_its_fences_run_in_order_and_say_what_the_page_says(tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     assert len(FENCES) == len(SAID)
     for fence, said in zip(FENCES, SAID, strict=True):
+        monkeypatch.setitem(sys.modules, "docs_page", page := ModuleType("docs_page"))
         with contextlib.redirect_stdout(io.StringIO()) as out:
-            exec(compile(fence, "docs/python.md", "exec"), {"__name__": "docs"})
+            exec(compile(fence, "docs/python.md", "exec"), vars(page))
         assert out.getvalue() == said
     assert (tmp_path / "count.svg").read_text().startswith("<svg")
 

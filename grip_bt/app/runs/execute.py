@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -13,6 +14,7 @@ from typing import Any, Literal
 
 from pydantic import TypeAdapter
 
+from grip_bt.app.building import catalogue_for, project_of
 from grip_bt.app.project.catalogue import catalogue_of
 from grip_bt.app.runs.resume import Restored, changes, kept_parts
 from grip_bt.app.wiring.parts import Progress, load_part, silent
@@ -38,6 +40,7 @@ from ..project.folder import Project, find_project
 from ..project.foreign_code import of_task, refuse
 from ..wiring.open import open_resources
 from ..wiring.parts import Opening, Resources, RobotKind
+from ..world import World, in_world
 from .mocks import apply_mocks, check_nodes, injected
 from .resume import ResumeRequest, policy_of, start_resumed
 
@@ -54,6 +57,7 @@ class RunOptions:
         target: behaviour tree or state machine.
         robot: simulated, fake parts that do as asked, or real controllers over ROS 2.
         seed: of the simulated world.
+        world: name or file of the world that is simulated in place of the project's; empty for that.
         pace: simulated seconds per second for watching; None for as fast as it goes.
         data: initial values for the task's variables.
         journal: where to write; None for the project's own.
@@ -75,6 +79,7 @@ class RunOptions:
     target: Target = "bt"
     robot: RobotKind = "sim"
     seed: int = 0
+    world: str = ""
     pace: float | None = None
     data: Mapping[str, Any] = field(default_factory=dict)
     journal: Path | None = None
@@ -95,7 +100,20 @@ class RunOptions:
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-_RECORDED = {"robot", "seed", "pace", "data", "rate", "watchdog", "mocks", "faults", "target", "stand_ins", "ticks"}
+_RECORDED = {
+    "robot",
+    "seed",
+    "world",
+    "pace",
+    "data",
+    "rate",
+    "watchdog",
+    "mocks",
+    "faults",
+    "target",
+    "stand_ins",
+    "ticks",
+}
 
 
 @dataclass
@@ -110,24 +128,23 @@ class Session:
     journal: Path
 
 
-def project_of(task: Task) -> Project:
-    """Return the project of the file that a task comes from; of a task that was made in Python, that of this folder."""
-    return find_project(task.file or Path.cwd())
-
-
-def check_task(path: str | Path | Task, text: str | None = None) -> tuple[Project, Document, Report]:
+def check_task(path: str | Path | Task, text: str | None = None, world: str = "") -> tuple[Project, Document, Report]:
     """Read a task file, or what its text was at another time, and check it against its project's nodes.
+
+    Args:
+        world: in place of the project's.
 
     Raises:
         DocumentError: it can't be read.
         InvalidTaskError: it is wrong; the error holds all issues.
     """
+    project = in_world(project_of(path) if isinstance(path, Task) else find_project(path), world)
     if isinstance(path, Task):
-        project, text, path = project_of(path), dumps(path), path.file or path.name
+        catalog, text, path = catalogue_for(path, project), dumps(path), path.file or path.name
     else:
-        project = find_project(path)
+        catalog = catalogue_of(project)
     document = read(Path(path)) if text is None else read_text(text, str(path))
-    report = validate(document.task, catalogue_of(project), document)
+    report = validate(document.task, catalog, document)
     report.raise_if_invalid(str(path))
     return project, document, report
 
@@ -153,9 +170,9 @@ def _compiled(
     if options.resume is not None and not isinstance(path, Task):
         with JournalReader(options.journal or find_project(path).journal) as reader:
             text = reader.run(options.resume.run).task_text
-    project, document, report = check_task(path, text)
+    project, document, report = check_task(path, text, options.world)
     check_inputs(document, options.data)
-    catalog = catalogue_of(project)
+    catalog = catalogue_for(path, project) if isinstance(path, Task) else catalogue_of(project)
     compile_task = to_machine if options.target == "sm" else to_tree
     task, factory = document.task, None
     if options.mocks:
@@ -323,22 +340,54 @@ def _filmed(resources: Resources, options: RunOptions) -> AbstractContextManager
     return resources.world.filmed(options.view, options.video, options.picture)
 
 
-def run(task: str | Path | Task, *, observer: Observer | None = None, **options: Any) -> RunResult:
+def run(
+    task: str | Path | Task, *, observer: Observer | None = None, world: str | World = "", **options: Any
+) -> RunResult:
     """Run a task to its end and return the result.
 
     Args:
         task: a task, its file, or code that makes a tree of py_trees: `module:function`, `file.py:function`, `file.py`.
         observer: told of what the nodes do, after the journal.
+        world: that is simulated in place of the project's: a name, a file, or one that was made in Python.
         **options: see `RunOptions`: target, robot, seed, pace, data, journal, ticks.
 
     Raises:
         DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
         GripError: a part of the robot, or a component, can't be started.
     """
-    with open_session(task, RunOptions(**options)) as session:
+    return _run(task, observer, world, options, lambda runner: None)
+
+
+def _run(
+    task: str | Path | Task,
+    observer: Observer | None,
+    world: str | World,
+    options: Mapping[str, Any],
+    begins: Callable[[Runner], object],
+) -> RunResult:
+    if isinstance(world, World):  # kept, since the run may be resumed
+        project = project_of(task) if isinstance(task, Task) else find_project(task)
+        world = str(world.kept_in(project.state_folder / "worlds"))
+    with open_session(task, RunOptions(world=world, **options)) as session:
         if observer is not None:
             session.runner.observe(observer)
+        begins(session.runner)
         return session.runner.run()
+
+
+async def run_async(
+    task: str | Path | Task, *, observer: Observer | None = None, world: str | World = "", **options: Any
+) -> RunResult:
+    """Run a task like `run`, in a thread; who cancels this stops the run, and waits until the robot holds."""
+    running: list[Runner] = []
+    work = asyncio.get_running_loop().run_in_executor(None, _run, task, observer, world, options, running.append)
+    try:
+        return await asyncio.shield(work)
+    except asyncio.CancelledError:
+        for runner in running:
+            runner.stop()
+        await asyncio.wait([work])
+        raise
 
 
 def make_room(file: Path, limit: int, give_back: bool = False) -> Pruned:
