@@ -158,15 +158,24 @@ def _doctor(grip: Path, work: Path, around: Surroundings) -> str:
 
 def recording(grip: Path, work: Path, around: Surroundings) -> str:
     """Export a run for Foxglove."""
+    return _exported(grip, work, around, "mcap", b"\x89MCAP")
+
+
+def rerun(grip: Path, work: Path, around: Surroundings) -> str:
+    """Export a run for Rerun."""
+    return _exported(grip, work, around, "rerun", b"RRF2")
+
+
+def _exported(grip: Path, work: Path, around: Surroundings, to: str, begins: bytes) -> str:
     _told(grip, work, around, "new", "lab")
     _told(grip, work / "lab", around, "run", "tasks/first.yaml", "--robot", "fake")
     run = re.search(r"\b\d{8}-\d{6}-\w+", _told(grip, work / "lab", around, "runs"))
     if run is None:
         raise SmokeError("grip runs lists no run")
-    _told(grip, work / "lab", around, "runs", run.group(), "--to", "mcap", "-o", "run.mcap")
-    if not (work / "lab/run.mcap").read_bytes().startswith(b"\x89MCAP"):
-        raise SmokeError("run.mcap isn't one")
-    return "grip runs --to mcap"
+    _told(grip, work / "lab", around, "runs", run.group(), "--to", to, "-o", f"run.{to}")
+    if not (work / f"lab/run.{to}").read_bytes().startswith(begins):
+        raise SmokeError(f"run.{to} isn't one")
+    return f"grip runs --to {to}"
 
 
 def everything(grip: Path, work: Path, around: Surroundings) -> str:
@@ -180,7 +189,7 @@ def everything(grip: Path, work: Path, around: Surroundings) -> str:
 
 SMOKES: Mapping[str, Callable[[Path, Path, Surroundings], str]] = {
     "": bare,
-    **{part.__name__: part for part in (motion, robots, analytic, vision, sim, ros, recording)},
+    **{part.__name__: part for part in (motion, robots, analytic, vision, sim, ros, recording, rerun)},
     "all": everything,
 }
 """Extra -> what tries it; returns what was seen."""

@@ -84,6 +84,7 @@ EXTRAS = {
     " rosidl_generator_py rosidl_generator_type_description rosidl_parser rosidl_typesupport_c sensor_msgs shape_msgs"
     " rosidl_typesupport_fastrtps_c rosidl_typesupport_introspection_c std_msgs trajectory_msgs unique_identifier_msgs",
     "recording": "mcap",
+    "rerun": "rerun",
     "analytic": "eaik",
 }
 """Extra of our installation -> the packages that it brings, by what is imported."""

@@ -18,6 +18,8 @@ from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import DepthImage, Grasp, Image, PointCloud, Pose, RgbdFrame
 from grip_bt.runtime import Event, JournalReader, RunRecord
 
+from .export_rerun import write_rerun
+
 Message = tuple[str, dict[str, Any]]
 
 _TIME = {
@@ -112,11 +114,11 @@ COLUMNS = ("seq", "t", "wall", "path", "event", "outcome", "code", "data", "mean
 
 
 def export_run(reader: JournalReader, run: str, file: Path, to: str) -> int:
-    """Write the events of a run to a file as `jsonl`, `csv` or `mcap`; return how many there were.
+    """Write the events of a run to a file as `jsonl`, `csv`, `mcap` or `rerun`; return how many there were.
 
     Raises:
         UnknownNameError: there is no such run or format.
-        MissingPartError: `mcap` isn't installed.
+        MissingPartError: the library for the format isn't installed.
         DocumentError: the file can't be written.
     """
     if to not in FORMATS:
@@ -228,4 +230,5 @@ FORMATS: dict[str, Callable[[JournalReader, RunRecord, Path], AbstractContextMan
     "jsonl": _jsonl,
     "csv": _csv,
     "mcap": _mcap,
+    "rerun": write_rerun,
 }

@@ -129,6 +129,13 @@ class RobotModel:
             pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
             return Pose.from_matrix(self.data.oMf[frame].homogeneous)
 
+    def link_poses(self, *states: JointState) -> dict[str, Pose]:
+        """Return where each link is in world."""
+        bodies = [(k, frame.name) for k, frame in enumerate(self.model.frames) if frame.type == pin.FrameType.BODY]
+        with self._lock:
+            pin.framesForwardKinematics(self.model, self.data, self.configuration(*states))
+            return {name: Pose.from_matrix(self.data.oMf[k].homogeneous) for k, name in bodies}
+
     def named_states_of(self, group: str) -> Mapping[str, JointState]:
         return self.description.named_states.get(group, {})
 
