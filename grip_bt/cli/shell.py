@@ -30,6 +30,7 @@ VERBS = {
     "launch": "run and supervise a launch file or a project's processes",
     "sim": "serve the simulator as a ROS 2 robot: joints, controllers, cameras",
     "messages": "manage named joint states, poses, grasps ...: serve, list, show, add, watch, reset",
+    "serve": "offer a project's tasks to other ROS 2 software: an action and services",
     "edit": "show a project's tasks in a browser, run them, and replay runs",
     "runs": "list the runs of a project, or export one of them",
     "bench": "run a campaign: tasks on many seeds; compare them",

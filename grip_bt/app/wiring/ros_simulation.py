@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Iterator, Mapping
@@ -17,8 +16,7 @@ from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.scene_file import scene_text
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.interfaces.build import ensure_package
-from grip_bt.ros.interfaces.packages import child_paths
+from grip_bt.ros.interfaces.build import shell_setup
 from grip_bt.ros.served import (
     CameraPublisher,
     ClockPublisher,
@@ -126,7 +124,13 @@ def serve_world(
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
         yield Served(
-            simulation, joints, actions, cameras, mounts, scene_text("room", room_of(simulation.spec)), shell_setup()
+            simulation,
+            joints,
+            actions,
+            cameras,
+            mounts,
+            scene_text("room", room_of(simulation.spec)),
+            shell_setup("control_msgs", "tf2_msgs"),
         )
 
 
@@ -181,17 +185,6 @@ def _mount(simulation: Simulation, project: Project, name: str) -> dict[str, Any
 
 def _camera_of(simulation: Simulation, project: Project, name: str) -> CameraSpec:
     return next(each for each in simulation.spec.cameras if each.name == project.file.sensors[name].camera)
-
-
-def shell_setup() -> str:
-    """Return what a shell sources for its programs to find the interfaces that are served, and only this machine."""
-    paths = child_paths([root for package in ("control_msgs", "tf2_msgs") for root in ensure_package(package)])
-    lines = ["# What is served here: source this in the shell of a client."]
-    for variable, folders in paths.items():
-        given = os.pathsep.join(str(folder) for folder in dict.fromkeys(folders))
-        lines += [f'export {variable}="{given}${{{variable}:+:${variable}}}"'] if given else []
-    settings = {name: os.environ.get(name, "") for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")}
-    return "\n".join([*lines, *(f"export {name}={value}" for name, value in settings.items() if value), ""])
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from pathlib import Path
 
 from grip_bt.base.errors import NotWritableError, UnknownNameError
 from grip_bt.ros.interfaces.definition import check_package
-from grip_bt.ros.interfaces.packages import Package, activate, find_packages, search_path, share_folder
+from grip_bt.ros.interfaces.packages import Package, activate, child_paths, find_packages, search_path, share_folder
 
 from .compiler import compile_sources, compilers, install_package
 from .generate import generate
@@ -195,3 +195,14 @@ def ensure_package(package: str, cache: Path | None = None) -> list[Path]:
                 prefixes.insert(0, built.prefix)
         _provided[package] = prefixes
         return list(prefixes)
+
+
+def shell_setup(*packages: str) -> str:
+    """Return what a shell sources for its programs to find the interfaces that are served, and only this machine."""
+    paths = child_paths([root for package in packages for root in ensure_package(package)])
+    lines = ["# What is served here: source this in the shell of a client."]
+    for variable, folders in paths.items():
+        given = os.pathsep.join(str(folder) for folder in dict.fromkeys(folders))
+        lines += [f'export {variable}="{given}${{{variable}:+:${variable}}}"'] if given else []
+    settings = {name: os.environ.get(name, "") for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")}
+    return "\n".join([*lines, *(f"export {name}={value}" for name, value in settings.items() if value), ""])
