@@ -38,22 +38,21 @@ def test_other_software_lists_runs_pauses_and_stops_tasks(own_domain: int, tmp_p
     (tmp_path / "tasks" / "broken.yaml").write_text("grip: 1\nname: [\n")
     setup = tmp_path / "setup.bash"
     command = [sys.executable, "-m", "grip_bt.cli", "serve", ".", "--robot", "fake", "--managed", "--setup", str(setup)]
-    server = subprocess.Popen(
+    with subprocess.Popen(
         command, cwd=tmp_path, env=child_environment((), own_domain), stdout=subprocess.PIPE, text=True
-    )
-    try:
-        assert server.stdout is not None
-        assert "serving 4 tasks" in server.stdout.readline()
-        clean = {name: os.environ[name] for name in ("PATH", "HOME")}  # a shell that has sourced nothing
-        asked = subprocess.run(
-            ["bash", "-c", f'source "{setup}"; exec "{sys.executable}" "{CLIENT}"'],
-            env=clean,
-            capture_output=True,
-            text=True,
-        )
-    finally:
-        server.terminate()
-        server.wait()
+    ) as server:
+        try:
+            assert server.stdout is not None
+            assert "serving 4 tasks" in server.stdout.readline()
+            clean = {name: os.environ[name] for name in ("PATH", "HOME")}  # a shell that has sourced nothing
+            asked = subprocess.run(
+                ["bash", "-c", f'source "{setup}"; exec "{sys.executable}" "{CLIENT}"'],
+                env=clean,
+                capture_output=True,
+                text=True,
+            )
+        finally:
+            server.terminate()
     assert asked.returncode == 0, asked.stderr
     seen = json.loads(asked.stdout.splitlines()[-1])
     assert (seen["before"], seen["managed"], seen["after"]) == (False, [True, True], False)
