@@ -7,7 +7,7 @@ from typing import Any
 
 from grip_bt.formats.blackboard import key_of
 
-from .drafts import ElementReader, Keys, NodeDraft, container, failing, named, sequence_of, switch
+from .drafts import ElementReader, Keys, NodeDraft, container, named, switch
 
 Reader = Callable[[ElementReader], NodeDraft]
 
@@ -24,9 +24,14 @@ def _series(kind: str, memory: bool) -> Reader:
     return read
 
 
-def by_its_rules(here: ElementReader) -> NodeDraft:
-    """Leave a node to the control node that follows its rules."""
-    here.unequal("")
+def by_its_rules(least: int = 1, most: int = 10_000) -> Reader:
+    """Return what leaves a node with so many children to the control node that follows its rules."""
+
+    def read(here: ElementReader) -> NodeDraft:
+        here.children(least, most)
+        here.unequal("")
+
+    return read
 
 
 def _parallel(here: ElementReader) -> NodeDraft:
@@ -65,36 +70,6 @@ def _threshold(here: ElementReader, port: str, default: str, count: int) -> int:
     if not 1 <= number <= count:
         here.unequal(f"`{port}` is {said}, and there are {count} children")
     return number
-
-
-def _if_then_else(here: ElementReader) -> NodeDraft:
-    children = here.children(2, 3)
-    condition, then = children[0], children[1]
-    if condition.skips:
-        here.unequal("its condition may be skipped, which is an error in BT.CPP")
-    parts = dict(list(named(children).items())[:2])
-    inner = container("sequence", parts, here.meaning)
-    if len(children) == 2:
-        return inner
-    if then.may("failure"):
-        inner.keys["outcomes"] = {**inner.keys.get("outcomes", {}), "then_failed": "failure"}
-        inner.keys["exits"] = {**inner.keys.get("exits", {}), f"{list(parts)[1]}.failure": "then_failed"}
-    made = container("fallback", {"then": inner, "else": children[2]}, here.meaning)
-    if then.may("failure"):
-        made.keys["exits"] = {**made.keys.get("exits", {}), "then.then_failed": "failure"}
-    return made
-
-
-def _while_do_else(here: ElementReader) -> NodeDraft:
-    children = here.children(2, 3)
-    condition = children[0]
-    if condition.skips:
-        here.unequal("its condition may be skipped")
-    if not condition.instant:
-        here.unequal("its condition may take several ticks, in which the running child isn't ticked")
-    if len(children) == 3:
-        here.unequal("")
-    return container("sequence", named(children), here.meaning, memory=False)
 
 
 def _switch(cases: int) -> Reader:
@@ -139,27 +114,17 @@ def _case(text: str, kind: str) -> Any:
     return text if number is None or kind == "str" else [text, number]
 
 
-def _try_catch(here: ElementReader) -> NodeDraft:
-    children = here.children(2, meaning="success")
-    tried = children[:-1]
-    if here.attributes.get("catch_on_halt", "false") not in ("false", "0"):
-        here.unequal("`catch_on_halt` runs a node while everything is halted")
-    if all(child.skips for child in tried):
-        here.unequal("all of its children but the last may be skipped")
-    return container("fallback", {"try": sequence_of(tried, "try"), "catch": failing("do", children[-1])})
-
-
 CONTROLS: dict[str, tuple[Reader, tuple[str, ...]]] = {
     "Sequence": (_series("sequence", True), ()),
     "Fallback": (_series("fallback", True), ()),
     "ReactiveSequence": (_series("sequence", False), ()),
     "ReactiveFallback": (_series("fallback", False), ()),
-    **dict.fromkeys(("AsyncSequence", "AsyncFallback", "SequenceWithMemory", "SequenceStar"), (by_its_rules, ())),
+    **dict.fromkeys(("AsyncSequence", "AsyncFallback", "SequenceWithMemory", "SequenceStar"), (by_its_rules(), ())),
     "Parallel": (_parallel, ("success_count", "failure_count")),
     "ParallelAll": (_parallel_all, ("max_failures",)),
-    "IfThenElse": (_if_then_else, ()),
-    "WhileDoElse": (_while_do_else, ()),
-    "TryCatch": (_try_catch, ("catch_on_halt",)),
+    "IfThenElse": (by_its_rules(2, 3), ()),
+    "WhileDoElse": (by_its_rules(2, 3), ()),
+    "TryCatch": (by_its_rules(2), ("catch_on_halt",)),
     **{f"Switch{n}": (_switch(n), ("variable", *(f"case_{i}" for i in range(1, n + 1)))) for n in range(2, 7)},
 }
 """Tag -> its reader and its ports."""

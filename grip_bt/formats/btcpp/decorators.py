@@ -112,7 +112,7 @@ def _loop(type_name: str) -> Reader:
 
 
 DECORATORS: dict[str, tuple[Reader, tuple[str, ...]]] = {
-    **dict.fromkeys(("SkipUnlessUpdated", "WaitValueUpdate"), (by_its_rules, ("entry",))),
+    **dict.fromkeys(("SkipUnlessUpdated", "WaitValueUpdate"), (by_its_rules(1, 1), ("entry",))),
     "Inverter": (_around("invert"), ()),
     "ForceSuccess": (_around("force", **{"as": "success"}), ()),
     "ForceFailure": (_around("force", **{"as": "failure"}), ()),

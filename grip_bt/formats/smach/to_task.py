@@ -27,12 +27,11 @@ from .leaves import NEXT_ITEM, OBEYED, Leaves
 from .userdata import (
     Keys,
     Variables,
-    VariableSharing,
     as_machine,
-    copied_in,
     copy_in_first,
     copy_out_last,
     mark_unwritten,
+    private_keys,
 )
 
 Ends = Mapping[str, str]
@@ -46,18 +45,13 @@ class TaskMaker:
 
     def __init__(self, root: ContainerInfo, name: str, leaves: Leaves):
         self.root, self.name, self.leaves = root, name, leaves
-        self.variables, self.sharing = Variables(), VariableSharing()
-        self.own: set[tuple[ContainerInfo, str]] = set()
+        self.variables = Variables()
 
     def make(self) -> Task | None:
         """Return the task; None when the container can't be imported, with the reason among its issues."""
         specs = dict(self.leaves.specs)
         try:
             node, ends = self._root()
-            while more := self.sharing.copied_out(self._initial()) - self.own:
-                self.own |= more  # again, now that it is known which keys have to be copied
-                self.variables, self.sharing, self.leaves.specs = Variables(), VariableSharing(), dict(specs)
-                node, ends = self._root()
         except RefusedError as error:
             one_leaf = self.may_be_one_leaf and self.root.outcomes and self.leaves.source(self.root)
             if self.root.verdict == "failed" or not one_leaf:
@@ -65,10 +59,9 @@ class TaskMaker:
                     self.root.problem("failed", str(error))
                 return None
             self.root.problem("partial", f"imported as one leaf that runs the original container: {error}")
-            self.variables, self.sharing, self.leaves.specs = Variables(), VariableSharing(), specs
+            self.variables, self.leaves.specs = Variables(), specs
             whole = Child(label=self.name, state=self.root, transitions={}, remapping={}, span=self.root.span)
             node, ends = self._leaf(self.root, whole, Keys(self.variables, self.name), {})
-        self.sharing.check(self._initial())
         outcomes = meanings(self.root, self.leaves.meanings)
         if guessed := self.leaves.meanings.guessed(self.root.outcomes or ()):
             self.root.problem(
@@ -84,9 +77,6 @@ class TaskMaker:
         for key in self.root.input_keys:
             keys(key)
         return self.container(self.root, keys)
-
-    def _initial(self) -> set[str]:
-        return {*self.variables.values, *self.variables.first}
 
     def container(self, found: ContainerInfo, keys: Keys) -> tuple[Any, Ends]:
         """Return a container as a node, and what its outcomes stand for; refuse one that has no equivalent."""
@@ -122,7 +112,6 @@ class TaskMaker:
         node, ends = self.child(found, added, keys, raw=True)
         position = self.variables.new("position", task_name(found.cls))
         item = keys(plan.label)
-        self.sharing.wrote({item})
         on, steps = {here: task_name(plan.final[there]) for here, there in ends.items() if there in plan.final}, {}
         for number, (target, loops) in enumerate(plan.interrupted() or [(plan.exhausted, [])]):
             step = free("next" if not number else f"next {number + 1}", means)
@@ -179,19 +168,16 @@ class TaskMaker:
             found.issues += [issue for issue in state.issues if issue not in found.issues]
             return self._leaf(found, added, keys, remapping)
         shared = {k: keys(remapping.get(k, k)) for k in (*state.input_keys, *state.output_keys)}
-        own = {k for k, name in shared.items() if (state, k) in self.own and name not in self.variables.first}
-        own |= {k for k in copied_in(state) if shared[k] not in self.variables.first}
-        copied = {k: shared[k] for k in state.input_keys if k in own}
-        out = {k: shared[k] for k in state.output_keys if (state, k) in self.own}
-        shared = {k: name for k, name in shared.items() if k not in own and k not in out}
+        own = private_keys(found, added, shared)
+        for key in (k for k in state.input_keys if k in own and shared[k] in self.variables.first):
+            own.discard(key)  # what a task can't hold isn't there to be copied before a leaf asks for it
+            state.problem("partial", f"userdata `{key}` is a copy in SMACH; the task has one variable, `{shared[key]}`")
+        copied, out = ({k: shared[k] for k in ks if k in own} for ks in (state.input_keys, state.output_keys))
         before = dict(self.variables.names), dict(self.leaves.specs)
-        writes = list(self.sharing.writes)
         try:
-            self.sharing.chain.append(state)
-            inner = Keys(self.variables, task_name(added.label), shared)
+            inner = Keys(self.variables, task_name(added.label), {k: v for k, v in shared.items() if k not in own})
             node, ends = self.container(state, inner)
-            self.sharing.shared.append((state, shared))
-            if (copied or out) and not isinstance(node, StateMachine):
+            if own and not isinstance(node, StateMachine):
                 node = as_machine(
                     node,
                     {here: task_name(there) for here, there in ends.items()},
@@ -199,18 +185,14 @@ class TaskMaker:
                 )
                 ends = {task_name(o): o for o in state.outcomes or ()}
             if out:
-                self.sharing.wrote_outside(set(out.values()))
                 node = copy_out_last(node, out, inner, self.leaves)
             return (copy_in_first(node, copied, inner, self.leaves) if copied else node), ends
         except RefusedError as error:
-            self.sharing.writes = writes
             self.variables.names, self.leaves.specs = before
             runs = bool(self.leaves.source(state))
             state.issues = [i for i in state.issues if not runs or i.severity != "error"]
             as_leaf = "imported as one leaf that runs the original container" if runs else "left out of the task"
             state.problem("partial" if runs else "failed", f"{as_leaf}: {error}")
-        finally:
-            self.sharing.chain.pop()
         return self._leaf(found, added, keys, remapping)
 
     def _leaf(self, found: ContainerInfo, added: Child, keys: Keys, remapping: Mapping[str, str]) -> tuple[Leaf, Ends]:
@@ -220,7 +202,6 @@ class TaskMaker:
             inputs = outputs = list(remapping)
         bound = {key: keys(remapping.get(key, key)) for key in (*inputs, *outputs)}
         first = {k: (v, text) for k in inputs if (v := bound[k]) in self.variables.first and (text := self._first(v))}
-        self.sharing.wrote({bound[key] for key in outputs})
         spec = self.leaves.add(state, added.label, outcomes, (inputs, outputs), first)
         ends = {task_name(o): o for o in outcomes}
         renamed = {here: there for here, there in ends.items() if here != there}

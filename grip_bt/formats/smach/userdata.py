@@ -6,7 +6,7 @@ never cleared, so the variables belong to the task and not to the containers.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from grip_bt.formats.names import free
@@ -14,7 +14,7 @@ from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
 
-from .found import ContainerInfo, Value
+from .found import Child, ContainerInfo, Value
 from .leaves import Leaves
 
 _LARGEST = 2**63
@@ -85,78 +85,35 @@ def plain_literal(value: Value) -> object:
     return value.value
 
 
-@dataclass
-class VariableSharing:
-    """Who writes which variable, and which keys of nested containers are variables of their parents.
+def private_keys(outer: ContainerInfo, added: Child, names: Mapping[str, str]) -> set[str]:
+    """Return the keys of a container in another that need variables of their own; `names`: key -> the outer variable.
 
-    `chain`: the containers around what is being made, as `writes` has them with the variables that a leaf writes.
+    That SMACH copies shows where a key is written inside and doesn't come out, where one only comes out and something
+    else may write it outside, and where two are one outside.
     """
-
-    chain: list[ContainerInfo] = field(default_factory=list)
-    writes: list[tuple[tuple[ContainerInfo, ...], set[str]]] = field(default_factory=list)
-    shared: list[tuple[ContainerInfo, Mapping[str, str]]] = field(default_factory=list)
-
-    def wrote(self, variables: set[str]) -> None:
-        """Note what a leaf of the innermost container writes."""
-        self.writes.append((tuple(self.chain), variables))
-
-    def wrote_outside(self, variables: set[str]) -> None:
-        """Note what the innermost container writes as a whole."""
-        self.writes.append((tuple(self.chain[:-1]), variables))
-
-    def check(self, initial: set[str]) -> None:
-        """Note a problem for each key whose copies make a difference; `initial` variables have a value at first."""
-        for found, key, text, _ in self._conflicts(initial):
-            found.problem("partial", f"userdata `{key}` {text}")
-
-    def copied_out(self, initial: set[str]) -> set[tuple[ContainerInfo, str]]:
-        """Return the keys of containers that need a variable of their own, copied out at the end."""
-        return {(found, key) for found, key, _, out in self._conflicts(initial) if out}
-
-    def _conflicts(self, initial: set[str]) -> Iterator[tuple[ContainerInfo, str, str, bool]]:
-        """Yield container, key, what is wrong, and whether a variable of its own needs_copy it."""
-        for found, names in self.shared:
-            reads, writes = _inside(found)
-            for key, variable in names.items():
-                conflict = self._conflict(found, key, variable, reads, writes, initial)
-                twins = sorted(k for k, v in names.items() if v == variable)
-                if not conflict and len(twins) > 1 and writes & set(twins):
-                    conflict = f"and {[k for k in twins if k != key]} are one key of the parent: SMACH keeps them apart"
-                if conflict:
-                    needs_copy = len(twins) > 1 or (key in found.output_keys and key not in found.input_keys)
-                    yield found, key, f"{conflict}; the task has one shared variable, `{variable}`", needs_copy
-
-    def _conflict(
-        self, found: ContainerInfo, key: str, variable: str, reads: set[str], writes: set[str], initial: set[str]
-    ) -> str:
+    found, remapping = added.state, _remapping(outer, added)
+    assert isinstance(found, ContainerInfo), "states have no variables"
+    beside = {*outer.input_keys, *outer.userdata, *_written(outer, but=added)}
+    writes, private = _written(found), set()
+    for key, variable in names.items():
         comes, goes = key in found.input_keys, key in found.output_keys
-        if comes and not goes and key in writes:
-            return f"is an input but no output, and a state writes it: SMACH discards that when the {found.kind} ends"
-        if goes and not comes:
-            others = any(found not in chain and variable in written for chain, written in self.writes)
-            if others:
-                return f"is an output but no input, and is written elsewhere: SMACH keeps the {found.kind}'s own value"
-            if key in reads and variable in initial:
-                return f"is an output but no input, and a state reads it: SMACH shows what the {found.kind} has written"
-        return ""
+        twins = {other for other, name in names.items() if name == variable}
+        kept = remapping.get(key, key) in beside if goes else key in writes
+        if (kept and not (comes and goes)) or (len(twins) > 1 and writes & twins):
+            private.add(key)
+    return private
 
 
-def copied_in(found: ContainerInfo) -> list[str]:
-    """Return the keys of a machine that need a variable of their own: they come in and not out, and are written."""
-    writes = _inside(found)[1]
-    return [key for key in found.input_keys if key in writes and key not in found.output_keys]
-
-
-def _inside(found: ContainerInfo) -> tuple[set[str], set[str]]:
-    reads: set[str] = set()
-    writes: set[str] = set()
+def _written(found: ContainerInfo, but: Child | None = None) -> set[str]:
+    writes = {str(found.settings["it_label"])} if found.kind == "Iterator" else set()
     for added in found.added.values():
-        remapping = {} if found.kind == "Iterator" else added.remapping
-        reads |= {remapping.get(key, key) for key in added.state.input_keys}
-        writes |= {remapping.get(key, key) for key in added.state.output_keys}
-    if found.kind == "Iterator":
-        writes.add(str(found.settings.get("it_label", "it_data")))
-    return reads, writes
+        if added is not but:
+            writes |= {_remapping(found, added).get(key, key) for key in added.state.output_keys}
+    return writes
+
+
+def _remapping(found: ContainerInfo, added: Child) -> Mapping[str, str]:
+    return {} if found.kind == "Iterator" else added.remapping
 
 
 def mark_unwritten(node: AnyNode, missing: set[str]) -> AnyNode:
