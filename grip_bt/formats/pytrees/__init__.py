@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from grip_bt.base.errors import GripError
+from grip_bt.base.interpreter import python_command
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
-from grip_bt.formats.child_process import TIMEOUT, last_json
 from grip_bt.formats.imported import Imported, ImportRefusedError, Request
 from grip_bt.nodes.tree_code import is_tree_code
 from grip_bt.task import Task
@@ -16,6 +21,9 @@ from .tree import to_task
 from .xml import from_xml, to_xml
 
 __all__ = ["from_xml", "import_from_code", "read", "to_task", "to_xml"]
+
+TIMEOUT = 60.0
+"""How long [s] somebody's code may take."""
 
 
 def read(request: Request) -> Imported:
@@ -45,14 +53,29 @@ def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT, *, as_i
         ImportRefusedError: behaviours of the tree have no equivalent in a task.
         GripError: the code can't be imported, fails, takes too long, or gives something else than a tree.
     """
-    words = [where, "as_it_is"] if as_it_is else [where]
-    answer = last_json(f"{__name__}.executed", words, [folder.resolve()], timeout)
-    if answer.data is None:
-        if answer.status is None:
-            raise GripError(f"{where}: no tree was built in {timeout:g} s; give a factory that only builds")
-        words = answer.stderr.strip().splitlines()[-1:] or ["it said nothing"]
-        raise GripError(f"{where}: its process ended with status {answer.status}: {words[0]}")
-    told = answer.data
+    command = python_command("-m", f"{__name__}.executed", where, *(["as_it_is"] if as_it_is else []))
+    paths = os.pathsep.join([*filter(None, sys.path), str(folder.resolve())])
+    files = TemporaryFile("w+", errors="replace"), TemporaryFile("w+", errors="replace")
+    with files[0] as output, files[1] as words:  # no pipes, which what the code has started may keep open
+        try:
+            done = subprocess.run(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=words,
+                timeout=timeout,
+                env={**os.environ, "PYTHONPATH": paths},
+            )
+        except subprocess.TimeoutExpired:
+            why = f"no tree was built in {timeout:g} s; give a factory that only builds"
+            raise GripError(f"{where}: {why}") from None
+        output.seek(0)
+        words.seek(0)
+        said = [line for line in output if line.startswith("{")]
+        last = words.read().strip().splitlines()[-1:] or ["it said nothing"]
+    if not said:
+        raise GripError(f"{where}: its process ended with status {done.returncode}: {last[0]}")
+    told = json.loads(said[-1])
     if "error" in told:
         raise GripError(f"{where}: {told['error']}")
     if "refused" in told:

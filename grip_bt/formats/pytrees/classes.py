@@ -232,6 +232,37 @@ ENDS = {
 """What the leaves that behaviours of py_trees become can end with."""
 
 
+def class_for(node: model.AnyNode) -> tuple[str, dict[str, object]] | None:
+    """Return the class of py_trees that does what a container does, and its settings; None where no class does."""
+    match node:
+        case model.Sequence() | model.Fallback():
+            return ("Selector" if node.kind == "fallback" else "Sequence"), {"memory": node.memory}
+        case model.Retry(times=times):
+            return ("FailureIsRunning", {}) if times is None else ("Retry", {"num_failures": times})
+        case model.Repeat(times=times):
+            return "Repeat", {"num_success": times or -1}
+        case model.Timeout(seconds=seconds, child_first=True):
+            return "Timeout", {"duration": seconds}
+        case model.Guard(if_="true"):
+            return "PassThrough", {}
+        case model.Invert():
+            return "Inverter", {}
+        case model.Force(as_=forced):
+            return ("FailureIsSuccess" if forced == "success" else "SuccessIsFailure"), {}
+    return None
+
+
+SAID: dict[type, tuple[str, ...]] = {
+    **dict.fromkeys((model.Sequence, model.Fallback), ("memory",)),
+    **dict.fromkeys((model.Retry, model.Repeat), ("times",)),
+    model.Timeout: ("seconds", "child_first"),
+    model.Guard: ("if_",),
+    model.Invert: (),
+    model.Force: ("as_",),
+}
+"""What `class_for` looks at."""
+
+
 def from_document(behaviour: Behaviour | None, document: model.AnyNode) -> dict[str, object]:
     """Return a node's keys without children, as its document has them and as they were changed on the behaviour."""
     keys = document.model_dump(by_alias=True, exclude_unset=True, exclude={"children", "child"})

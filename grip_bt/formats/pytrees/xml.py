@@ -37,7 +37,7 @@ from grip_bt.formats.xml_trees import (
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog, Manifest
 
-from .classes import NodeSettings, convert_behaviour
+from .classes import SAID, NodeSettings, class_for, convert_behaviour
 from .tree import Reader, imported
 
 _POLICIES: dict[str, Callable[[], ParallelPolicy.Base]] = {
@@ -186,13 +186,8 @@ _TARGET, _HIDDEN = "py_trees' XML", "__DOT__"
 """`_HIDDEN` is what py_trees writes for a dot in a constant; a text that holds it would come back changed."""
 _FIELDS: dict[type, tuple[str, ...]] = {
     model.Leaf: ("node", "with_", "in_", "out"),
-    **dict.fromkeys((model.Sequence, model.Fallback), ("memory",)),
     model.Parallel: ("policy", "cancel"),
-    **dict.fromkeys((model.Retry, model.Repeat), ("times",)),
-    model.Timeout: ("seconds", "child_first"),
-    model.Guard: ("if_",),
-    model.Invert: (),
-    model.Force: ("as_",),
+    **SAID,
 }
 
 
@@ -255,26 +250,14 @@ def _tag_of(part: Part, node: model.AnyNode) -> tuple[str, dict[str, str]]:
             what = f"{min(both)!r}, which is more than one port or parameter,"
         case model.Leaf():
             return node.node.replace("/", "."), leaf_attributes(part, node, _text, _TARGET)
-        case model.Sequence() | model.Fallback():
-            return ("Selector" if node.kind == "fallback" else "Sequence"), {"memory": str(node.memory).lower()}
         case model.Parallel():
             return "Parallel", {"policy": _policy(part, node)}
-        case model.Retry(times=attempts):
-            return ("FailureIsRunning", {}) if attempts is None else ("Retry", {"num_failures": str(attempts)})
-        case model.Repeat(times=times):
-            return "Repeat", {"num_success": str(times or -1)}
-        case model.Timeout(seconds=seconds, child_first=True):
-            return "Timeout", {"duration": str(seconds)}
-        case model.Timeout():
+        case model.Timeout(child_first=False):
             what = "a timeout that looks at the clock before its child (py_trees' looks after it: `child_first: true`)"
-        case model.Guard(if_="true"):
-            return "PassThrough", {}
-        case model.Guard():
+        case _ if found := class_for(node):
+            return found[0], {name: str(value).lower() for name, value in found[1].items()}
+        case _:
             what = "a guard"
-        case model.Invert():
-            return "Inverter", {}
-        case model.Force(as_=forced):
-            return ("FailureIsSuccess" if forced == "success" else "SuccessIsFailure"), {}
     raise NotExpressibleError(part.path, what, _TARGET)
 
 

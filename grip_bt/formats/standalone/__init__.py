@@ -10,6 +10,7 @@ from grip_bt.base.errors import NotExpressibleError
 from grip_bt.compilers.resolve import Part, Resolved, resolve
 from grip_bt.compilers.scopes import UNSET
 from grip_bt.formats.python_source import Bracketed, Raw, call, comment, literal, remarked, statement, template
+from grip_bt.formats.pytrees.classes import SAID, class_for
 from grip_bt.formats.standalone.builder import ORDER, TARGET, ModuleBuilder, asks_for_codes, is_fresh
 from grip_bt.formats.standalone.leaves import foreign, function_of, is_file, leaf, manifest_text, needs_grip, value_of
 from grip_bt.formats.xml_trees import require_expressible
@@ -18,15 +19,7 @@ from grip_bt.task.catalog import AllowedImports, Catalog
 from grip_bt.task.parts import Edges
 
 _COMMON = ("precondition", "on", "x", "data", "outcomes")
-_OWN: dict[type, tuple[str, ...]] = {
-    **dict.fromkeys((model.Sequence, model.Fallback), ("memory",)),
-    model.Parallel: ("retick", "order"),
-    **dict.fromkeys((model.Retry, model.Repeat), ("times",)),
-    model.Timeout: ("seconds", "child_first"),
-    model.Guard: ("if_",),
-    model.Invert: (),
-    model.Force: ("as_",),
-}
+_OWN = {**SAID, model.Parallel: ("retick", "order")}
 """Kinds that py_trees has too, and what its classes can say of them."""
 
 
@@ -71,29 +64,19 @@ def _of_py_trees(part: Part, builder: ModuleBuilder) -> tuple[str, dict[str, obj
         require_expressible(part.path, node, (*_OWN.get(type(node), ()), *_COMMON), TARGET)
     except NotExpressibleError:
         return None
-    found: tuple[str, dict[str, object]] | None = None
     match node:
-        case model.Sequence() | model.Fallback():
-            found = "composites.Selector" if node.kind == "fallback" else "composites.Sequence", {"memory": node.memory}
         case model.Parallel(retick=retick):
             again = "synchronise=False" if retick else ""
             policy = Raw(f"py_trees.common.ParallelPolicy.SuccessOnAll({again})")
-            found = "composites.Parallel", {"policy": policy}
-        case model.Retry(times=None):
-            found = "decorators.FailureIsRunning", {}
-        case model.Retry(times=times):
-            found = "decorators.Retry", {"num_failures": times}
-        case model.Repeat(times=times):
-            found = "decorators.Repeat", {"num_success": times or -1}
-        case model.Timeout(seconds=seconds, child_first=True) if not builder.grip:
-            found = "decorators.Timeout", {"duration": seconds}
+            return "py_trees.composites.Parallel", {"policy": policy}
         case model.Guard(if_=text) if not builder.codes:
-            found = "decorators.EternalGuard", {"condition": function_of(text, part, builder)}
-        case model.Invert():
-            found = "decorators.Inverter", {}
-        case model.Force(as_=forced):
-            found = "decorators." + ("FailureIsSuccess" if forced == "success" else "SuccessIsFailure"), {}
-    return found and (f"py_trees.{found[0]}", found[1])
+            return "py_trees.decorators.EternalGuard", {"condition": function_of(text, part, builder)}
+        case model.Guard():
+            return None
+        case model.Timeout() if builder.grip:
+            return None
+    found = class_for(node)
+    return found and (f"py_trees.{'composites' if 'memory' in found[1] else 'decorators'}.{found[0]}", found[1])
 
 
 def wrapped(part: Part, made: Bracketed, inner: str, builder: ModuleBuilder) -> list[tuple[str, Bracketed]]:
