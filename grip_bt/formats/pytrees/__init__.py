@@ -8,17 +8,17 @@ import subprocess
 import sys
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Any
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.formats.imported import Imported, ImportRefusedError, Request
-from grip_bt.nodes.tree_code import is_tree_code
+from grip_bt.formats.pytrees.tree import drawn, to_task
+from grip_bt.formats.pytrees.xml import from_xml, to_xml
+from grip_bt.nodes.tree_code import find_tree, is_tree_code, place_of
 from grip_bt.task import Task
-
-from .tree import to_task
-from .xml import from_xml, to_xml
 
 __all__ = ["from_xml", "import_from_code", "read", "to_task", "to_xml"]
 
@@ -53,7 +53,7 @@ def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT, *, as_i
         ImportRefusedError: behaviours of the tree have no equivalent in a task.
         GripError: the code can't be imported, fails, takes too long, or gives something else than a tree.
     """
-    command = python_command("-m", f"{__name__}.executed", where, *(["as_it_is"] if as_it_is else []))
+    command = python_command("-c", f"from {__name__} import _tell; _tell()", where, *(["as_it_is"] if as_it_is else []))
     paths = os.pathsep.join([*filter(None, sys.path), str(folder.resolve())])
     files = TemporaryFile("w+", errors="replace"), TemporaryFile("w+", errors="replace")
     with files[0] as output, files[1] as words:  # no pipes, which what the code has started may keep open
@@ -82,3 +82,32 @@ def import_from_code(where: str, folder: Path, timeout: float = TIMEOUT, *, as_i
         raise ImportRefusedError(where, [Issue(**issue) for issue in told["refused"]])
     task = Task.model_validate(told["task"])
     return Imported({task.name: task}, tuple(Issue(**issue) for issue in told["issues"]))
+
+
+def told(where: str, as_it_is: bool = False) -> dict[str, Any]:
+    """Return what the tree that code makes is, as the process that runs the code tells it in JSON."""
+    try:
+        place = place_of(where)
+        root = find_tree(place).tree.root
+        if as_it_is:
+            return {"task": _plain(drawn(root, where)[0]), "issues": []}
+        made: Imported = to_task(root, built_by="" if place.arguments else f"{place.import_name}:{place.name}")
+    except ImportRefusedError as error:
+        return {"refused": [issue.as_dict() for issue in error.issues]}
+    except GripError as error:
+        return {"error": str(error)}
+    return {"task": _plain(made.task), "issues": [issue.as_dict() for issue in made.issues]}
+
+
+def _plain(task: Task) -> dict[str, Any]:
+    return task.model_dump(by_alias=True, exclude_unset=True, mode="json")
+
+
+def _tell() -> None:
+    """Tell what somebody's code builds, and end; what the code itself prints goes to stderr."""
+    stdout, sys.stdout = sys.stdout, sys.stderr
+    answer = json.dumps(told(sys.argv[1], bool(sys.argv[2:])))
+    sys.stderr.flush()
+    stdout.write(answer + "\n")
+    stdout.flush()
+    os._exit(0)  # what the code left running doesn't keep us

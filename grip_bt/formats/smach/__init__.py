@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from grip_bt.base.errors import GripError
+from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.issue import Issue
 from grip_bt.formats.imported import CODES, Imported, Item, Request
+from grip_bt.formats.names import free
+from grip_bt.nodes.smach_leaf import task_name
+from grip_bt.nodes.smach_source import read_source
 from grip_bt.task import Task
 
-from .found import Span
-from .importer import ImportedFile, advice, import_file, write_import
+from .found import ContainerInfo
+from .leaves import Leaves, Meanings
 from .objects import FromMachine, from_machine
-from .recorded import Recorder
+from .preview import preview
+from .recorded import Given, Recorder, recorded_containers
+from .to_task import TaskMaker
 
-__all__ = [
-    "FromMachine",
-    "ImportedFile",
-    "Recorder",
-    "Span",
-    "advice",
-    "from_machine",
-    "import_file",
-    "read",
-    "write_import",
-]
+__all__ = ["FromMachine", "ImportedFile", "Recorder", "from_machine", "import_file", "make_tasks", "read"]
 
 
 def read(request: Request) -> Imported:
@@ -61,7 +57,7 @@ def read(request: Request) -> Imported:
         items += [Item(found.title, source, found.span.line, tuple(found.issues)) for found in each.containers]
         if each.error:
             errors.append(Issue(each.file.name, "unreadable", CODES["unreadable"], each.error))
-    return Imported(tasks, tuple(errors), tuple(items), files=files, advice=tuple(advice(read, request.execute)))
+    return Imported(tasks, tuple(errors), tuple(items), files=files, advice=tuple(_advice(read, request.execute)))
 
 
 def _read_all(files: list[Path], request: Request) -> list[ImportedFile]:
@@ -79,3 +75,93 @@ def _files(path: Path) -> list[Path]:
     if path.is_dir():
         return sorted(p for p in path.rglob("*.py") if not any(part.startswith(".") for part in p.parts))
     return [path]
+
+
+@dataclass
+class ImportedFile:
+    """What became of a legacy file.
+
+    Attributes:
+        containers: every container that it makes, in the order of the text.
+        tasks: name -> task, one for each outermost container that was imported.
+    """
+
+    file: Path
+    containers: list[ContainerInfo] = field(default_factory=list)
+    tasks: dict[str, Task] = field(default_factory=dict)
+    leaves: Leaves | None = None
+    converted: bool = False
+    error: str = ""
+
+
+def import_file(
+    file: Path,
+    root: Path | None = None,
+    recorder: Recorder | None = None,
+    given: Given | None = None,
+    success: tuple[str, ...] = (),
+) -> ImportedFile:
+    """Read a legacy file.
+
+    Args:
+        file: the file.
+        root: the workspace, in which the modules that it imports are looked for; found around the file by default.
+        recorder: runs the construction of its machines, for files that are trusted; without it nothing is run, and what
+            the text shows is a preview.
+        given: class or function -> parameter -> value, for what has no default; `""` for all.
+        success: outcomes that mean success, whatever they are called.
+    """
+    file, result = file.resolve(), ImportedFile(file.resolve())
+    try:
+        source = read_source(file)
+    except DocumentError as error:
+        result.error = str(error)
+        return result
+    result.converted = source.converted
+    if "smach" not in source.text:
+        return result  # nothing to see, so nothing is run
+    if recorder is None:
+        found = preview(file)
+    else:
+        found = recorded_containers(file, recorder.record(file, root and root.resolve(), given), given or {})
+    return make_tasks(result, found, Meanings(success))
+
+
+def make_tasks(result: ImportedFile, found: list[ContainerInfo], meanings: Meanings) -> ImportedFile:
+    """Make a task of each outermost container."""
+    result.leaves, result.containers = Leaves(result.file, meanings), found
+    for container in found:
+        if container.parent is None and (container.way is not None or container.added):
+            name = _name(container, result)
+            before = dict(result.leaves.specs)
+            task = TaskMaker(container, name, result.leaves).make()
+            if task is None:
+                result.leaves.specs = before
+                continue
+            result.tasks[name] = task
+    return result
+
+
+def _name(container: ContainerInfo, result: ImportedFile) -> str:
+    builder = container.way.builder.rpartition(".")[2] if container.way is not None else ""
+    own = container.cls if container.cls != container.kind else result.file.stem
+    return free(task_name(own if builder in ("", "main", "__main__") else builder), result.tasks)
+
+
+def _advice(files: list[ImportedFile], executed: bool) -> list[str]:
+    """Return what to do, each thing once, in lines; none where everything is exact."""
+    lines = []
+    every = [c for each in files for c in each.containers]
+    if not executed and any(c.verdict != "exact" for c in every):
+        lines.append(
+            "what was read is a preview of the text; if you trust the code, import again with --execute, which runs the"
+            " construction of the machines, and none of them"
+        )
+    needed = {c.way.builder: c.way.missing for c in every if c.way is not None and c.way.missing}
+    if executed and needed:
+        said = ", ".join(f"{name}: ..." for name in dict.fromkeys(name for names in needed.values() for name in names))
+        what = f"{len(needed)} builders need" if len(needed) > 1 else f"{next(iter(needed))} needs"
+        lines.append(f"{what} arguments: --arguments FILE.yaml with `{{{said}}}`, or in leaves.py what makes them")
+    if executed and any(c.verdict == "failed" for c in every):
+        lines.append("what couldn't be built: write a function without arguments that builds it, and import it again")
+    return lines

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,9 +15,8 @@ from grip_bt.compilers.task_machine import TaskConcurrence, TaskMachine
 from grip_bt.compilers.to_machine import CompiledMachine
 from grip_bt.formats.imported import ImportRefusedError
 from grip_bt.formats.smach.facts import facts_of
-from grip_bt.formats.smach.found import ContainerInfo, StateInfo, Way
-from grip_bt.formats.smach.importer import ImportedFile, make_tasks, write_import
-from grip_bt.formats.smach.leaves import Leaves, Meanings
+from grip_bt.formats.smach.found import ContainerInfo, StateInfo
+from grip_bt.formats.smach.leaves import Leaves
 from grip_bt.formats.smach.to_task import TaskMaker
 from grip_bt.nodes.smach_leaf import SmachLeaf, task_name
 from grip_bt.smach_compat import Container
@@ -57,44 +55,25 @@ class FromMachine:
         leaf_factory: makes the leaves, which run the machine's own states: give it to `to_tree` and `to_machine`. The
             machine and the task aren't executed at the same time.
         issues: what isn't exactly as in the machine, with what to do.
-        imported: for `write`; None where nothing is known that builds the machine again.
     """
 
     task: Task
     catalog: Catalog
     leaf_factory: LeafFactory
     issues: tuple[Issue, ...] = ()
-    imported: ImportedFile | None = None
 
     @property
     def exact(self) -> bool:
         """Whether the task does exactly what the machine does."""
         return not self.issues
 
-    def write(self, folder: Path) -> list[Path]:
-        """Write the task, and its leaves under `nodes`, into a project folder; return the files.
 
-        Raises:
-            GripError: `source` wasn't given, or a file is in the way that wasn't generated.
-        """
-        if self.imported is None:
-            raise GripError(
-                f"the leaves of {self.task.name!r} are objects of this process; to write them, say what builds the"
-                " machine: from_machine(machine, source=build)"
-            )
-        paths = {name: folder / "tasks" / f"{name}.yaml" for name in self.imported.tasks}
-        return write_import(self.imported, paths, folder / "nodes")
-
-
-def from_machine(
-    machine: object, name: str = "", *, source: Callable[[], object] | None = None, catalog: Catalog | None = None
-) -> FromMachine:
+def from_machine(machine: object, name: str = "machine", *, catalog: Catalog | None = None) -> FromMachine:
     """Return the task of a machine: of a compiled one, or of any StateMachine, Sequence, Concurrence or Iterator.
 
     Args:
         machine: the machine; it isn't executed.
         name: of the task.
-        source: a function of a module that builds the machine again, without arguments; it is what `write` needs.
         catalog: the nodes of a compiled machine; the built-in ones by default.
 
     Raises:
@@ -108,26 +87,20 @@ def from_machine(
             f"a {type(machine).__name__} is no container of grip_bt.smach_compat: give a StateMachine, Sequence,"
             " Concurrence or Iterator (of `smach` after smach_compat.install()), or what to_machine returned"
         )
-    name = task_name(name or (source.__name__ if source is not None else "machine"))
+    name = task_name(name)
     leaves = _ObjectLeaves(Path(f"{name}.py"))
-    found = _read(machine, leaves.file)
+    found = facts_of(machine, leaves.file)
+    assert isinstance(found, ContainerInfo), "a machine is one"
+    for each in found.within():
+        if each.verdict == "failed":
+            raise GripError(f"the machine is inconsistent: {each.issues[-1].message}")
     leaves.objects = dict(_pairs(found, machine))
     task = _ObjectTaskMaker(found, name, leaves).make()
     if task is None:
         refused = (replace(i, source="", line=None, column=None) for i in _issues(found) if i.severity == "error")
         raise ImportRefusedError(f"the machine {name!r}", refused)
     nodes = Catalog.builtin().with_manifests(spec.manifest for spec in leaves.specs.values())
-    imported = _importable(machine, name, source) if source is not None else None
-    return FromMachine(task, nodes, leaves.factory(), tuple(_issues(found)), imported)
-
-
-def _read(machine: Container, file: Path) -> ContainerInfo:
-    found = facts_of(machine, file)
-    assert isinstance(found, ContainerInfo), "a machine is one"
-    for each in found.within():
-        if each.verdict == "failed":
-            raise GripError(f"the machine is inconsistent: {each.issues[-1].message}")
-    return found
+    return FromMachine(task, nodes, leaves.factory(), tuple(_issues(found)))
 
 
 def _pairs(found: ContainerInfo, live: Any) -> Iterator[tuple[StateInfo, Any]]:
@@ -143,21 +116,6 @@ def _pairs(found: ContainerInfo, live: Any) -> Iterator[tuple[StateInfo, Any]]:
 
 def _issues(found: ContainerInfo) -> list[Issue]:
     return [issue for each in found.within() for issue in each.issues]
-
-
-def _importable(machine: Container, name: str, source: Callable[[], object]) -> ImportedFile:
-    file = inspect.getsourcefile(source)
-    if file is None or source.__qualname__ != source.__name__:
-        raise GripError(
-            f"{source.__qualname__} isn't a function of a module's own, which leaves could call; give one that is"
-        )
-    result = ImportedFile(Path(file).resolve())
-    found = _read(machine, result.file)
-    found.way = Way(source.__name__, result.file, 1, returned=True)
-    make_tasks(result, found.within(), Meanings())
-    for task in list(result.tasks.values()):
-        result.tasks = {name: task.model_copy(update={"name": name})}
-    return result
 
 
 class _ObjectLeaves(Leaves):

@@ -12,26 +12,24 @@ from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import AnyNode, Meaning, ParallelRule
 from grip_bt.task.validation import validate
 
-from .containers import (
-    RefusedError,
-    Rules,
-    check,
-    iteration_of,
-    labelled,
-    meanings,
-    parallel_rules,
-    source_of,
-)
 from .found import Child, ContainerInfo
 from .leaves import NEXT_ITEM, OBEYED, Leaves
 from .userdata import (
     Keys,
+    RefusedError,
+    Rules,
     Variables,
     as_machine,
+    check,
     copy_in_first,
     copy_out_last,
+    iteration_of,
+    labelled,
     mark_unwritten,
+    meanings,
+    parallel_rules,
     private_keys,
+    source_of,
 )
 
 Ends = Mapping[str, str]

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from types import ModuleType
 
-from grip_bt.smach_compat._provided import Provided
+from grip_bt.smach_compat._install import Provided
 from grip_bt.smach_compat._settings import settings
 
 from . import _messages
@@ -20,7 +20,7 @@ from . import _messages
 _MODULES = {
     "rospy": ("", ".core", ".exceptions", ".rostime", ".service", ".timer", ".topics", ".client"),
     "actionlib": ("", ".simple_action_client", ".simple_action_server"),
-    "tf": ("", ".listener", ".broadcaster"),
+    "tf": ("", ".listener", ".broadcaster", ".transformations"),
 }
 """Module -> the names below it under which programs import it too."""
 
@@ -32,7 +32,6 @@ def _module(name: str) -> ModuleType:
 
 _PROVIDED = Provided(
     {f"{name}{below}": partial(_module, name) for name, all_below in _MODULES.items() for below in all_below}
-    | {"tf.transformations": partial(_module, "transformations")}
     | {name: partial(_module, "") for name in ("roslib", "roslib.packages")}
 )
 

@@ -22,8 +22,7 @@ from random_trees import make_tree
 from grip_bt.base.errors import InvalidTaskError
 from grip_bt.compilers import CompiledTree, to_tree
 from grip_bt.formats.imported import ImportRefusedError
-from grip_bt.formats.pytrees import to_task
-from grip_bt.formats.pytrees.executed import told
+from grip_bt.formats.pytrees import to_task, told
 from grip_bt.runtime import ManualClock
 from grip_bt.task import Task, dumps
 from grip_bt.task.catalog import AllowedImports, Catalog

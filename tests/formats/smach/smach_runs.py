@@ -5,14 +5,16 @@ import atexit
 from grip_bt import smach_compat
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.compilers import to_machine, to_tree
-from grip_bt.formats.smach import Recorder, import_file, write_import
-from grip_bt.formats.smach.objects import _importable
+from grip_bt.formats.smach import ImportedFile, Recorder, import_file, make_tasks
+from grip_bt.formats.smach.facts import facts_of
+from grip_bt.formats.smach.found import Way
+from grip_bt.formats.smach.leaves import Meanings
 from grip_bt.nodes.node import Observer
 from grip_bt.nodes.smach_construction import built_in, run_as_main
 from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.nodes.smach_source import load_legacy
 from grip_bt.runtime import RunContext, Runner
-from grip_bt.task import Leaf, read, walk
+from grip_bt.task import Leaf, dumps, read, walk
 
 COMPILERS = {"bt": to_tree, "sm": to_machine}
 
@@ -45,13 +47,26 @@ def write_recorded(file, folder, **more):
 def write(file, folder):
     """Import what `build` of a file builds, in this process, and return the path of its task."""
     build = load_legacy(file, ros=False).build
-    return _written(_importable(build(), "build", build), folder)
+    result = ImportedFile(file.resolve())
+    found = facts_of(build(), result.file)
+    found.way = Way("build", result.file, 1, returned=True)
+    return _written(make_tasks(result, found.within(), Meanings()), folder)
 
 
 def _written(imported, folder):
     paths = {name: folder / f"{name}.yaml" for name in imported.tasks}
-    write_import(imported, paths, folder / "nodes")
+    write_files(imported, paths, folder / "nodes")
     return imported, paths
+
+
+def write_files(imported, paths, nodes):
+    """Write tasks, and their leaves below a folder of nodes."""
+    texts = {path: dumps(imported.tasks[name]) for name, path in paths.items()}
+    own = nodes / f"smach_{imported.leaves.stem}"
+    texts |= {own / name: text for name, text in imported.leaves.texts(own).items()}
+    for path, text in texts.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
 
 
 def run_task(path, target="bt", data=None):

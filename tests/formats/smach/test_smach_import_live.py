@@ -7,7 +7,7 @@ from pathlib import Path
 import py_trees
 import pytest
 from smach_lowerings import Draw, per_path
-from smach_runs import Trace, run_legacy, run_task
+from smach_runs import Trace, run_legacy
 from smach_sources import source_of
 
 import grip_bt
@@ -116,33 +116,13 @@ def test_machines_of_every_kind_of_container_become_tasks(stem, name):
     assert sorted(path for path, _ in ends if not path.endswith(own)) == sorted(p for p, _ in theirs)
 
 
-def test_with_its_source_a_machine_is_written_as_a_project(tmp_path):
-    file = tmp_path / "mine.py"
-    file.write_text((DATA / "nested_with.py").read_text())
-    sys.path.insert(0, str(tmp_path))
-    smach.install(ros=False)
-    import mine
-
-    build = mine.build
-    try:
-        made = grip_bt.from_machine(build(), source=build)
-        files = made.write(tmp_path / "project")
-    finally:
-        del sys.modules["mine"]
-    (task,) = [path for path in files if path.parent.name == "tasks"]
-    (tmp_path / "project" / "grip.yaml").write_text("grip: 1\n")
-    wanted, theirs = run_legacy(build())
-    outcome, ends, _ = run_task(task)
-    assert (outcome, len(ends)) == (wanted, len(theirs))
-
-
 def test_a_compiled_machine_becomes_its_task():
     task = loads("grip: 1\nname: a\nroot: {node: flow/succeed, on: {success: success}}\n")
     compiled = to_machine(task, Catalog.builtin())
     assert grip_bt.from_machine(compiled).task == task
 
 
-def test_what_has_no_equal_is_one_leaf_or_refused_with_words(tmp_path):
+def test_what_has_no_equal_is_one_leaf_or_refused_with_words():
     inner = smach.Concurrence(["over"], "over", outcome_cb=lambda outcomes: "over")
     with inner:
         smach.Concurrence.add("A", Use("a"))
@@ -161,10 +141,6 @@ def test_what_has_no_equal_is_one_leaf_or_refused_with_words(tmp_path):
         smach.StateMachine.add("A", smach.State(["x"]), {"x": "nowhere"})
     with pytest.raises(GripError, match="the machine is inconsistent"):
         grip_bt.from_machine(broken)
-    with pytest.raises(GripError, match=r"from_machine\(machine, source=build\)"):
-        made.write(tmp_path)
-    with pytest.raises(GripError, match="isn't a function of a module's own"):
-        grip_bt.from_machine(outer, source=lambda: outer)
 
 
 def test_the_page_about_it_is_true(tmp_path, monkeypatch):
@@ -183,7 +159,6 @@ def test_the_page_about_it_is_true(tmp_path, monkeypatch):
     finally:
         sys.modules.pop("legacy_pick", None)
     assert names["made"].exact
-    assert (tmp_path / "my_project" / "tasks" / "build.yaml").is_file()
     (tmp_path / "fetch.yaml").write_text("grip: 1\nname: fetch\nroot: {node: flow/succeed}\n")
     root = py_trees.behaviours.Success("root")
     sm = smach.StateMachine(["done"])

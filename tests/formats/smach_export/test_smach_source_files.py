@@ -7,7 +7,6 @@ import pytest
 
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.cli.__main__ import main
-from grip_bt.formats.smach import Recorder, import_file, write_import
 from grip_bt.formats.smach_export import export
 from grip_bt.task import load, loads
 from grip_bt.task.catalog import Catalog
@@ -35,11 +34,8 @@ def test_imported_machines_are_written_as_they_were_looked_at(stem, tmp_path):
     # beside the legacy file, so that paths in the text don't hang on where the test runs
     file = tmp_path / f"{stem}.py"
     file.write_text((LEGACY / f"{stem}.py").read_text())
-    with Recorder() as recorder:
-        imported = import_file(file, recorder=recorder)
-    paths = {name: tmp_path / f"{name}.yaml" for name in imported.tasks}
-    write_import(imported, paths, tmp_path / "nodes")
-    ((_, path),) = paths.items()
+    assert main(["import", str(file), "--from", "smach", "--execute", "-o", str(tmp_path)]) == 0
+    (path,) = tmp_path.glob("*.yaml")
     held_to(stem, export(load(path), project_catalog(path), tmp_path))
 
 
