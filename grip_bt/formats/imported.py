@@ -36,6 +36,12 @@ CODES: dict[str, Severity] = {
 Verdict = Literal["exact", "partial", "failed"]
 
 
+def verdict_of(issues: Iterable[Issue]) -> Verdict:
+    """Return how well something came in: `partial` has gaps that a person can fill, `failed` isn't in the task."""
+    severities = {issue.severity for issue in issues}
+    return "failed" if "error" in severities else "partial" if "warning" in severities else "exact"
+
+
 @dataclass(frozen=True)
 class Request:
     """What is imported.
@@ -116,9 +122,8 @@ class Item:
 
     @property
     def verdict(self) -> Verdict:
-        """How well it was imported: `partial` has gaps that a person can fill, `failed` isn't in the task."""
-        severities = {issue.severity for issue in self.issues}
-        return "failed" if "error" in severities else "partial" if "warning" in severities else "exact"
+        """How well it was imported."""
+        return verdict_of(self.issues)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,10 @@
-"""Names from elsewhere as names of a task, a file or Python: fewer characters are allowed, and each name once."""
+"""Names from elsewhere as names of a task, a file or Python: fewer characters are allowed, each once; and literals."""
 
 from __future__ import annotations
 
 import builtins
 import keyword
+import math
 import re
 from collections.abc import Collection, Iterable
 
@@ -45,6 +46,15 @@ def key_of(label: str) -> str:
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", label)
     key = re.sub(r"[^A-Za-z0-9]+", "_", words).strip("_").lower()
     return key if key[:1].isalpha() else f"the_{key}".rstrip("_")
+
+
+def is_literal(value: object) -> bool:
+    """Tell whether a document can hold a value: what JSON holds, of no classes of their own, and no infinity."""
+    if type(value) is list:
+        return all(map(is_literal, value))
+    if type(value) is dict:
+        return all(type(key) is str and is_literal(item) for key, item in value.items())
+    return value is None or type(value) in (bool, int, str) or (type(value) is float and math.isfinite(value))
 
 
 class Identifiers:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from types import ModuleType
 
 PROFILES = ("noetic", "ros2")
@@ -18,8 +18,6 @@ class Settings:
     """
 
     profile: str = "noetic"
-    strict_upstream_construction: bool = False
-    wrap_interrupts: bool = False
     honour_preempt_timeout: bool = False
     unpickle_userdata: bool = False
     rospy: bool = False
@@ -27,10 +25,8 @@ class Settings:
 
     def update(self, **changes: bool | str) -> None:
         """Change some settings, see docs/smach.md."""
-        known = {f.name for f in fields(self)}
-        for name in changes:
-            if name not in known:
-                raise TypeError(f"no setting {name!r} (available: {', '.join(sorted(known))})")
+        if unknown := changes.keys() - vars(self).keys():
+            raise TypeError(f"no setting {min(unknown)!r} (available: {', '.join(sorted(vars(self)))})")
         if changes.get("profile", self.profile) not in PROFILES:
             raise ValueError(f"unknown profile {changes['profile']!r} (available: {', '.join(PROFILES)})")
         for name, value in changes.items():
@@ -45,10 +41,6 @@ settings = Settings()
 
 
 configure = settings.update
-
-
-def errors_of_user_code() -> type[BaseException]:
-    return BaseException if settings.wrap_interrupts else Exception
 
 
 Logger = Callable[[object], object]

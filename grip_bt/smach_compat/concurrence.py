@@ -7,9 +7,7 @@ import traceback
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from grip_bt.smach_compat._settings import hooks
-
-from ._settings import errors_of_user_code, settings
+from ._settings import hooks, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
@@ -88,9 +86,6 @@ class Concurrence(Container):
                         f"The outcome map of {outcome!r} names outcome {child_outcome!r} of state {label!r}, "
                         f"but its outcomes are {list(registered)}"
                     )
-
-    def __getitem__(self, key: str) -> State:
-        return self._states[key]
 
     def get_children(self) -> dict[str, State]:
         return self._states
@@ -194,7 +189,7 @@ class Concurrence(Container):
         try:
             state = self._states[label]
             outcome = state.execute(self._view(state, self._remappings[label]))
-        except errors_of_user_code() as error:
+        except Exception as error:
             raise InvalidStateError(
                 f"Concurrent state {label!r} raised an exception: {traceback.format_exc()}"
             ) from error
@@ -209,7 +204,7 @@ class Concurrence(Container):
             return
         try:
             stop_others = self._child_termination_cb(self._child_outcomes)
-        except errors_of_user_code() as error:
+        except Exception as error:
             raise InvalidUserCodeError(
                 f"Could not call the child termination callback: {traceback.format_exc()}"
             ) from error
@@ -230,7 +225,7 @@ class Concurrence(Container):
             return outcome
         try:
             chosen = self._outcome_cb(self._child_outcomes.copy())  # type: ignore[arg-type]
-        except errors_of_user_code() as error:
+        except Exception as error:
             raise InvalidUserCodeError(f"Could not call the outcome callback: {traceback.format_exc()}") from error
         return chosen if chosen and isinstance(chosen, str) else outcome
 

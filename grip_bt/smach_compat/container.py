@@ -12,9 +12,7 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, ClassVar, TypeVar
 
-from grip_bt.smach_compat._settings import hooks
-
-from ._settings import settings
+from ._settings import hooks
 from .exceptions import InvalidConstructionError, InvalidStateError, InvalidTransitionError
 from .state import State
 from .user_data import NOTHING, Remapper, Remapping, UserData
@@ -42,7 +40,7 @@ class Container(State):
         self._termination_cbs: list[tuple[Callable[..., Any], Iterable[Any]]] = []
 
     def __getitem__(self, key: str) -> State:
-        raise NotImplementedError
+        return self.get_children()[key]
 
     def get_children(self) -> dict[str, State]:
         """Return label -> state."""
@@ -136,7 +134,7 @@ class Container(State):
             return
         if not isinstance(error, (InvalidStateError, InvalidTransitionError)):
             hooks.logerr("".join(traceback.format_exception(error)))
-        innermost = settings.strict_upstream_construction
+        innermost = False
         while not innermost and self.is_opened():  # whatever was opened inside and not closed, too
             innermost = Container._construction_stack[-1] is self
             self._pop()

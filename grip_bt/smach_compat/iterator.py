@@ -8,7 +8,6 @@ from typing import Any
 
 from grip_bt.smach_compat._settings import hooks
 
-from ._settings import errors_of_user_code
 from .container import Container
 from .exceptions import InvalidStateError, InvalidUserCodeError
 from .state import State
@@ -75,9 +74,6 @@ class Iterator(Container):
         if self._state is None:
             raise InvalidStateError("The iterator has no contained state")
 
-    def __getitem__(self, key: str) -> State:
-        return self.get_children()[key]
-
     def get_children(self) -> dict[str, State]:
         return {} if self._state is None else {self._state_label: self._state}
 
@@ -141,7 +137,7 @@ class Iterator(Container):
         except InvalidUserCodeError:
             hooks.logerr(f"State {self._state_label!r} failed to execute.")
             raise
-        except errors_of_user_code() as error:
+        except Exception as error:
             raise InvalidUserCodeError(
                 f"Could not execute state {self._state_label!r}: {traceback.format_exc()}"
             ) from error

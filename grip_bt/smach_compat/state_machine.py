@@ -7,9 +7,7 @@ import traceback
 from collections.abc import Iterable
 from typing import Any
 
-from grip_bt.smach_compat._settings import hooks
-
-from ._settings import errors_of_user_code, settings
+from ._settings import hooks, settings
 from .container import Container
 from .exceptions import InvalidStateError, InvalidTransitionError, InvalidUserCodeError
 from .state import State
@@ -220,7 +218,7 @@ class StateMachine(Container):
         lock.release()  # so that a preempt can be requested meanwhile
         try:
             outcome = state.execute(view)
-        except errors_of_user_code() as error:
+        except Exception as error:
             if isinstance(error, InvalidUserCodeError):
                 hooks.logerr(f"State {label!r} failed to execute.")
                 raise error

@@ -15,7 +15,6 @@ from grip_bt.smach_compat import (
     Sequence,
     StateMachine,
     UserData,
-    configure,
 )
 from grip_bt.smach_compat.container import Container
 
@@ -71,16 +70,6 @@ def test_an_error_in_the_body_closes_the_container(log, in_time):  # probe 25
     with pytest.raises(InvalidStateError):
         StateMachine.add("LATE", ok())
     assert in_time(lambda: machine().execute()) == "ok", "the lock is free for other threads"
-
-
-def test_an_error_in_the_body_leaves_it_open_as_upstream_where_that_is_asked_for():  # probe 25
-    configure(strict_upstream_construction=True)
-    sm = StateMachine(["ok"])
-    leave_by_an_error(sm)
-    assert len(Container._construction_stack) == 1
-    assert sm.is_opened()
-    StateMachine.add("LATE", ok())
-    assert list(sm.get_children()) == ["LATE"]
 
 
 def test_an_error_in_the_body_also_closes_what_was_opened_inside():

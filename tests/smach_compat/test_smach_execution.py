@@ -52,12 +52,6 @@ def test_interrupts_pass_through(interrupt):  # probe 30
     assert not sm.is_running()
 
 
-def test_interrupts_are_wrapped_as_upstream_where_that_is_asked_for():  # probe 30
-    configure(wrap_interrupts=True)
-    with pytest.raises(InvalidUserCodeError):
-        machine(raises(KeyboardInterrupt())).execute()
-
-
 @pytest.mark.parametrize("returned", ["zz", None, ["ok"]])
 def test_an_unregistered_outcome_is_an_invalid_transition(returned):  # probes 31 50
     with pytest.raises(InvalidTransitionError):

@@ -63,11 +63,11 @@ def test_loggers_set_by_the_program_are_those_that_machines_use(installed, log):
 
 def test_it_is_gone_after_uninstall():
     smach_compat.install(profile="ros2")
-    smach_compat.install(wrap_interrupts=True)
-    assert (settings.profile, settings.wrap_interrupts) == ("ros2", True)
+    smach_compat.install(honour_preempt_timeout=True)
+    assert (settings.profile, settings.honour_preempt_timeout) == ("ros2", True)
     smach_compat.uninstall()
     assert not [name for name in sys.modules if name.split(".")[0] == "smach"]
-    assert (settings.profile, settings.wrap_interrupts) == ("noetic", False)
+    assert (settings.profile, settings.honour_preempt_timeout) == ("noetic", False)
 
 
 def test_another_smach_is_not_replaced(monkeypatch):

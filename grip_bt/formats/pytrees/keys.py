@@ -13,7 +13,7 @@ from py_trees.blackboard import Blackboard, Client
 
 from grip_bt.base.errors import ExpressionError
 from grip_bt.base.expression import CONSTANTS, parse_expression
-from grip_bt.formats.names import free
+from grip_bt.formats.names import free, is_literal
 
 
 class NoEquivalentError(Exception):
@@ -71,15 +71,6 @@ class NoKeys(Keys):
     def variable(self, key: str) -> str:
         """Refuse."""
         raise NoEquivalentError("it works on py_trees' blackboard, which a task hasn't; its variables have types")
-
-
-def is_literal(value: object) -> bool:
-    """Tell whether a document can hold a value."""
-    if isinstance(value, list):
-        return all(map(is_literal, value))
-    if isinstance(value, dict):
-        return all(isinstance(key, str) and is_literal(item) for key, item in value.items())
-    return value is None or type(value) in (bool, int, float, str)
 
 
 def stored(client: Client, key: str) -> str:

@@ -14,7 +14,7 @@ from py_trees.behaviour import Behaviour
 
 from grip_bt.compilers.to_tree import CompiledTree
 from grip_bt.formats.imported import Imported, Issues
-from grip_bt.formats.names import distinct, node_name
+from grip_bt.formats.names import distinct, is_literal, node_name
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.foreign import Foreign, by_path, class_path
 from grip_bt.nodes.node import Node
@@ -22,7 +22,7 @@ from grip_bt.task import model
 from grip_bt.task.validation.parts import DRAWN
 
 from .classes import ENDS, NodeSettings, convert_behaviour, from_document, refuse_variables
-from .keys import Keys, NoEquivalentError, is_literal, keys_of
+from .keys import Keys, NoEquivalentError, keys_of
 
 _PLAIN = {"success": "success", "failure": "failure"}
 _COMPOSITES = {name for name, kind in model.KINDS.items() if "children" in kind.model_fields}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from types import LambdaType
 from typing import Any
 
 from grip_bt import smach_compat
+from grip_bt.formats.names import is_literal
 from grip_bt.nodes.smach_construction import CONTAINERS, Construction
 from grip_bt.nodes.stand_ins import UNKNOWN, name_of, stands_in, value_of
 
@@ -145,15 +145,7 @@ def literal(value: object) -> Value:
     plain = list(value) if isinstance(value, range) and len(value) <= MOST_ITEMS else value
     if stands_in(plain):
         return Value(opaque=name_of(plain))
-    return Value(value=plain) if _is_plain(plain) else Value(opaque=type(value).__name__)
-
-
-def _is_plain(value: object) -> bool:
-    if type(value) is list:
-        return all(map(_is_plain, value))
-    if type(value) is dict:
-        return all(type(key) is str and _is_plain(item) for key, item in value.items())
-    return value is None or type(value) in (bool, int, str) or (type(value) is float and math.isfinite(value))
+    return Value(value=plain) if is_literal(plain) else Value(opaque=type(value).__name__)
 
 
 def unwrapped(value: Any, told: Callable[[str, Any], None]) -> Any:

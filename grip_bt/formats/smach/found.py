@@ -7,18 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import BaseModel, JsonValue, PrivateAttr
 
-from grip_bt.base.issue import Issue, Severity
+from grip_bt.base.issue import Issue
+from grip_bt.formats.imported import CODES, Verdict, verdict_of
 
-Verdict = Literal["exact", "partial", "failed"]
-_ISSUES: dict[str, tuple[str, Severity]] = {
-    "note": ("left-out", "info"),
-    "partial": ("incomplete", "warning"),
-    "failed": ("no-equivalent", "error"),
-}
+_ISSUES = {"note": "left-out", "partial": "incomplete", "failed": "no-equivalent"}
 CONTAINERS = ("StateMachine", "Sequence", "Concurrence", "Iterator")
 
 # States of smach_ros that nothing has to be said about: their outcomes are fixed.
@@ -94,9 +90,8 @@ class StateInfo(BaseModel):
 
         A `partial` task has a gap that a person can fill; what `failed` is left out of it; a `note` is only told.
         """
-        code, severity = _ISSUES[verdict]
-        place = span or self.span
-        issue = Issue(self.title, code, severity, text, line=place.line, source=place.file.name)
+        code, place = _ISSUES[verdict], span or self.span
+        issue = Issue(self.title, code, CODES[code], text, line=place.line, source=place.file.name)
         if issue not in self.issues:
             self.issues.append(issue)
 
@@ -141,8 +136,7 @@ class ContainerInfo(StateInfo):
     @property
     def verdict(self) -> Verdict:
         """How well it was read."""
-        severities = {issue.severity for issue in self.issues}
-        return "failed" if "error" in severities else "partial" if "warning" in severities else "exact"
+        return verdict_of(self.issues)
 
     def within(self) -> list[ContainerInfo]:
         """Return it, and all containers in it."""
@@ -198,7 +192,6 @@ class Run(BaseModel):
     told: list[Told] = []
     error: str = ""
     missing: list[str] = []
-    caught: bool = False
     unfinished: bool = False
     stopped: bool = False
 

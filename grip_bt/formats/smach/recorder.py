@@ -272,7 +272,6 @@ class FileRecorder:
             run.unfinished = True
         except BaseException as error:  # noqa: BLE001 - see in_child
             run.error = f"{type(error).__name__}: {error}"[:300] + _where(error)
-        run.caught = recording.caught is not None
         asking.over = True
         run.answers, run.asked, run.told = asking.answers, asking.asked, list(asking.told.values())
         return run, recording, result

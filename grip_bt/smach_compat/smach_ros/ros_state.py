@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from grip_bt.smach_compat._settings import errors_of_user_code, hooks, settings
+from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.exceptions import InvalidStateError, InvalidUserCodeError
 from grip_bt.smach_compat.state import State
 from grip_bt.smach_compat.user_data import NOTHING, Remapper
@@ -75,7 +75,7 @@ class ConditionState(RosState):
             try:
                 if self._cond_cb(ud):
                     return "true"
-            except errors_of_user_code() as error:
+            except Exception as error:
                 raise InvalidUserCodeError(f"The condition {self._cond_cb} raised: {traceback.format_exc()}") from error
             checks += 1
             clock.sleep(self._period())
