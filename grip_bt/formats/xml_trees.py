@@ -54,9 +54,7 @@ class Element:
 
 
 _ATTRIBUTE = re.compile(r"""(=\s*)("[^"]*"|'[^']*')""")
-_MARKUP = re.compile(
-    r"<!--.*?-->|<\?.*?\?>|<!\[CDATA\[.*?\]\]>|<!DOCTYPE|</?[A-Za-z_](?:\"[^\"]*\"|'[^']*'|[^'\">])*>", re.S
-)
+_ROOT = re.compile(r"<root\b.*</root\s*>|<root\b.*", re.S)
 _NO_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\d+|#x[0-9a-fA-F]+);)")
 
 
@@ -64,22 +62,13 @@ def mended(text: str) -> str:
     """Return a document as TinyXML2 reads it: `&` and `<` in values are text, what is around the root is nothing."""
 
     def value(found: re.Match[str]) -> str:
-        return found.group(1) + _NO_ENTITY.sub("&amp;", found.group(2)).replace("<", "&lt;")
+        return found.group(1) + found.group(2).replace("<", "&lt;")
 
-    parts, at, depth = [], 0, 0
-    for found in _MARKUP.finditer(text):
-        between, tag = text[at : found.start()], found.group()
-        parts.append(_NO_ENTITY.sub("&amp;", between).replace("<", "&lt;") if depth else "\n" * between.count("\n"))
-        opens = tag[1] not in "!?/"
-        if (depth and not tag.startswith("<!--")) or opens or tag.startswith("<!DOCTYPE"):
-            parts.append(_ATTRIBUTE.sub(value, tag) if opens else tag)
-        else:
-            parts.append("\n" * tag.count("\n"))
-        depth += opens - tag.startswith("</") - (opens and tag.endswith("/>"))
-        at = found.end()
-        if not depth and tag.startswith("</"):
-            break
-    return "".join(parts)
+    whole = _ROOT.search(text)
+    if whole is None:
+        return text
+    lines = "\n" * text[: whole.start()].count("\n")
+    return lines + _ATTRIBUTE.sub(value, _NO_ENTITY.sub("&amp;", whole.group()))
 
 
 def read_elements(text: str, source: str, lenient: bool = False) -> Element:

@@ -1,9 +1,188 @@
-"""BehaviorTree.CPP 4's XML, in and out: what it can say of a task, exactly, and nothing else."""
+"""BehaviorTree.CPP 4's XML, in and out: what it can say of a task, exactly, and nothing else.
+
+Files of a project become tasks, and what has to be written for them: manifests, code, mocks.
+"""
 
 from __future__ import annotations
 
-from .importer import from_xml
-from .project import read
-from .writer import to_xml
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from grip_bt.base.errors import DocumentError, GripError
+from grip_bt.base.yaml.tree import read_file
+from grip_bt.formats.btcpp.importer import Importer, from_xml, settle
+from grip_bt.formats.btcpp.leaves import Leaves
+from grip_bt.formats.btcpp.writer import to_xml
+from grip_bt.formats.imported import Imported, Issues, Item, Request, generated_by
+from grip_bt.formats.names import free
+from grip_bt.formats.xml_trees import Document, Library, subtrees_of, workspace_of, xml_files
+from grip_bt.task import Task
+from grip_bt.task.catalog import Manifest
+from grip_bt.task.catalog.manifest import manifest_text
 
 __all__ = ["from_xml", "read", "to_xml"]
+
+
+_HEADER = f"""\
+# {generated_by("btcpp")} from {{origin}}, once; it is yours to edit. Another import adds ports that it lacks.
+# The file says which ports this node has; what it does stands in leaf.py beside it, or should.
+"""
+_LEAF = '''\
+"""{name} of BehaviorTree.CPP: its code is still to be written."""
+
+import grip_bt as grip
+
+
+class {name}(grip.Leaf):
+    """{ports}"""
+
+    def initialise(self):
+        """Begin an activation, as onStart does."""
+
+    def update(self):
+        """Return `self.running()`, `self.end("success", PORT=VALUE)` or `self.fail("code", "why")`; never block."""
+        # self.params["PORT"] is a literal, self.read("PORT") the value of a variable
+        raise NotImplementedError("write the code of {name} in leaf.py")
+
+    def terminate(self, new_status):
+        """Stop what update has begun, as onHalted does, when new_status is INVALID."""
+'''
+_CONTROL = '''\
+"""{name} of BehaviorTree.CPP: what it does with its children is still to be written."""
+
+import grip_bt as grip
+
+
+class {name}(grip.Control):
+    """{ports}"""
+
+    def decide(self):
+        """Tick children: each `tick()` says running, success, failure or skipped; return one of these."""
+        # self.get("PORT") is a literal or the value of a variable, self.put("PORT", value) writes one
+        raise NotImplementedError("write the code of {name} in leaf.py")
+'''
+
+
+def read(request: Request) -> Imported:
+    """Return the tasks of an XML file, of several, or of a folder, with what is to be written; see `Project.tasks`."""
+    project = Project(request)
+    made = project.tasks(alone=[request.path] == project.files)
+    return replace(made, **project.to_write(made.manifests))
+
+
+class Project:
+    """The files of one import, whose node types are known to all of them."""
+
+    def __init__(self, request: Request):
+        self.request, self.catalog = request, request.catalog()
+        paths = [request.path, *request.more]
+        found = (file for path in paths for file in (xml_files(path) if path.is_dir() else [path]))
+        self.files = list(dict.fromkeys(found))
+        self.leaves = Leaves(self.catalog, {})
+        home = request.path.resolve()
+        self.library = Library(workspace_of(home))
+        around = [self.library.root, *([request.bound] if request.bound is not None else ())]
+        self.bound = min(around, key=lambda folder: len(folder.parts))
+        if self.bound == home.parent:  # nothing says where it ends: `../common/parts.xml` belongs to it too
+            self.bound = home.parent.parent
+
+    def tasks(self, alone: bool) -> Imported:
+        """Return the tasks: one for each main tree, or for each tree that no other one holds.
+
+        Args:
+            alone: whether it is one file, which has to come in whole.
+
+        Raises:
+            GripError: there is none, or that one can't be read or has no exact equivalent.
+        """
+        select, items, documents = self.request.select, list[Item](), []
+        for file in self.files:
+            text = read_file(file) if alone else self.library.text(file)
+            if alone or "<BehaviorTree" in text or "<TreeNodesModel" in text:
+                document = Document(str(file), file.resolve().parent, self.bound, self.library)
+                document.models = self.leaves.models
+                try:
+                    documents.append((document, document.take_text(text)))
+                except GripError as error:
+                    if alone:
+                        raise
+                    items.append(_failed(file.stem, document.source, error))
+        for beside in sorted(self.files[0].resolve().parent.glob("*.xml")) if alone else ():
+            text = self.library.text(beside)
+            if "<TreeNodesModel" in text and "<BehaviorTree" not in text:
+                documents[0][0].take_models(text, beside)
+        importers: list[Importer] = []
+        used = {name for document, _ in documents for tree in document.trees.values() for name in subtrees_of(tree)}
+        for document, root in documents:
+            mains = [document.wanted(root, select)] if alone and select else []
+            if not mains and (alone or document.trees):
+                said = alone or "main_tree_to_execute" in root.attributes
+                mains = [m for m in document.mains(root) if (m == select if select else said or m not in used)]
+            importers += [Importer(document, self.leaves, main) for main in mains]
+        settle(importers)
+        if not importers and not items:
+            raise GripError(f"{self.request.path}: no XML file with a <BehaviorTree> to import")
+        made = [each for importer in importers if (each := self._result(importer, items, alone)) is not None]
+        return replace(_together(made), items=tuple(sorted(items, key=lambda item: item.source)))
+
+    def _result(self, importer: Importer, items: list[Item], alone: bool) -> Imported | None:
+        name, source = importer.name, importer.document.source
+        line, issues = importer.document.trees[name].line, importer.reading.issues.errors
+        if alone:
+            importer.reading.issues.raise_if_refused(source)
+            return importer.result()
+        result = None
+        if not issues:
+            try:
+                result = importer.result()
+                issues, result = result.issues, replace(result, issues=())
+            except DocumentError as error:
+                issues = _failed(name, source, error).issues
+        items.append(Item(name, source, line, issues))
+        return result
+
+    def to_write(self, manifests: Iterable[Manifest]) -> dict[str, Any]:
+        """Return the files that go with the tasks, and what somebody has to do."""
+        origin, stem, files, mocks, new = self.request.path.name, self.request.path.stem, {}, "", []
+        for each in manifests:
+            where, _, name = each.implementation.rpartition(":")
+            face = each.model_copy(update={"implementation": f"{Path(where).name}:{name}"})
+            files[f"nodes/{each.id}/manifest.yaml"] = manifest_text(face, _HEADER.format(origin=origin))
+            if each.id not in self.catalog:
+                controls = "skipped" in each.outcomes
+                ports = ", ".join(dict.fromkeys((*each.parameters, *each.inputs, *each.outputs)))
+                text = _CONTROL if controls else _LEAF
+                if not (self.request.nodes / each.id / "leaf.py").exists():
+                    said = f"Ports: {ports}." if ports else "It has no ports."
+                    files[f"nodes/{each.id}/leaf.py"] = text.format(name=name, ports=said)
+                mocks += "" if controls else f"  {each.id}: {_mock(each)}\n"
+                new.append(each.id)
+        advice = [f"write the code of {', '.join(new)}: leaf.py beside the manifest"] if new else []
+        if mocks:
+            head = f"# {generated_by('btcpp')} from {origin}: what nodes without code may do, by their type.\n"
+            files[f"mocks/{stem}.yaml"] = f"{head}mocks:\n{mocks}"
+            advice.append(f"until then: grip run TASK --mocks mocks/{stem}.yaml")
+        return {"files": files, "advice": tuple(advice)}
+
+
+def _mock(manifest: Manifest) -> str:
+    empty = {"int": "0", "float": "0.0", "bool": "false", "str": '""'}
+    outputs = ", ".join(f"{port}: {empty.get(out.type, 'null')}" for port, out in manifest.outputs.items())
+    return f"{{outcome: success, outputs: {{{outputs}}}}}" if outputs else "success"
+
+
+def _failed(name: str, source: str, error: GripError) -> Item:
+    issues = Issues(source)
+    issues.add("unreadable", name, str(error))
+    return Item(name, source, 1, tuple(issues))
+
+
+def _together(made: list[Imported]) -> Imported:
+    tasks: dict[str, Task] = {}
+    manifests = {each.id: each for one in made for each in one.manifests}
+    for one in made:
+        tasks |= {free(name, tasks): task for name, task in one.tasks.items()}
+    issues = tuple(dict.fromkeys(issue for one in made for issue in one.issues))
+    return Imported(tasks, issues, manifests=tuple(manifests.values()))

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from grip_bt.smach_compat.smach_ros._connection import ros, seconds
+from grip_bt.smach_compat.smach_ros._port import STATUS
 
-from .rospy import SLICE, is_shutdown, resolve_name
+from .rospy import resolve_name, waited
 
 
 class GoalStatus:
@@ -27,14 +28,6 @@ class SimpleGoalState:
     PENDING, ACTIVE, DONE = range(3)
 
 
-_ENDINGS = {
-    "succeeded": GoalStatus.SUCCEEDED,
-    "aborted": GoalStatus.ABORTED,
-    "preempted": GoalStatus.PREEMPTED,
-    "rejected": GoalStatus.REJECTED,
-}
-
-
 class SimpleActionClient:
     """Sends goals, one at a time."""
 
@@ -47,7 +40,7 @@ class SimpleActionClient:
 
     def wait_for_server(self, timeout: Any = 0) -> bool:
         """Tell whether there is a server in time; 0: wait for ever."""
-        return self._wait(self._client.wait, seconds(timeout))
+        return waited(self._client.wait, seconds(timeout) or float("inf"))
 
     def send_goal(
         self, goal: Any, done_cb: Any = None, active_cb: Any = None, feedback_cb: Callable[[Any], None] | None = None
@@ -58,7 +51,7 @@ class SimpleActionClient:
         number = self._goal
 
         def done(ending: str, status: int, result: object) -> None:
-            status = _ENDINGS.get(ending, GoalStatus.LOST)
+            status = STATUS[ending]
             if number == self._goal:
                 self._status, self._result = status, self._type.Result() if result is None else result
             over.set()
@@ -71,15 +64,7 @@ class SimpleActionClient:
 
     def wait_for_result(self, timeout: Any = 0) -> bool:
         """Tell whether the goal ends in time; 0: wait for ever."""
-        return self._wait(self._over.wait, seconds(timeout))
-
-    def _wait(self, wait: Callable[[float], bool], timeout: float) -> bool:
-        left = timeout or float("inf")
-        while not wait(min(left, SLICE)):
-            left -= SLICE
-            if left <= 0 or is_shutdown():
-                return False
-        return True
+        return waited(self._over.wait, seconds(timeout) or float("inf"))
 
     def send_goal_and_wait(self, goal: Any, execute_timeout: Any = 0, preempt_timeout: Any = 0) -> int:
         """Send a goal, cancel it when it takes too long, and return how it stands."""

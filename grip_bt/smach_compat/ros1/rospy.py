@@ -306,13 +306,19 @@ def wait_for_message(topic: str, topic_type: Any, timeout: Any = None) -> Any:
 
 
 def _until(wait: Callable[[float], bool], timeout: Any, words: str) -> None:
-    left = float("inf") if timeout is None else seconds(timeout)
-    while not wait(min(left, SLICE)):
-        left -= SLICE
+    if not waited(wait, float("inf") if timeout is None else seconds(timeout)):
         if is_shutdown():
             raise ROSInterruptException("ROS is being shut down")
-        if left <= 0:
-            raise ROSException(words)
+        raise ROSException(words)
+
+
+def waited(wait: Callable[[float], bool], left: float) -> bool:
+    """Tell whether something comes in time [s], before ROS is shut down."""
+    while not wait(min(left, SLICE)):
+        left -= SLICE
+        if left <= 0 or is_shutdown():
+            return False
+    return True
 
 
 class ServiceProxy:
