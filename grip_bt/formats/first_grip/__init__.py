@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import parse, read_file, to_data
 from grip_bt.formats.imported import Imported, Issues, Request, manifests_text
@@ -19,7 +17,7 @@ from grip_bt.task.model import Leaf, walk
 from .project import MARK, Configuration, project_texts, read_configuration, take_file
 from .settings import read_settings
 from .states import STATES, ImportContext, node_of
-from .tasks import GripContainer, GripState, graph_task, name_of, outcome_meanings
+from .tasks import GripContainer, GripState, broken_if_invalid, graph_task, name_of, outcome_meanings
 from .text import text_task
 
 
@@ -151,11 +149,8 @@ def _task(root: GripContainer, context: ImportContext) -> Task:
         "data": context.variables,
         "root": node,
     }
-    try:
+    with broken_if_invalid(root.name):
         return Task.model_validate(document)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise GripError(f"{root.name}: {'/'.join(map(str, first['loc']))}: {first['msg']}") from None
 
 
 def _container(found: GripContainer, context: ImportContext, place: str) -> dict[str, Any]:

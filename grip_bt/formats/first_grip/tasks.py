@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
@@ -95,6 +96,16 @@ class BrokenTaskError(GripError):
     """A task of the first GRIP can't be read; the message says what and where."""
 
 
+@contextmanager
+def broken_if_invalid(place: str) -> Iterator[None]:
+    """Say in words what pydantic says of data."""
+    try:
+        yield
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise BrokenTaskError(f"{place}: {'/'.join(map(str, first['loc']))}: {first['msg']}") from None
+
+
 def graph_task(settings: Mapping[Key, object], source: str, issues: Issues) -> GripContainer:
     """Return the task that a file of settings holds. Raises BrokenTaskError: there is none in it, or it is broken."""
     graphs: dict[Key, dict[str, object]] = {}
@@ -153,12 +164,8 @@ class _Reader:
         if depth > DEEPEST:
             raise BrokenTaskError(f"{self.source}: containers lie in each other more than {DEEPEST} deep")
         place = "/".join(key)
-        try:
+        with broken_if_invalid(f"{self.source}: {place}"):
             graph = _Graph.model_validate(self.graphs[key])
-        except ValidationError as error:
-            first = error.errors()[0]
-            where = "/".join(map(str, first["loc"]))
-            raise BrokenTaskError(f"{self.source}: {place}: {where}: {first['msg']}") from None
         ends = [each.name for each in graph.terminal_sockets]
         start = ends.index(_START) if _START in ends else 0
         outcomes = [end for number, end in enumerate(ends) if number != start and end]

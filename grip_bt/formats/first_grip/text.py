@@ -6,12 +6,15 @@ from collections import ChainMap
 from collections.abc import Mapping
 from typing import Any
 
+from pydantic import BaseModel, ConfigDict
+
 from grip_bt.base.errors import nearest
 from grip_bt.formats.names import key_of
 
-from .tasks import DEEPEST, OUTCOMES, BrokenTaskError, GripContainer, GripState
+from .tasks import DEEPEST, OUTCOMES, BrokenTaskError, GripContainer, GripState, broken_if_invalid
 
-_CONTAINERS = {"concurrent_state_machine", "framework_state_machine", "state_machine", "sm_base"}
+CONCURRENT = "concurrent_state_machine"
+_CONTAINERS = {CONCURRENT, "framework_state_machine", "state_machine", "sm_base"}
 _NAMED = ("ComputePlan", "Move", "Counter", "Select", "WaitFor", "ExecuteTrajectory", "AllowCollisions")
 _TYPES = {
     "plan": "ComputePlan",
@@ -26,69 +29,65 @@ _SLOTS = {
     "collision_type": "collision",
 }
 """Parameter -> the slot of the editor that took its place."""
-_KEYS = ("input_keys", "output_keys", "io_keys")
 _Scope = ChainMap[str, Any]
+
+
+class _Said(BaseModel):
+    """What is said of a state or container; anything else of it is a slot."""
+
+    model_config = ConfigDict(extra="allow", coerce_numbers_to_str=True)
+    name: str = ""
+    source: str = ""
+    outcomes: list[str] = []
+    transitions: dict[str, str] = {}
+    input_keys: list[str] = []
+    output_keys: list[str] = []
+    io_keys: list[str] = []
+    initial: str = ""
+    default_outcome: str = ""
+    outcome_map: dict[str, dict[str, str]] = {}
 
 
 def text_task(data: object, source: str) -> GripContainer:
     """Return the task that a nested dictionary holds. Raises BrokenTaskError: it holds none, or is broken."""
     if not isinstance(data, Mapping) or "states" not in data:
         raise BrokenTaskError(f"{source}: there is no task in it: `name`, `outcomes` and `states` are expected")
-    return _container(str(data.get("name") or "task"), _Said(data, ChainMap(), source), 0)
+    return _container(str(data.get("name") or "task"), data, ChainMap(), source, 0)
 
 
-class _Said:
-    """What is said of a state or container.
+def _said(data: Mapping[str, Any], scope: _Scope, place: str) -> tuple[_Said, _Scope]:
+    """Return what is said, and what stands for `params.NAME` in it and below: its own `params` are said of it too."""
 
-    Its own `params` are parameters of it, and stand for `params.NAME` in it and, of a container, in all that is below.
-    """
+    def value(said: Any, around: _Scope) -> Any:
+        if isinstance(said, list):
+            return [value(each, around) for each in said]
+        if not isinstance(said, str) or not said.startswith("params."):
+            return said
+        name = said.removeprefix("params.")
+        if name not in around:
+            known = f"{nearest(name, around)} (available: {', '.join(sorted(around)) or 'none'})"
+            raise BrokenTaskError(f"{place}: no `params` here or around it has {name!r}{known}")
+        return around[name]
 
-    def __init__(self, data: Mapping[str, Any], scope: _Scope, place: str):
-        self.place = place
-        own = data.get("params") or {}
-        if not isinstance(own, Mapping):
-            raise BrokenTaskError(f"{place}: `params` is a mapping from names to values")
-        self.scope = scope.new_child({str(name): self._value(value, scope) for name, value in own.items()})
-        rest = {str(name): value for name, value in data.items() if name not in ("params", "states")}
-        self.states = data.get("states")
-        self.parameters = {**self.scope.maps[0], **{n: self._value(value, self.scope) for n, value in rest.items()}}
-
-    def _value(self, value: Any, scope: _Scope) -> Any:
-        if isinstance(value, list):
-            return [self._value(each, scope) for each in value]
-        if not isinstance(value, str) or not value.startswith("params."):
-            return value
-        name = value.removeprefix("params.")
-        if name not in scope:
-            listed = ", ".join(sorted(scope)) or "none"
-            raise BrokenTaskError(
-                f"{self.place}: no `params` here or around it has {name!r}{nearest(name, scope)} (available: {listed})"
-            )
-        return scope[name]
-
-    def names(self, key: str) -> list[str]:
-        found = self.parameters.get(key) or []
-        if not isinstance(found, list) or not all(isinstance(each, str | int) for each in found):
-            raise BrokenTaskError(f"{self.place}: `{key}` is a list of names")
-        return [str(each) for each in found]
-
-    def mapping(self, key: str, what: str) -> Mapping[str, Any]:
-        found = self.parameters.get(key) or {}
-        if not isinstance(found, Mapping):
-            raise BrokenTaskError(f"{self.place}: `{key}` is {what}")
-        return found
+    own = data.get("params") or {}
+    if not isinstance(own, Mapping):
+        raise BrokenTaskError(f"{place}: `params` is a mapping from names to values")
+    inner = scope.new_child({str(name): value(each, scope) for name, each in own.items()})
+    rest = {str(n): value(each, inner) for n, each in data.items() if n not in ("params", "states")}
+    with broken_if_invalid(place):
+        return _Said.model_validate({n: v for n, v in {**inner.maps[0], **rest}.items() if v is not None}), inner
 
 
-def _container(name: str, said: _Said, depth: int) -> GripContainer:
-    place = said.place
+def _container(name: str, data: Mapping[str, Any], around: _Scope, place: str, depth: int) -> GripContainer:
+    said, scope = _said(data, around, place)
     if depth > DEEPEST:
         raise BrokenTaskError(f"{place}: containers lie in each other more than {DEEPEST} deep")
-    outcomes = said.names("outcomes") or [str(each) for each in said.mapping("transitions", _LEADS)]
-    made = GripContainer(name, str(said.parameters.get("source", "")), outcomes=outcomes or ["success", "fail"])
-    made.concurrent = made.type == "concurrent_state_machine"
-    if not isinstance(said.states, list) or not said.states:
+    made = GripContainer(name, said.source, outcomes=said.outcomes or list(said.transitions) or ["success", "fail"])
+    made.concurrent, made.leads = said.source == CONCURRENT, said.transitions
+    states = data.get("states")
+    if not isinstance(states, list) or not states:
         raise BrokenTaskError(f"{place}: `states` is a list of states and not empty")
-    for entry in said.states:
+    for entry in states:
         if not isinstance(entry, Mapping) or len(entry) != 1:
             raise BrokenTaskError(f"{place}: a state is `NAME: {{source: ..., ...}}`, not {str(entry)[:60]}")
         ((label, inner),) = entry.items()
@@ -96,46 +95,26 @@ def _container(name: str, said: _Said, depth: int) -> GripContainer:
             raise BrokenTaskError(f"{place}/{label}: a mapping with `source` is expected")
         if str(label) in made.children:
             raise BrokenTaskError(f"{place}/{label}: two states have this name")
-        made.children[str(label)] = _child(str(label), _Said(inner, said.scope, f"{place}/{label}"), depth)
-    made.initial = str(said.parameters.get("initial") or next(iter(made.children)))
-    if made.concurrent:
-        _concurrent(made, said)
+        made.children[str(label)] = _child(str(label), inner, scope, f"{place}/{label}", depth)
+    made.initial, made.default = said.initial or next(iter(made.children)), said.default_outcome or made.outcomes[-1]
+    made.rules = {o: {child: [end] for child, end in when.items()} for o, when in said.outcome_map.items()}
+    for outcome in (made.default, *made.rules) if made.concurrent else ():
+        if outcome not in made.outcomes:
+            known = f"{nearest(outcome, made.outcomes)} (available: {', '.join(made.outcomes)})"
+            raise BrokenTaskError(f"{place}: it may end with {outcome!r}, which is none of its outcomes{known}")
     return made
 
 
-_LEADS = "a mapping from outcomes to states"
-
-
-def _concurrent(made: GripContainer, said: _Said) -> None:
-    rules = said.mapping("outcome_map", "outcome -> state -> outcome")
-    if not all(isinstance(when, Mapping) for when in rules.values()):
-        raise BrokenTaskError(f"{said.place}: `outcome_map` is outcome -> state -> outcome")
-    made.default = str(said.parameters.get("default_outcome") or made.outcomes[-1])
-    made.rules = {str(o): {str(child): [str(end)] for child, end in when.items()} for o, when in rules.items()}
-    for outcome in (made.default, *made.rules):
-        if outcome not in made.outcomes:
-            raise BrokenTaskError(
-                f"{said.place}: it may end with {outcome!r}, which is none of its outcomes"
-                f"{nearest(outcome, made.outcomes)} (available: {', '.join(made.outcomes)})"
-            )
-
-
-def _child(label: str, said: _Said, depth: int) -> GripState:
-    leads = said.mapping("transitions", _LEADS)
-    source = str(said.parameters.get("source", ""))
-    if source in _CONTAINERS or said.states is not None:
-        made: GripState = _container(label, said, depth + 1)
-    else:
-        kind = _TYPES.get(source.removeprefix("state_"), source)
-        usual = ["success", "fail"] if kind in (*_TYPES.values(), "") else ["success", "failure"]
-        outcomes = said.names("outcomes") or [str(each) for each in leads] or OUTCOMES.get(kind, usual)
-        left = ("source", "transitions", "outcomes", "name", *_KEYS)
-        slots = {_SLOTS.get(name, name): value for name, value in said.parameters.items() if name not in left}
-        both = said.names("io_keys")
-        made = GripState(label, kind, slots, outcomes, reads=said.names("input_keys") + both)
-        made.writes = said.names("output_keys") + both
-        _as_in_the_editor(made)
-    made.leads = {str(outcome): str(target) for outcome, target in leads.items()}
+def _child(label: str, data: Mapping[str, Any], scope: _Scope, place: str, depth: int) -> GripState:
+    said, _ = _said(data, scope, place)
+    if said.source in _CONTAINERS or data.get("states") is not None:
+        return _container(label, data, scope, place, depth + 1)
+    kind = _TYPES.get(said.source.removeprefix("state_"), said.source)
+    usual = ["success", "fail"] if kind in (*_TYPES.values(), "") else ["success", "failure"]
+    made = GripState(label, kind, {_SLOTS.get(n, n): value for n, value in (said.model_extra or {}).items()})
+    made.outcomes, made.leads = said.outcomes or list(said.transitions) or OUTCOMES.get(kind, usual), said.transitions
+    made.reads, made.writes = said.input_keys + said.io_keys, said.output_keys + said.io_keys
+    _as_in_the_editor(made)
     return made
 
 
