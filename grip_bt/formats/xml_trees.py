@@ -330,9 +330,8 @@ class Library:
 
     def files(self, name: str, near: Path | None) -> list[Path]:
         """Return the files that have a tree, the nearest to a file first."""
-        there = dict.fromkeys(self._index[0].get(name, ()))
-        parts = near.resolve().parts if near is not None else ()
-        return sorted(there, key=lambda path: (-_shared(path.parts, parts), len(path.parts), str(path)))
+        there, home = dict.fromkeys(self._index[0].get(name, ())), near.parent if near is not None else self.root
+        return sorted(there, key=lambda path: (len(Path(os.path.relpath(path, home)).parts), str(path)))
 
     def package(self, name: str) -> Path | None:
         """Return the folder of a ROS package."""
@@ -357,10 +356,6 @@ def xml_files(folder: Path) -> list[Path]:
         if seen > MOST_FILES:
             break
     return found
-
-
-def _shared(one: tuple[str, ...], other: tuple[str, ...]) -> int:
-    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 def comment(text: str) -> list[ET.Element[str]]:

@@ -150,10 +150,8 @@ def flow_figure(task: Task, catalog: Catalog) -> Figure:
 
 def _node_figure(name: str, path: str, node: AnyNode, catalog: Catalog) -> Figure:
     if isinstance(node, Leaf):
-        lines = [describe(node), *([f"only if {node.precondition}"] if node.precondition else [])]
-        if node.with_:
-            lines.append(", ".join(f"{k}={v}" for k, v in node.with_.items()))
-        box = replace(box_of(name, node, catalog, lines), path=path)
+        said = details(node)[: bool(node.precondition) + bool(node.with_)]  # links say where its ends lead
+        box = replace(box_of(name, node, catalog, [describe(node), *said]), path=path)
         return Figure(box.width, box.height, [box])
     children = {n: _node_figure(n, join(path, n), child, catalog) for n, child in children_of(node).items()}
     inside = _inside(children, outcomes_shown(node), links_of(node))

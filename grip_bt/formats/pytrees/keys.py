@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -78,12 +77,6 @@ def stored(client: Client, key: str) -> str:
     return str(client.remappings.get(key, key))
 
 
-def clients_of(behaviour: Behaviour) -> Iterator[Client]:
-    """Yield the blackboard clients of a behaviour, each once."""
-    held = [value for value in vars(behaviour).values() if isinstance(value, Client)]
-    yield from {id(client): client for client in (*behaviour.blackboards, *held)}.values()
-
-
 def keys_of(behaviour: Behaviour, remapped: bool = False) -> tuple[dict[str, str], dict[str, str]]:
     """Return what a behaviour reads and writes: how it is called -> key of the blackboard.
 
@@ -91,7 +84,8 @@ def keys_of(behaviour: Behaviour, remapped: bool = False) -> tuple[dict[str, str
         remapped: whether keys are called as the behaviour calls them; else as the blackboard does.
     """
     reads, writes = dict[str, str](), dict[str, str]()
-    for client in clients_of(behaviour):
+    held = [value for value in vars(behaviour).values() if isinstance(value, Client)]
+    for client in {id(each): each for each in (*behaviour.blackboards, *held)}.values():
         for found, registered in ((reads, client.read), (writes, client.write), (writes, client.exclusive)):
             found |= {(key if remapped else stored(client, key)): stored(client, key) for key in sorted(registered)}
     return reads, writes

@@ -211,7 +211,8 @@ class _Drawer(Reader):
             for found in keys_of(behaviour, remapped=True)
         )
         return NodeSettings(
-            {"kind": "foreign", "behaviour": _readable(behaviour)} | {k: v for k, v in words.items() if v}
+            {"kind": "foreign", "behaviour": re.sub(r"[^\w.:]", "_", class_path(behaviour))}
+            | {k: v for k, v in words.items() if v}
         )
 
 
@@ -282,10 +283,6 @@ def _literals_of(behaviour: Behaviour) -> dict[str, Any]:
         return {}
     found = {name: getattr(behaviour, name, None) for name in wanted if name != "name"}
     return {name: value for name, value in found.items() if value is not None and is_literal(value)}
-
-
-def _readable(behaviour: Behaviour) -> str:
-    return re.sub(r"[^\w.:]", "_", class_path(behaviour))
 
 
 def _compare(behaviour: Behaviour, where: str, args: dict[str, Any], named: bool) -> None:
