@@ -49,12 +49,14 @@ def key_of(label: str) -> str:
 
 
 def is_literal(value: object) -> bool:
-    """Tell whether a document can hold a value: what JSON holds, of no classes of their own, and no infinity."""
+    """Tell whether a document can hold a value: what JSON holds, of no classes of their own, in bounds."""
     if type(value) is list:
         return all(map(is_literal, value))
     if type(value) is dict:
         return all(type(key) is str and is_literal(item) for key, item in value.items())
-    return value is None or type(value) in (bool, int, str) or (type(value) is float and math.isfinite(value))
+    if type(value) is int:
+        return abs(value) < 2**63
+    return value is None or type(value) in (bool, str) or (type(value) is float and math.isfinite(value))
 
 
 class Identifiers:

@@ -221,16 +221,16 @@ class NextItem(AmongStates):
             self.asking.begin(self.enclosing, None, self.requests())
             around = self.asking.container(self.enclosing[-1])
         if position and around is not None and around.preempt_requested() and "preempted" in self.meaning:
-            if outcome := self.params.get("leaves_by"):
+            if outcome := self.params["leaves_by"]:
                 raise RuntimeError(
                     f"a preempt was requested, with which SMACH leaves an Iterator by the outcome of its state, "
                     f"{outcome!r}, which is none of the Iterator's; say what it means in its final_outcome_map"
                 )
-            return self.end("preempted", position=position)
+            return self.fail("preempted", "a preempt was requested", outcome="preempted")
         if position >= len(items):
             if isinstance(around, Iteration):
                 around.exhausted = True
-            return self.end("exhausted", position=position)
+            return self.fail("exhausted", "there are no more items", outcome="exhausted")
         return self.end("item", item=items[position], position=position + 1)
 
     def replay_ended(self, outcome: str | None) -> None:
@@ -260,12 +260,12 @@ class Obeyed(AmongStates):
             obeyed = isinstance(around, Together) and around.obeyed()
         if not obeyed or settings.ros2:
             return self.end("others")
-        if not self.params.get("allowed", True):
+        if not self.params["allowed"]:
             raise RuntimeError(
                 "a preempt was requested and obeyed, after which SMACH ends a Concurrence with 'preempted', "
                 "which is none of its outcomes; add it to them"
             )
-        return self.end("preempted")
+        return self.fail("preempted", "a preempt was requested and obeyed", outcome="preempted")
 
     def replay_ended(self, outcome: str | None) -> None:
         if outcome is None or not self.enclosing:

@@ -8,6 +8,7 @@ from grip_bt.base.errors import NodeError
 from grip_bt.nodes.node import Observer
 from grip_bt.nodes.smach_leaf import NextItem, SmachLeaf, task_name
 from grip_bt.smach_compat import State
+from grip_bt.task.catalog import Catalog
 from grip_bt.task.catalog.manifest import Manifest
 
 WAIT = 120  # s; only a broken leaf takes so long
@@ -244,15 +245,8 @@ def test_a_manifest_that_lacks_an_outcome_of_the_state_is_refused():
 
 def test_items_come_one_by_one_and_then_no_more():
     data = {"position": 0}
-    face = Manifest(
-        id="smach/test/next_item",
-        doc="Next.",
-        implementation="grip_bt.nodes.smach_leaf:NextItem",
-        inputs={"position": {"type": "int"}},
-        outputs={"position": {"type": "int"}, "item": {"type": "Any"}},
-        outcomes={"item": "success", "exhausted": "failure"},
-    )
-    leaf = NextItem("next", "next", face, {"items": ["a", "b"]}, {})
+    face = Catalog.builtin().get("smach/next_item")
+    leaf = NextItem("next", "next", face, {"items": ["a", "b"], "leaves_by": ""}, {})
     leaf.readers["position"] = lambda: data["position"]
     leaf.writers.update({k: lambda value, k=k: data.__setitem__(k, value) for k in face.outputs})
     ends = []

@@ -58,31 +58,7 @@ class Meanings:
 
 
 MARK = generated_by("smach")
-NEXT_ITEM, OBEYED, COPY = "next_item", "preempt_obeyed", "copy"
-_OURS: dict[str, tuple[str, dict[str, object]]] = {
-    NEXT_ITEM: (
-        "NextItem",
-        {
-            "doc": "The next item of an iteration.",
-            "parameters": {"items": {"type": "list"}, "leaves_by": {"type": "str", "default": ""}},
-            "inputs": {"position": {"type": "int"}},
-            "outputs": {
-                "position": {"type": "int", "on": ["item", "exhausted", "preempted"]},
-                "item": {"type": "Any", "on": ["item"]},
-            },
-            "outcomes": {"item": "success", "exhausted": "failure", "preempted": "failure"},
-        },
-    ),
-    OBEYED: (
-        "Obeyed",
-        {
-            "doc": "Whether a preempt request was obeyed by all the others.",
-            "parameters": {"allowed": {"type": "bool", "default": True}},
-            "outcomes": {"others": "success", "preempted": "failure"},
-        },
-    ),
-}
-"""Key -> class and manifest of leaves of GRIP's own."""
+COPY = "copy"
 
 First = Mapping[str, tuple[str, str]]
 
@@ -131,35 +107,23 @@ class Leaves:
             self.specs[key] = LeafSpec(manifest, cls, source, first)
         return self.specs[key]
 
-    def ours(self, key: str) -> LeafSpec:
-        """Return a leaf whose class is GRIP's: `next_item` hands out items, `preempt_obeyed` ends a Concurrence."""
-        cls, keys = _OURS[key]
-        return self._add_ours((key,), f"smach/{self.stem}/{key}", cls, keys)
-
     def copy(self, names: list[str]) -> LeafSpec:
         """Return the leaf that copies these keys into or out of a container."""
         number = sum(isinstance(key, tuple) and key[0] == COPY for key in self.specs) + 1
-        keys = {
+        said = {
+            "id": f"smach/{self.stem}/{COPY}_{number}",
+            "implementation": "grip_bt.nodes.smach_leaf:CopyKeys",
             "doc": f"Copy {', '.join(names)} into or out of a container.",
             "parameters": {"unwritten": {"type": "list[str]", "default": []}},
             "inputs": {name: {"type": "Any", "required": False} for name in names},
             "outputs": {name: {"type": "Any", "on": ["done"]} for name in names},
             "outcomes": {"done": "success"},
         }
-        return self._add_ours((COPY, *names), f"smach/{self.stem}/{COPY}_{number}", "CopyKeys", keys)
-
-    def _add_ours(self, key: tuple[str, ...], id: str, cls: str, keys: Mapping[str, object]) -> LeafSpec:
-        if key not in self.specs:
-            said = {"id": id, "implementation": f"grip_bt.nodes.smach_leaf:{cls}", **keys}
-            self.specs[key] = LeafSpec(Manifest.model_validate(said), "")
-        return self.specs[key]
+        return self.specs.setdefault((COPY, *names), LeafSpec(Manifest.model_validate(said), ""))
 
     def _free(self, name: str) -> str:
         name = f"State{name}" if name.startswith(MODULE) else name
-        return free(
-            name,
-            {*(spec.cls for spec in self.specs.values()), NEXT_ITEM, "Path", "SmachLeaf", "load_legacy", "built_in"},
-        )
+        return free(name, {*(s.cls for s in self.specs.values()), "Path", "SmachLeaf", "load_legacy", "built_in"})
 
     def source(self, found: StateInfo) -> str:
         """Return the source that takes an object from the machine that its file builds; empty where nothing does."""
@@ -189,6 +153,15 @@ class Leaves:
         return {"manifest.yaml": manifests, "leaves.py": self._python(folder)}
 
     def _python(self, folder: Path) -> str:
+        body = list[str]()
+        for way, name in self.ways.items():
+            body += ["", "", f"def {name}():", f"    return {_built(way, folder)}"]
+        firsts = {f"first_{v}": text for spec in self.specs.values() for v, text in spec.first.values()}
+        for name, text in firsts.items():
+            body += ["", "", f"def {name}(self):", f"    return {text}"]
+        for spec in self.specs.values():
+            body += _class(spec) if spec.cls else []
+        path = Path(os.path.relpath(self.file.resolve(), folder.resolve())).as_posix()
         lines = [
             f'"""The states of {self.file.name} as leaves. {MARK}; edits here are lost when it runs again."""',
             "",
@@ -200,20 +173,9 @@ class Leaves:
             "",
             "HERE = Path(__file__).resolve().parent",
         ]
-        path = Path(os.path.relpath(self.file.resolve(), folder.resolve())).as_posix()
-        if any(
-            spec.source.partition("(")[2].startswith(MODULE) or spec.source.startswith(MODULE)
-            for spec in self.specs.values()
-        ) or any(way.builder != "__main__" for way in self.ways):
+        if any(re.match(rf" +return .*(?<=[ (]){MODULE}\.", line) for line in body):
             lines.append(f"{MODULE} = load_legacy(HERE / {path!r})")
-        for way, name in self.ways.items():
-            lines += ["", "", f"def {name}():", f"    return {_built(way, folder)}"]
-        firsts = {f"first_{v}": text for spec in self.specs.values() for v, text in spec.first.values()}
-        for name, text in firsts.items():
-            lines += ["", "", f"def {name}(self):", f"    return {text}"]
-        for spec in self.specs.values():
-            lines += _class(spec) if spec.cls else []
-        return "\n".join(lines) + "\n"
+        return "\n".join([*lines, *body]) + "\n"
 
 
 def _class_name(label: str) -> str:

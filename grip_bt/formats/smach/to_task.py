@@ -13,7 +13,7 @@ from grip_bt.task.model import AnyNode, Meaning, ParallelRule
 from grip_bt.task.validation import validate
 
 from .found import Child, ContainerInfo
-from .leaves import NEXT_ITEM, OBEYED, Leaves
+from .leaves import Leaves
 from .userdata import (
     Keys,
     RefusedError,
@@ -104,7 +104,6 @@ class TaskMaker:
 
     def _iterator(self, found: ContainerInfo, keys: Keys, means: Mapping[str, Meaning]) -> StateMachine:
         plan = iteration_of(found)
-        spec = self.leaves.ours(NEXT_ITEM)
         added = next(iter(found.added.values()))
         name = free(task_name(added.label), {*means, "next"})
         node, ends = self.child(found, added, keys, raw=True)
@@ -116,7 +115,7 @@ class TaskMaker:
             on |= {here: step for here, there in ends.items() if there in loops}
             known = target in (found.outcomes or ())
             steps[step] = Leaf(
-                node=spec.manifest.id,
+                node="smach/next_item",
                 with_={"items": plan.items} if known else {"items": plan.items, "leaves_by": target},
                 in_={"position": position},
                 out={"position": position, "item": item},
@@ -144,8 +143,7 @@ class TaskMaker:
         ends = {"success": default, "failure": default} | {label: o for o, label in labels.items()}
         asked = free("asked", children)
         allowed = "preempted" in labels
-        spec = self.leaves.ours(OBEYED)
-        children[asked] = Leaf(node=spec.manifest.id, with_={} if allowed else {"allowed": False})
+        children[asked] = Leaf(node="smach/preempt_obeyed", with_={} if allowed else {"allowed": False})
         rules = [ParallelRule(when={asked: "preempted"}, then=labels["preempted"])] if allowed else []
         for outcome, wanted in given:
             when = {task_name(c): [h for h, there in ends_of[c].items() if there == o] for c, o in wanted.items()}

@@ -18,8 +18,6 @@ from grip_bt.nodes.smach_leaf import task_name
 from grip_bt.task import FrozenDict, Leaf, StateMachine, Variable, children_of
 from grip_bt.task.model import AnyNode, Meaning
 
-_LARGEST = 2**63
-
 
 @dataclass
 class Variables:
@@ -77,12 +75,6 @@ def plain_literal(value: Value) -> object:
     """Return a value as a task can hold it, or raise ValueError with its source."""
     if value.opaque is not None:
         raise ValueError(value.opaque)
-    todo: list[object] = [value.value]
-    while todo:
-        each = todo.pop()
-        if isinstance(each, int) and abs(each) >= _LARGEST:
-            raise ValueError(repr(each))
-        todo += each if isinstance(each, list) else each.values() if isinstance(each, dict) else ()
     return value.value
 
 

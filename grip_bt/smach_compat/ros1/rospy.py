@@ -21,9 +21,9 @@ from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.smach_ros._connection import fields, ros, seconds, stands_in
 from grip_bt.smach_compat.smach_ros._port import ServiceFailedError
 
-from ._messages import Duration as Duration
-from ._messages import Time as Time
-from ._messages import now as get_rostime
+from . import Duration as Duration
+from . import Time as Time
+from . import now as get_rostime
 
 DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
 SLICE = 1.0

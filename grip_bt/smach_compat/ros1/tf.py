@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from grip_bt.smach_compat.ros1._messages import Duration, Time, now
+from grip_bt.smach_compat.ros1 import Duration, Time, now
 from grip_bt.smach_compat.smach_ros._connection import ros, seconds
 from grip_bt.smach_compat.smach_ros._port import NoFrameError
 
