@@ -110,23 +110,15 @@ def _reasons(found: Any, stores: dict[int, Any]) -> list[str]:
     return reasons
 
 
+_SETTINGS = (
+    *("default_outcome", "outcome_map", "outcome_cb", "child_termination_cb"),
+    *("items_label", "exhausted_outcome", "loop_outcomes", "break_outcomes", "final_outcome_map"),
+)
+
+
 def _settings(found: Any) -> dict[str, Any]:
-    if isinstance(found, smach_compat.Concurrence):
-        return {
-            "default_outcome": found._default_outcome,
-            "outcome_map": {k: dict(v) for k, v in found._outcome_map.items()},
-            "outcome_cb": found._outcome_cb is not None,
-            "child_termination_cb": found._child_termination_cb is not None,
-        }
-    if isinstance(found, smach_compat.Iterator):
-        return {
-            "it_label": found._items_label,
-            "exhausted_outcome": found._exhausted_outcome,
-            "loop_outcomes": list(found._loop_outcomes),
-            "break_outcomes": list(found._break_outcomes),
-            "final_outcome_map": dict(found._final_outcome_map),
-        }
-    return {}
+    said = {name: vars(found)[f"_{name}"] for name in _SETTINGS if f"_{name}" in vars(found)}
+    return {name: value is not None if name.endswith("_cb") else value for name, value in said.items()}
 
 
 def _items(items: Any) -> Any:

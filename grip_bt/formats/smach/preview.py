@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from grip_bt import smach_compat
 from grip_bt.base.errors import DocumentError
@@ -77,7 +77,7 @@ def preview(file: Path) -> list[ContainerInfo]:
     body = read_source(file).tree.body
     classes = {node.name: node for node in body if isinstance(node, ast.ClassDef)}
     found = list[ContainerInfo]()
-    with _quiet():
+    with mock.patch.multiple(hooks, **dict.fromkeys(("loginfo", "logwarn", "logdebug", "logerr"), lambda text: None)):
         for node in body:
             if isinstance(node, ast.FunctionDef):
                 found += _Reader(file, classes).machines(node, node.name)
@@ -86,16 +86,6 @@ def preview(file: Path) -> list[ContainerInfo]:
                     found += _Reader(file, classes).machines(method, node.name, node)
         found += _Reader(file, classes).machines(ast.Module(body, []), "")
     return sorted((each for one in found for each in one.within()), key=lambda each: each.span.line)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    before, quiet = dict(vars(hooks)), lambda text: None
-    smach_compat.set_loggers(quiet, quiet, quiet, quiet)
-    try:
-        yield
-    finally:
-        vars(hooks).update(before)
 
 
 class _Reader:

@@ -98,7 +98,7 @@ def private_keys(outer: ContainerInfo, added: Child, names: Mapping[str, str]) -
 
 
 def _written(found: ContainerInfo, but: Child | None = None) -> set[str]:
-    writes = {str(found.settings["it_label"])} if found.kind == "Iterator" else set()
+    writes = {str(found.settings["items_label"])} if found.kind == "Iterator" else set()
     for added in found.added.values():
         if added is not but:
             writes |= {_remapping(found, added).get(key, key) for key in added.state.output_keys}
@@ -226,7 +226,7 @@ def iteration_of(found: ContainerInfo) -> Iteration:
     for target in (*final.values(), mapped.get(exhausted, exhausted)):
         if target not in (found.outcomes or ()):
             raise RefusedError(f"it would end with {target!r}, which is none of its outcomes")
-    return Iteration(items, settings["it_label"], loops, final, mapped.get(exhausted, exhausted), dict(mapped))
+    return Iteration(items, settings["items_label"], loops, final, mapped.get(exhausted, exhausted), dict(mapped))
 
 
 def check(found: ContainerInfo) -> None:

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from grip_bt.smach_compat._install import Provided
+from grip_bt.smach_compat._provided import Provided
 from grip_bt.smach_compat._settings import settings
 from grip_bt.smach_compat.smach_ros._connection import ros
 

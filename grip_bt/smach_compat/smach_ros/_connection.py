@@ -15,7 +15,7 @@ from types import FrameType, ModuleType
 from typing import Any
 
 from grip_bt.smach_compat import _settings
-from grip_bt.smach_compat._install import Provided
+from grip_bt.smach_compat._provided import Provided
 from grip_bt.smach_compat._settings import hooks, settings
 from grip_bt.smach_compat.log import set_loggers
 from grip_bt.smach_compat.util import set_shutdown_check
