@@ -81,8 +81,8 @@ def plain_literal(value: Value) -> object:
 def private_keys(outer: ContainerInfo, added: Child, names: Mapping[str, str]) -> set[str]:
     """Return the keys of a container in another that need variables of their own; `names`: key -> the outer variable.
 
-    That SMACH copies shows where a key is written inside and doesn't come out, where one only comes out and something
-    else may write it outside, and where two are one outside.
+    That SMACH copies shows where a key is written inside and doesn't come out, where one only comes out and has a value
+    before or is written elsewhere, and where two are one outside.
     """
     found, remapping = added.state, _remapping(outer, added)
     assert isinstance(found, ContainerInfo), "states have no variables"
@@ -91,8 +91,8 @@ def private_keys(outer: ContainerInfo, added: Child, names: Mapping[str, str]) -
     for key, variable in names.items():
         comes, goes = key in found.input_keys, key in found.output_keys
         twins = {other for other, name in names.items() if name == variable}
-        kept = remapping.get(key, key) in beside if goes else key in writes
-        if (kept and not (comes and goes)) or (len(twins) > 1 and writes & twins):
+        apart = key in found.userdata or remapping.get(key, key) in beside if goes else key in writes
+        if (apart and not (comes and goes)) or (len(twins) > 1 and writes & twins):
             private.add(key)
     return private
 
