@@ -77,7 +77,8 @@ def preview(file: Path) -> list[ContainerInfo]:
     body = read_source(file).tree.body
     classes = {node.name: node for node in body if isinstance(node, ast.ClassDef)}
     found = list[ContainerInfo]()
-    with mock.patch.multiple(hooks, **dict.fromkeys(("loginfo", "logwarn", "logdebug", "logerr"), lambda text: None)):
+    quiet: dict[str, Any] = dict.fromkeys(("loginfo", "logwarn", "logdebug", "logerr"), lambda text: None)
+    with mock.patch.multiple(hooks, **quiet):
         for node in body:
             if isinstance(node, ast.FunctionDef):
                 found += _Reader(file, classes).machines(node, node.name)
