@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import combinations
@@ -222,29 +221,6 @@ class CollisionChecker:
 def _keep_apart(pool: _Pool, geometry: pin.GeometryModel, margins: Array) -> None:
     for manager in pool.getBroadPhaseManagers():
         manager.getGeometryData().setSecurityMargins(geometry, margins)
-
-
-class _Recent(threading.local):
-    """The checkers that a thread made last, the newest first."""
-
-    def __init__(self) -> None:
-        self.checkers: list[tuple[tuple[Chain, SceneSnapshot, str, float], CollisionChecker]] = []
-
-
-_recent = _Recent()
-_KEPT = 6
-
-
-def recent_checker(chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0) -> CollisionChecker:
-    """Return a checker as `CollisionChecker` would make it, the same one as before when nothing has changed.
-
-    Making one takes milliseconds, and a task plans many motions in one scene.
-    """
-    key = (chain, scene, hand, margin)
-    checker = next((made for known, made in _recent.checkers if known == key), None) or CollisionChecker(*key)
-    others = [entry for entry in _recent.checkers if entry[1] is not checker]
-    _recent.checkers = [(key, checker), *others][:_KEPT]
-    return checker
 
 
 def _shape(shape: Solid) -> coal.CollisionGeometry:

@@ -10,17 +10,13 @@ import numpy as np
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import UnknownNameError
 
-from . import analytic, damped_least_squares, trac_ik
+from . import damped_least_squares, trac_ik
 
 Solutions = Callable[..., Iterator[Array]]
 """`(chain, target, rng, seeds, restarts) -> configurations`; see `damped_least_squares.solutions`."""
 
 SOLVERS: Mapping[str, Solutions] = MappingProxyType(
-    {
-        "damped_least_squares": damped_least_squares.solutions,
-        "trac_ik": trac_ik.solutions,
-        "analytic": analytic.solutions,
-    }
+    {"damped_least_squares": damped_least_squares.solutions, "trac_ik": trac_ik.solutions}
 )
 APART = 0.05
 """Two solutions closer than this in every joint are one [rad]."""

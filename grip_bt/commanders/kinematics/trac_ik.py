@@ -1,4 +1,4 @@
-"""Inverse kinematics by TRAC-IK, and the serial chains that it and the analytic solver work on.
+"""Inverse kinematics by TRAC-IK.
 
 It is robust, and doesn't repeat: two threads race. What it returns is checked against our own forward kinematics. The
 wheel takes whole poses only, so partial targets are solved by damped least squares.
@@ -28,26 +28,17 @@ def moved_by(chain: Chain) -> list[int]:
     return list(chain.model.supports[chain.model.frames[chain.frame].parentJoint])[1:]
 
 
-def at_zero(chain: Chain) -> list[tuple[bool, Array, pin.SE3]]:
-    """Return of those joints whether each turns (else it slides), and its axis, shape (3,), and its frame in world."""
-    model, data, found = chain.model, chain.model.createData(), []
-    columns = pin.computeJointJacobians(model, data, np.zeros(model.nq)).T
-    for joint in moved_by(chain):
-        linear, angular = np.split(np.array(columns[model.joints[joint].idx_v]), 2)
-        turns = bool(np.linalg.norm(angular) > 0.5)
-        found.append((turns, angular if turns else linear, data.oMi[joint].copy()))
-    return found
-
-
 def urdf_of(chain: Chain) -> str:
     """Return a URDF of nothing but the chain's kinematics, from link `base` to link `tip`, the grasp frame."""
     model, robot = chain.model, ET.Element("robot", name="chain")
     ET.SubElement(robot, "link", name=BASE)
     parent = BASE
-    for joint, (turns, axis, place) in zip(moved_by(chain), at_zero(chain), strict=True):
+    for joint in moved_by(chain):
         column, name = model.joints[joint].idx_q, str(model.names[joint])
-        element = _joint(robot, name, "revolute" if turns else "prismatic", parent, name, model.jointPlacements[joint])
-        ET.SubElement(element, "axis", xyz=_numbers(place.rotation.T @ axis))
+        linear, angular = np.split(model.joints[joint].createData().S.ravel(), 2)
+        kind = "revolute" if angular.any() else "prismatic"
+        element = _joint(robot, name, kind, parent, name, model.jointPlacements[joint])
+        ET.SubElement(element, "axis", xyz=_numbers(linear + angular))
         lower, upper = (repr(float(limit[column])) for limit in (chain.limits.lower, chain.limits.upper))
         ET.SubElement(element, "limit", lower=lower, upper=upper, velocity="1", effort="1")
         parent = name

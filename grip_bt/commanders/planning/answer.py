@@ -14,7 +14,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Plan, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
-from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
@@ -90,7 +90,7 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     for moment, row in zip(given.times, positions, strict=True):
         if not chain.within_limits(row):
             raise out_of_limits(chain, row, f"{moment:.2f} s into the trajectory, it is")
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    checker = CollisionChecker(chain, situation.scene, situation.hand)
     if met := checker.pairs(positions[0]):
         raise PathInvalidError(f"the trajectory starts in collision: {touching(met)}", pairs=met, time=0.0)
     known = given.velocities is not None
@@ -178,7 +178,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     chain, checker = chain_and_checker(model, situation, margin=0.0)
     start = free_start(chain, checker, situation, request.constraint)
     goals = goals_of(chain, checker, request, start)
-    roomy = recent_checker(chain, situation.scene, situation.hand, settings.margin)
+    roomy = CollisionChecker(chain, situation.scene, situation.hand, settings.margin)
     wide = roomy.free(start)
     tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
     attempts = [
@@ -231,7 +231,7 @@ def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:
     for row in step.positions:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "the next steering step would be")
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    checker = CollisionChecker(chain, situation.scene, situation.hand)
     if touched := first_touch(checker, step):
         raise PathInvalidError(f"the steering step would collide: {touching(touched[1])}", pairs=touched[1])
     return step

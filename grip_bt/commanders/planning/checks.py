@@ -19,7 +19,7 @@ from grip_bt.base.failures import (
 )
 from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
-from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.kinematics.ik import solver
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
@@ -139,7 +139,7 @@ START_SLACK = 0.03
 def chain_and_checker(model: RobotModel, situation: Situation, margin: float) -> tuple[Chain, CollisionChecker]:
     """Return what moves, and what tells whether it is free, `margin` [m] away from the scene's objects."""
     chain = model.chain(situation.group, situation.start)
-    return chain, recent_checker(chain, situation.scene, situation.hand, margin)
+    return chain, CollisionChecker(chain, situation.scene, situation.hand, margin)
 
 
 def drawn_in(chain: Chain, situation: Situation) -> Array:
