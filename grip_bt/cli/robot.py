@@ -229,9 +229,7 @@ def _preferred(field: str, preference: dict[str, Any]) -> str:
     source = preference["source"]
     if preference["value"] is None:
         return f"{field} as usual ({source} asks for {preference['unknown']}, which isn't here)"
-    parameters = preference["parameters"].get(preference["value"], {})
-    words = "".join(f", {name} {value:g}" for name, value in parameters.items())
-    return f"{field} {preference['value']}{words} (from {source})"
+    return f"{field} {preference['value']} (from {source})"
 
 
 def _moveit(package: dict[str, Any]) -> Iterator[str]:
@@ -244,9 +242,7 @@ def _moveit(package: dict[str, Any]) -> Iterator[str]:
         yield f"  at rest: {at} (initial_positions.yaml)"
     for group, plugin in package["kinematics"].items():
         yield f"  kinematics of {group}: {plugin}"
-    for group, choice in package["planners"].items():
-        names = [name if name in PLANNERS else f"{name} (not here)" for name in choice["planners"].values()]
-        default = f", by default {choice['default']}" if choice["default"] else ""
-        yield f"  planners of {group}: {', '.join(names)}{default}"
+    for group, planner in package["planners"].items():
+        yield f"  planner of {group}: {planner}{'' if planner in PLANNERS else ' (not here)'}"
     for sensor in package["sensors"]:
         yield f"  sensor {sensor['name']}: {sensor['plugin']} on {sensor['topic']}"

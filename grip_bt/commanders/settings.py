@@ -54,5 +54,3 @@ class PlanningSettings(MotionSettings):
     """Distance to keep from the scene's objects where start and goal leave room for it [m]."""
     seed: int = 0
     """The same request with the same seed gives the same plan."""
-    parameters: tuple[tuple[str, float], ...] = ()
-    """Of the planner, such as `("range", 0.3)`; see `planning.free.settable`."""

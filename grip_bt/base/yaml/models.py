@@ -6,13 +6,13 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, TypeVar, Union, get_args, get_origin
+from typing import Annotated, TypeVar, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import DocumentError, listing, nearest
-from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlValue, inner, parse, read_file, to_data
+from grip_bt.base.yaml.tree import YamlMapping, YamlValue, inner, parse, read_file, to_data
 
 Diagnostic = tuple[str, int, int]
 """Message, line, column; both 1-based."""
@@ -39,59 +39,46 @@ def check_model(tree: YamlValue, model: type[M], name: str = "the file") -> tupl
     """Return what was parsed as `model`, or None and all that keeps it from being one, each with its place."""
     if not isinstance(tree, YamlMapping):
         return None, [(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)]
-    faults = list(_unknown_keys(tree, model, name))
     try:
-        found = model.model_validate(to_data(tree))
+        return model.model_validate(to_data(tree)), []
     except ValidationError as error:
-        # what is missing may be what is misspelt
-        errors = [e for e in error.errors() if not (faults and e["type"] == "missing")]
-        mistyped = {e["loc"][0] for e in errors if e["type"] == "extra_forbidden" and e["loc"]} if faults else set()
-        return None, faults + [
-            diagnostic_of(tree, e) for e in errors if not _is_told(e["loc"], e["type"], mistyped, tree)
-        ]
-    return (None, faults) if faults else (found, [])
+        errors = error.errors()
+    unknown = [e["loc"] for e in errors if e["type"] == "extra_forbidden"]
+    faults = [_unknown_key(tree, model, where, name) for where in unknown]
+    for e in errors:
+        above, kind = e["loc"][:-1], e["type"]
+        # what is missing may be what is misspelt; other forms of what a misspelt key stands in aren't meant
+        told = kind == "missing" or (kind.endswith("_type") and any(above == where[: len(above)] for where in unknown))
+        if kind != "extra_forbidden" and not (unknown and told):
+            faults.append(diagnostic_of(tree, e))
+    return None, faults
 
 
-def _is_told(where: tuple[int | str, ...], kind: str, mistyped: set[int | str], tree: YamlMapping) -> bool:
-    """Tell whether an error comes of an unknown key, which is told elsewhere: itself, or another form of its field."""
-    if not where or where[0] not in mistyped:
-        return False
-    value = tree.entries[str(where[0])].value if str(where[0]) in tree.entries else None
-    of_form = len(where) == 2 and not (isinstance(value, YamlMapping) and str(where[1]) in value.entries)
-    return kind == "extra_forbidden" or (of_form and kind.endswith("_type"))
+def _unknown_key(tree: YamlMapping, model: type[BaseModel], where: tuple[int | str, ...], name: str) -> Diagnostic:
+    value, at, key = cast("YamlValue", tree), list[str](), str(where[-1])
+    for step in where[:-1]:  # pydantic names the branches of a union, too
+        if (entry := inner(value, step)) is not None:
+            value = entry.value
+            at.append(str(step))
+    allowed = [field.alias or n for n, field in next(_models_at(model, where[:-1])).model_fields.items()]
+    message = f"unknown key {key!r} in {'/'.join(at) or name}{nearest(key, allowed)} (available: {listing(allowed)})"
+    return (message, *find(tree, where))
 
 
-def _unknown_keys(tree: YamlValue, model: type[BaseModel], name: str) -> Iterator[Diagnostic]:
-    if not isinstance(tree, YamlMapping):
-        return
-    allowed = {field.alias or key: field for key, field in model.model_fields.items()}
-    for key, entry in tree.entries.items():
-        if key not in allowed:
-            message = f"unknown key {key!r} in {name}{nearest(key, allowed)} (available: {listing(allowed)})"
-            yield message, entry.line, entry.column
-            continue
-        for (where, part), value in _models_below(allowed[key].annotation, entry.value, key):
-            yield from _unknown_keys(value, part, where)
-
-
-def _models_below(
-    annotation: object, value: YamlValue, name: str
-) -> Iterator[tuple[tuple[str, type[BaseModel]], YamlValue]]:
-    """Yield the models that a field holds, itself or as the values of a dict or a list, with their part of the file."""
+def _models_at(annotation: object, where: tuple[int | str, ...]) -> Iterator[type[BaseModel]]:
+    """Yield the models that stand at a place of a type, as pydantic's errors name places."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield (name, annotation), value
+        fields = {field.alias or name: field.annotation for name, field in annotation.model_fields.items()}
+        if not where or where == (annotation.__name__,):
+            yield annotation
+        elif where[0] in fields:
+            yield from _models_at(fields[str(where[0])], where[1:])
+        elif where[0] == annotation.__name__:
+            yield from _models_at(annotation, where[1:])
         return
-    if get_origin(annotation) in (Union, UnionType):
-        for member in get_args(annotation):
-            yield from _models_below(member, value, name)
-        return
-    models = [a for a in get_args(annotation) if isinstance(a, type) and issubclass(a, BaseModel)]
-    if models and isinstance(value, YamlMapping):
-        for key, entry in value.entries.items():
-            yield (f"{name}/{key}", models[0]), entry.value
-    if models and isinstance(value, YamlList):
-        for index, entry in enumerate(value.entries):
-            yield (f"{name}/{index}", models[0]), entry.value
+    itself = get_origin(annotation) in (Union, UnionType, Annotated)
+    for part in get_args(annotation):
+        yield from _models_at(part, where if itself else where[1:])
 
 
 def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
@@ -100,7 +87,9 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     line, column = find(tree, path)
     words = [str(step) for step in path if step not in _PASSED_OVER]
     message = error["msg"].removeprefix("Value error, ")
-    if error["type"] == "missing":
+    if error["type"] == "missing" and isinstance(path[-1], int):
+        message, words = f"it has {len(error['input'])} numbers, which are too few", words[:-1]
+    elif error["type"] == "missing":
         message = f"the key {words[-1]!r} is missing"
         words = words[:-1]
     elif error["type"] == "extra_forbidden" and words:

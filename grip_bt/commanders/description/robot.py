@@ -69,13 +69,11 @@ class Preference:
         value: a planner's or a solver's name, or a factor; None where what they ask for isn't there.
         source: the file that says so.
         unknown: what it asks for, where that isn't there.
-        parameters: of planners: name -> parameter, such as `range` -> number.
     """
 
     value: str | float | None
     source: str
     unknown: str = ""
-    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
