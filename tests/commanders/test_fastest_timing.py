@@ -10,7 +10,7 @@ def driven(rows, velocity, acceleration):
     """Return path positions, path velocities there, and path accelerations between, with the curve."""
     at, curve = _curve(rows)
     drive = _drive(at, curve, Allowed(velocity, acceleration))
-    return curve, drive._grid, drive._velocity, drive._change
+    return curve, drive._ss, drive._velocities, drive._us
 
 
 @pytest.mark.parametrize("seed", range(30))

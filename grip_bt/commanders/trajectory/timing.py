@@ -10,6 +10,7 @@ import toppra
 import toppra.algorithm
 import toppra.constraint
 from scipy.interpolate import BSpline
+from toppra.parametrizer import ParametrizeConstAccel
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
@@ -105,18 +106,18 @@ def _candidates(names: tuple[str, ...], path: Array, limits: Limits, allowed: Al
         at, curve = _curve(_knots(path, spacing))
         drive = _drive(at, curve, allowed)
         for factor in slower:
-            step, rows = _sampled(curve, drive, factor, limits)
+            step, rows = _sampled(drive, factor, limits)
             if allowed.jerk is not None:
                 rows = averaged(rows, _window(rows, step, allowed.jerk))
             yield slowed(smoothed(names, rows, step), *allowed)
 
 
-def _sampled(curve: BSpline, drive: _Drive, slower: float, limits: Limits) -> tuple[float, Array]:
+def _sampled(drive: ParametrizeConstAccel, slower: float, limits: Limits) -> tuple[float, Array]:
     """Return the time between positions on the path [s], and these, shape (k, n)."""
     duration = drive.duration * slower
     count = max(2, int(np.ceil(duration / np.clip(duration / _POINTS, _SHORTEST, SAMPLING))))
-    where = drive(np.linspace(0.0, drive.duration, count + 1))
-    rows = np.clip(curve(where), limits.lower, limits.upper)  # on a limit, rounding would be outside
+    rows = drive(np.linspace(0.0, drive.duration, count + 1))
+    rows = np.clip(rows, limits.lower, limits.upper)  # on a limit, rounding would be outside
     return max(duration / count, _SHORTEST), rows
 
 
@@ -155,7 +156,7 @@ def _curve(knots: Array) -> tuple[Array, BSpline]:
     return at, BSpline(padded, controls, 3)
 
 
-def _drive(at: Array, curve: BSpline, allowed: Allowed) -> _Drive:
+def _drive(at: Array, curve: BSpline, allowed: Allowed) -> ParametrizeConstAccel:
     """Return the fastest way along the path, from rest to rest, as the library `toppra` finds it.
 
     The tolerances of the library are absolute, so it is given a path of length 1, accelerations of about 1,
@@ -177,7 +178,7 @@ def _drive(at: Array, curve: BSpline, allowed: Allowed) -> _Drive:
     _, found, _ = method.compute_parameterization(0, 0)
     if found is None or np.isnan(found).any():
         raise PathInvalidError("toppra finds no timing for the path", knots=len(at))
-    return _Drive(grid, (np.asarray(found, dtype=np.float64) * (along / unit)) ** 2)
+    return ParametrizeConstAccel(curve, grid, np.asarray(found, dtype=np.float64) * (along / unit))
 
 
 def _grid(at: Array) -> Array:
@@ -191,23 +192,3 @@ def _grid(at: Array) -> Array:
     parts = np.ceil(parts * max(1.0, _LEAST / parts.sum())).astype(int)
     pieces = [begin + gap * (np.arange(1, n + 1) / n) for begin, gap, n in zip(at[:-1], gaps, parts, strict=True)]
     return np.concatenate([at[:1], *pieces])
-
-
-class _Drive:
-    """Path position by time, with constant path acceleration between the points of a grid, shape (m + 1,).
-
-    `squared` path velocities are given there; two neighbours aren't both zero. The end is reached at `duration` [s].
-    """
-
-    def __init__(self, grid: Array, squared: Array):
-        self._grid, self._velocity, steps = grid, np.sqrt(squared), np.diff(grid)
-        self._change = np.diff(squared) / (2.0 * steps)
-        self._times = np.concatenate([[0.0], np.cumsum(2.0 * steps / (self._velocity[:-1] + self._velocity[1:]))])
-        self.duration = float(self._times[-1])
-
-    def __call__(self, times: Array) -> Array:
-        """Return the path position at times in [0, duration], each of shape (k,)."""
-        stage = np.clip(np.searchsorted(self._times, times, side="right") - 1, 0, len(self._change) - 1)
-        since = times - self._times[stage]
-        where: Array = self._grid[stage] + (self._velocity[stage] + self._change[stage] * since / 2) * since
-        return np.clip(where, self._grid[stage], self._grid[stage + 1])
