@@ -69,11 +69,11 @@ def _models_at(annotation: object, where: tuple[int | str, ...]) -> Iterator[typ
     """Yield the models that stand at a place of a type, as pydantic's errors name places."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         fields = {field.alias or name: field.annotation for name, field in annotation.model_fields.items()}
-        if not where or where == (annotation.__name__,):
+        if not where:
             yield annotation
         elif where[0] in fields:
             yield from _models_at(fields[str(where[0])], where[1:])
-        elif where[0] == annotation.__name__:
+        elif re.search(rf"\b{annotation.__name__}\b", str(where[0])):  # the branch of a union
             yield from _models_at(annotation, where[1:])
         return
     itself = get_origin(annotation) in (Union, UnionType, Annotated)
