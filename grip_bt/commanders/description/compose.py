@@ -140,7 +140,7 @@ def in_one_world(robots: Mapping[str, RobotDescription], name: str, config: Robo
         placed, part = config.robots[key], namespaced(robot, f"{key}_")
         _add(urdf, part)
         _fix(urdf, f"{key}_stands", WORLD, part.base_link, placed.xyz, placed.rpy)
-        parts.append(_with_own_frames(part))
+        parts.append(part)
     return with_additions(_sum(parts, urdf, WORLD), config)
 
 
@@ -218,16 +218,6 @@ def _sum(parts: Sequence[RobotDescription], urdf: ET.Element, base: str) -> Robo
         end_effectors=tuple(end for part in parts for end in part.end_effectors),
         **keyed,
     )
-
-
-def _with_own_frames(robot: RobotDescription) -> RobotDescription:
-    """Give the groups of a robot with one grasp frame that frame by name, and its one hand to its one arm."""
-    arms = [group for group in robot.groups if group not in robot.hands]
-    frames = robot.grasp_frames or dict.fromkeys(arms, robot.grasp_frame)
-    ends = robot.end_effectors
-    if not ends and len(arms) == 1:
-        ends = tuple(EndEffector(hand, hand, robot.grasp_frame.link, arms[0]) for hand in robot.hands)
-    return replace(robot, grasp_frames=frames, end_effectors=ends)
 
 
 def _carrier(arm: RobotDescription, link: str) -> str:
