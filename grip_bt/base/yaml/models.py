@@ -8,7 +8,7 @@ from pathlib import Path
 from types import UnionType
 from typing import Annotated, TypeVar, Union, cast, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import DocumentError, listing, nearest
@@ -19,6 +19,7 @@ Diagnostic = tuple[str, int, int]
 _KEYS_OF_NODES = ("children", "child")
 _PASSED_OVER = {*_KEYS_OF_NODES, "Variable", "str", "leaf"}
 M = TypeVar("M", bound=BaseModel)
+T = TypeVar("T")
 
 
 def read_model(path: Path | str, model: type[M]) -> M:
@@ -79,6 +80,14 @@ def _models_at(annotation: object, where: tuple[int | str, ...]) -> Iterator[typ
     itself = get_origin(annotation) in (Union, UnionType, Annotated)
     for part in get_args(annotation):
         yield from _models_at(part, where if itself else where[1:])
+
+
+def validated(adapter: TypeAdapter[T], tree: YamlMapping, source: str) -> T:
+    """Return what was parsed as a type. Raises DocumentError: it doesn't fit; with line and column."""
+    try:
+        return adapter.validate_python(to_data(tree))
+    except ValidationError as error:
+        raise document_error([diagnostic_of(tree, fault) for fault in error.errors()], source) from None
 
 
 def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:

@@ -72,7 +72,7 @@ class CollisionChecker:
         self._lent = shape_reaches(
             chain.model, [self._geometry.geometryObjects[k] for k in self._place if k not in robot]
         )
-        self.reaches = np.hstack([chain.reaches, self._lent]).max(axis=1)
+        self.reaches = np.hstack([chain.reaches, self._lent]).max(axis=1, initial=0.0)
         self._threads = min(os.cpu_count() or 1, 8)
         self._rough = _Pool(chain.model, self._outline, self._threads)
 
