@@ -104,8 +104,8 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     velocities = of_all(given.velocities if known else _smooth(given))
     whole = Trajectory(chain.joints, given.times, positions, velocities, of_all(given.accelerations if known else None))
     if request.slow_down:
-        velocity, acceleration, _ = allowed(chain, situation.settings)
-        whole = whole.stretched(whole.duration * longer(whole, velocity, acceleration))
+        limits = allowed(chain, situation.settings)
+        whole = whole.stretched(whole.duration * longer(whole, limits.velocity, limits.acceleration))
     refuse_beyond_limits(whole, chain.limits)
     if touched := first_touch(checker, whole):
         at, pairs = touched
@@ -220,14 +220,14 @@ def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:
     situation, settings = request.situation, request.situation.settings
     chain = model.chain(situation.group, situation.start)
     start = np.clip(situation.start.ordered(chain.joints), chain.limits.lower, chain.limits.upper)
-    fastest, hardest, sharpest = allowed(chain, settings)
+    limits = allowed(chain, settings)
     twist = np.concatenate(bounded(request.linear, request.angular))
     begin = velocity_of(situation.start, chain.joints)
 
     def wanted(q: Array) -> Array:
-        return _joint_velocity(chain, q, twist, fastest)
+        return _joint_velocity(chain, q, twist, limits.velocity)
 
-    step = steered(chain.joints, start, begin, wanted, hardest, request.hold, sharpest)
+    step = steered(chain.joints, start, begin, wanted, limits.acceleration, request.hold, limits.jerk)
     for row in step.positions:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "the next steering step would be")

@@ -26,7 +26,7 @@ from grip_bt.commanders.planning.checks import (
     timed_free,
 )
 from grip_bt.commanders.planning.continuous import continuously_free
-from grip_bt.commanders.planning.paths import interpolated, kept
+from grip_bt.commanders.planning.paths import arc, at_arc, interpolated, kept
 from grip_bt.commanders.planning.requests import PlanThrough, PlanTo
 from grip_bt.commanders.planning.search import RESOLUTION, Search, first_success
 from grip_bt.commanders.planning.straight import closer, ends_of, finer_and_finer, keeps_to_lines, line_to
@@ -99,17 +99,6 @@ def distinct(path: Path) -> Path:
         if np.linalg.norm(row - rows[-1]) > _SAME and np.linalg.norm(row - path[-1]) > _SAME:
             rows.append(row)
     return np.stack([*rows, path[-1]])
-
-
-def at_arc(path: Path, where: Array) -> Path:
-    """Return the configurations so far along a path [rad], shape (m,) -> (m, n)."""
-    at = arc(path)
-    return np.stack([np.interp(where, at, column) for column in path.T], axis=1)
-
-
-def arc(path: Path) -> Array:
-    """Return how far along the path [rad] its rows are, joints weighted alike, shape (k,)."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
 
 
 _SHRUNK = (1.0, 0.5, 0.25, 0.125)
