@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
-from pydantic import TypeAdapter
+from pydantic import RootModel, TypeAdapter
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.failures import NameTakenError
@@ -47,8 +47,8 @@ class TaughtEntry(Settings):
     """In place of `state`."""
 
 
-_FILE = TypeAdapter(dict[str, dict[str, TaughtEntry]])
-"""Arm or hand of the project -> name -> what was taught."""
+class TaughtFile(RootModel[dict[str, dict[str, TaughtEntry]]]):
+    """Arm or hand of the project -> name -> what was taught."""
 
 
 class TaughtStates:
@@ -106,7 +106,7 @@ def _read(file: Path) -> dict[str, dict[str, TaughtEntry]]:
     tree = parse(read_file(file), str(file))
     if not isinstance(tree, YamlMapping):
         raise document_error([("a mapping of names to what was taught is expected", tree.line, tree.column)], str(file))
-    return validated(_FILE, tree, str(file))
+    return validated(TypeAdapter(TaughtFile), tree, str(file)).root
 
 
 def _value(entry: TaughtEntry, where: str, file: Path) -> JointState | Pose:
