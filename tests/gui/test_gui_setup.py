@@ -377,7 +377,7 @@ def test_outcomes_that_make_no_sense_are_told(page: TestClient) -> None:
 def test_a_server_that_is_no_ros_name_is_told_in_words(page: TestClient) -> None:
     (problem,) = look(page, outcomes="one,none", server="do it").json()["problems"]
     assert problem == (
-        "server: 'do it' isn't a whole ROS name: words of letters, digits and _, each after a /, such as /do/it"
+        "server: 'do it' isn't a whole ROS name: words of letters, digits and _, each after a /, such as /camera/points"
     )
 
 

@@ -107,7 +107,8 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     elif error["type"] == "string_pattern_mismatch" and words[-1:] == ["behaviour"]:
         message = f"{error['input']!r} isn't an import path: write `package.module:Class`"
     elif error["type"] == "string_pattern_mismatch":
-        message = _mismatch(error["ctx"]["pattern"], error["input"])
+        asked = next(words for mark, words in _PATTERNS.items() if mark in error["ctx"]["pattern"])
+        message = f"{error['input']!r} isn't {asked}"
     elif error["type"] == "tuple_type" and isinstance(error["input"], str | int | float):
         message = f"expected a list: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
     elif error["type"] == "union_tag_not_found":
@@ -133,28 +134,15 @@ def _kind_of(value: object) -> str:
     return "nothing" if value is None else repr(value)
 
 
-def _mismatch(pattern: str, text: object) -> str:
-    """Return what is wrong with a text that has to match a pattern of ours, in words, with what could be written."""
-    if pattern.startswith("^(/"):
-        allowed = "words of letters, digits and _, each after a /"
-        return f"{text!r} isn't a whole ROS name: {allowed}, such as {_ros_name(text)}"
-    if "(srv|action|msg)" in pattern:
-        allowed = "package/srv/Name, package/action/Name or package/msg/Name"
-        return f"{text!r} isn't the name of an interface: {allowed}, such as std_srvs/srv/Trigger"
-    if pattern.startswith("^[a-z][a-z0-9_]*("):
-        return f"{text!r} isn't a path of fields: lower case names with dots between them, such as target.pose"
-    if pattern.startswith("^[a-z]"):
-        lower = "_".join(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", str(text)).lower()))
-        such = lower if lower[:1].isalpha() else "my_grasps"
-        return f"{text!r} isn't a name: lower case letters, digits and _, a letter first, such as {such}"
-    if pattern == r"^[A-Za-z_][A-Za-z0-9_]*$":
-        return f"{text!r} isn't a name: letters, digits and _, no digit first"
-    return f"{text!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
-
-
-def _ros_name(text: object) -> str:
-    words = [word for word in re.split(r"[^A-Za-z0-9_]+", str(text)) if word]
-    return "".join(f"/{'_' * word[0].isdigit()}{word}" for word in words) or "/camera/points"
+_PATTERNS = {
+    "^(/": "a whole ROS name: words of letters, digits and _, each after a /, such as /camera/points",
+    "(srv|action|msg)": "the name of an interface: package/srv/Name, package/action/Name or package/msg/Name",
+    "^[a-z][a-z0-9_]*(": "a path of fields: lower case names with dots between them, such as target.pose",
+    "^[a-z]": "a name: lower case letters, digits and _, a letter first, such as my_grasps",
+    "^[A-Za-z_][A-Za-z0-9_]*$": "a name: letters, digits and _, no digit first",
+    "": "a name: letters, digits, _, - and spaces, a letter or _ first",
+}
+"""What is in a pattern of ours -> what it asks for, in words."""
 
 
 def find(tree: YamlValue, path: Iterable[str | int]) -> tuple[int, int]:
