@@ -7,12 +7,12 @@ rest; the next one goes on where the coming to rest would begin, once it is know
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.values import Plan, Pose, Trajectory
+from grip_bt.base.values import Pose, Trajectory
+from grip_bt.base.values.pose import quaternion_about
 
 from .trajectory.splines import s_curve
 from .trajectory.stopping import even_ramp
@@ -23,8 +23,8 @@ MOST_ANGULAR = 1.0
 """Nor does it turn quicker than this [rad/s]."""
 
 
-def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], seconds: float) -> tuple[Pose, float]:
-    """Return where a twist brings a pose, and how long that takes.
+def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], seconds: float) -> Pose:
+    """Return where a twist brings a pose.
 
     A twist above the bounds is made smaller as a whole, so that its direction and pitch stay.
 
@@ -40,12 +40,9 @@ def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], second
     v, w = bounded(linear, angular)
     if not 0 < seconds < np.inf:
         raise ValueError(f"jogging takes a positive time [s], not {seconds}")
-    turn = w * seconds
-    angle = float(np.linalg.norm(turn))
-    axis = turn / angle if angle > 0 else np.array([0.0, 0.0, 1.0])
-    spin = Pose(quaternion=[np.cos(angle / 2), *(np.sin(angle / 2) * axis)])
+    spin = Pose(quaternion=quaternion_about(w * seconds))
     turned = Pose.from_matrix(spin.matrix() @ Pose(quaternion=pose.quaternion).matrix())
-    return Pose(pose.position + v * seconds, turned.quaternion, pose.frame), seconds
+    return Pose(pose.position + v * seconds, turned.quaternion, pose.frame)
 
 
 def bounded(linear: Sequence[float], angular: Sequence[float]) -> tuple[Array, Array]:
@@ -79,11 +76,6 @@ def twist_towards(pose: Pose, target: Pose, seconds: float) -> tuple[list[float]
     """Return the twist, linear [m/s] and angular [rad/s] in world, that brings one pose to another in a time [s]."""
     turn = pose.rotation() @ (pose.inverse(pose.frame) @ target).rotation_vector()
     return ((target.position - pose.position) / seconds).tolist(), (turn / seconds).tolist()
-
-
-def lasting(plan: Plan, seconds: float) -> Plan:
-    """Return a plan that takes at least so long [s]."""
-    return replace(plan, trajectory=plan.trajectory.stretched(seconds))
 
 
 HOLD = 0.2

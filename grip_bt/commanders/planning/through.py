@@ -29,7 +29,7 @@ from grip_bt.commanders.planning.continuous import continuously_free
 from grip_bt.commanders.planning.paths import arc, at_arc, interpolated, kept
 from grip_bt.commanders.planning.requests import PlanThrough, PlanTo
 from grip_bt.commanders.planning.search import RESOLUTION, Search, first_success
-from grip_bt.commanders.planning.straight import closer, ends_of, finer_and_finer, keeps_to_lines, line_to
+from grip_bt.commanders.planning.straight import closer, ends_of, finer_and_finer, keeps_to_lines, straight_path
 from grip_bt.commanders.trajectory.splines import joined
 
 SMALLEST = 1e-3
@@ -148,7 +148,7 @@ class _Through:
             where = f"segment {k + 1} of {len(self.request.way_points)}"
             assert not isinstance(point.goal, str), "the arm knows its named states, the planner doesn't"
             if point.straight and not isinstance(point.goal, JointState):
-                segments.append(line_to(self.chain, start, point.goal, where))
+                segments.append(straight_path(self.chain, start, point.goal, where))
             else:
                 ask = self.settings.model_copy(update={"seed": self.settings.seed + attempt})
                 to = PlanTo(replace(self.request.situation, settings=ask), point.goal, constraint=constraint)
