@@ -154,7 +154,7 @@ def test_a_project_that_begins_has_no_fault(page: TestClient) -> None:
         ("palm: {gripper", "plam: {gripper", 11, "ros/controllers/plam: there is no 'plam'; did you mean 'palm'?"),
         ("depth: /top/depth, ", "", 12, "ros/cameras/top: the key 'depth' is missing"),
         ("/top/depth", "top/depth", 12, "'top/depth' isn't a whole ROS name: words of letters, digits and _"),
-        ("/top/depth", "/2nd depth", 12, "each after a /, such as /_2nd/depth"),
+        ("/top/depth", "/2nd depth", 12, "each after a /, such as /camera/points"),
     ],
 )
 def test_what_is_wrong_with_the_real_robot_is_said(
