@@ -128,8 +128,10 @@ class _InParts(Generic[J]):
         motion = _Motion(job)
         with self._lock:
             self._motion = motion
-        self._whole = run_steps(self._parts(motion))
-        return self._whole
+        self._whole = whole = run_steps(self._parts(motion))
+        if motion.part is None and whole.done():  # what can't be begun is a mistake of whoever asks
+            whole.result()
+        return whole
 
     def stop(self) -> None:
         self._whole.cancel()
@@ -170,10 +172,10 @@ class _InParts(Generic[J]):
             try:
                 return (yield part)
             except CanceledError:
-                with self._lock:
-                    motion.part = None
                 if not motion.held:
                     raise
+                with self._lock:
+                    motion.part = None
 
     def _hold(self, motion: _Motion[J]) -> None:
         with self._lock:
