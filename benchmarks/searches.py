@@ -57,7 +57,7 @@ def own_trees(
         there = stepped(tree.at(at), target, REACH)
         return tree.add(there, at) if motion_free(tree.at(at), there) else None
 
-    return joined(start, goal[None, :], sample, extend, _out_of_time())
+    return joined(start, goal, sample, extend, _out_of_time())
 
 
 def lazy_trees(

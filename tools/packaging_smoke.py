@@ -110,17 +110,6 @@ def robots(grip: Path, work: Path, around: Surroundings) -> str:
     return "grip robot show panda"
 
 
-def analytic(grip: Path, work: Path, around: Surroundings) -> str:
-    """Solve an arm in closed form."""
-    code = (
-        "from pathlib import Path; from grip_bt.commanders.kinematics.analytic import *; from eaik.IK_HP import HPRobot"
-    )
-    done = subprocess.run([grip.with_name("python"), "-c", code], cwd=work, env=around, capture_output=True, text=True)
-    if done.returncode:
-        raise SmokeError(done.stderr)
-    return "its solver loads"
-
-
 def vision(grip: Path, work: Path, around: Surroundings) -> str:
     """Group what a cloud shows into boxes, over fakes."""
     _told(grip, work, around, "new", "lab")
@@ -180,7 +169,7 @@ def _exported(grip: Path, work: Path, around: Surroundings, to: str, begins: byt
 
 def everything(grip: Path, work: Path, around: Surroundings) -> str:
     """Try all of them in one environment."""
-    parts = (motion, robots, analytic, vision, sim, ros, recording)
+    parts = (motion, robots, vision, sim, ros, recording)
     folders = [work / part.__name__ for part in parts]
     for folder in folders:
         folder.mkdir()
@@ -189,7 +178,7 @@ def everything(grip: Path, work: Path, around: Surroundings) -> str:
 
 SMOKES: Mapping[str, Callable[[Path, Path, Surroundings], str]] = {
     "": bare,
-    **{part.__name__: part for part in (motion, robots, analytic, vision, sim, ros, recording, rerun)},
+    **{part.__name__: part for part in (motion, robots, vision, sim, ros, recording, rerun)},
     "all": everything,
 }
 """Extra -> what tries it; returns what was seen."""

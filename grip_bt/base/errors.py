@@ -85,7 +85,6 @@ EXTRAS = {
     " rosidl_typesupport_fastrtps_c rosidl_typesupport_introspection_c std_msgs trajectory_msgs unique_identifier_msgs",
     "recording": "mcap",
     "rerun": "rerun",
-    "analytic": "eaik",
 }
 """Extra of our installation -> the packages that it brings, by what is imported."""
 
@@ -266,10 +265,6 @@ class CampaignError(GripError):
     def __init__(self, source: str, message: str):
         self.source = source
         super().__init__(f"{source}: {message}")
-
-
-class UnfitSolverError(GripError):
-    """A kinematics solver that was asked for by name doesn't take this arm."""
 
 
 class InvalidRobotError(GripError):

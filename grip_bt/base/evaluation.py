@@ -1,4 +1,4 @@
-"""Expressions computed: compiled once to a closure over the readers of their variables.
+"""Expressions computed, over the readers of their variables.
 
 Every step checks what it works on, since a value's own operators could do anything: arithmetic is for numbers, `and or
 not` for truth values. What can't be computed is an `EvaluationError`, which ends a run as a bug of the task.
@@ -47,13 +47,12 @@ def value_of(expression: Expression, readers: Mapping[str, Evaluator]) -> Evalua
     Args:
         readers: variable -> what returns its value; one for each of `expression.names`.
     """
-    return _with_context(expression, _compile(expression.tree, readers))
+    return _with_context(expression, lambda: _value(expression.tree, readers))
 
 
 def condition_of(expression: Expression, readers: Mapping[str, Evaluator]) -> Callable[[], bool]:
     """Return a function that computes a condition; anything but a truth value is an EvaluationError."""
-    compute = _compile(expression.tree, readers)
-    return _with_context(expression, lambda: _truth(compute()))
+    return _with_context(expression, lambda: _truth(_value(expression.tree, readers)))
 
 
 def _with_context(expression: Expression, compute: Callable[[], T]) -> Callable[[], T]:
@@ -77,72 +76,42 @@ def same_literal(value: object, literal: object) -> bool:
     return type(value) is type(literal) and bool(value == literal)
 
 
-def _compile(node: ast.expr, readers: Mapping[str, Evaluator]) -> Evaluator:
+def _value(node: ast.expr, readers: Mapping[str, Evaluator]) -> object:
     match node:
         case ast.Constant(value=value):
-            return lambda: value
+            return value
         case ast.Name(id=name):
-            if name in CONSTANTS:
-                constant = CONSTANTS[name]
-                return lambda: constant
-            return readers[name]
+            return CONSTANTS[name] if name in CONSTANTS else readers[name]()
         case ast.Attribute(value=owner, attr=name):
-            return _attribute(_compile(owner, readers), name)
+            found = getattr(_value(owner, readers), name)
+            if callable(found):
+                raise TypeError(f"{name!r} is a method; an expression can't call it")
+            return found
         case ast.List(elts=items) | ast.Tuple(elts=items):
-            parts = [_compile(item, readers) for item in items]
-            return lambda: [part() for part in parts]
+            return [_value(item, readers) for item in items]
         case ast.BoolOp(op=op, values=values):
-            terms = [_compile(value, readers) for value in values]
-            if isinstance(op, ast.And):
-                return lambda: all(_truth(term()) for term in terms)
-            return lambda: any(_truth(term()) for term in terms)
+            terms = (_truth(_value(value, readers)) for value in values)
+            return all(terms) if isinstance(op, ast.And) else any(terms)
+        case ast.UnaryOp(op=ast.Not(), operand=operand):
+            return not _truth(_value(operand, readers))
         case ast.UnaryOp(op=sign, operand=operand):
-            return _unary(sign, _compile(operand, readers))
+            minus = isinstance(sign, ast.USub)
+            number = _number(_value(operand, readers), "-" if minus else "+")
+            return -number if minus else +number
         case ast.BinOp(left=left, op=way, right=right):
-            return _arithmetic(way, _compile(left, readers), _compile(right, readers))
+            shown, function = _ARITHMETIC[type(way)]
+            return function(*(_number(_value(side, readers), shown) for side in (left, right)))
         case ast.Compare(left=left, ops=ops, comparators=others):
-            steps = [(_COMPARISONS[type(op)], _compile(other, readers)) for op, other in zip(ops, others, strict=True)]
-            return _comparison(_compile(left, readers), steps)
+            here = _value(left, readers)
+            for comparison, other in zip(ops, others, strict=True):
+                there = _value(other, readers)
+                if not _truth(_COMPARISONS[type(comparison)](here, there)):
+                    return False
+                here = there
+            return True
         case ast.Call(func=ast.Name(id=name), args=args):
-            function, given = _FUNCTIONS[name], [_compile(arg, readers) for arg in args]
-            return lambda: function(*(arg() for arg in given))
+            return _FUNCTIONS[name](*(_value(arg, readers) for arg in args))
     raise AssertionError(f"{type(node).__name__} passed the allow-list and has no meaning")
-
-
-def _attribute(owner: Evaluator, name: str) -> Evaluator:
-    def value() -> object:
-        found = getattr(owner(), name)
-        if callable(found):
-            raise TypeError(f"{name!r} is a method; an expression can't call it")
-        return found
-
-    return value
-
-
-def _unary(sign: ast.unaryop, operand: Evaluator) -> Evaluator:
-    if isinstance(sign, ast.Not):
-        return lambda: not _truth(operand())
-    if isinstance(sign, ast.USub):
-        return lambda: -_number(operand(), "-")
-    return lambda: +_number(operand(), "+")
-
-
-def _arithmetic(way: ast.operator, left: Evaluator, right: Evaluator) -> Evaluator:
-    sign, function = _ARITHMETIC[type(way)]
-    return lambda: function(_number(left(), sign), _number(right(), sign))
-
-
-def _comparison(first: Evaluator, steps: list[tuple[Callable[..., object], Evaluator]]) -> Evaluator:
-    def value() -> bool:
-        left = first()
-        for compare, other in steps:
-            right = other()
-            if not _truth(compare(left, right)):
-                return False
-            left = right
-        return True
-
-    return value
 
 
 def _number(value: object, sign: str) -> Real:

@@ -7,7 +7,6 @@ thread that ended it. So such a function reads like blocking code and blocks nob
 from __future__ import annotations
 
 import threading
-from collections import deque
 from collections.abc import Callable, Generator
 from functools import partial
 from typing import Any, TypeVar
@@ -67,35 +66,21 @@ class Sequencer:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._waiting: deque[tuple[Operation[None], Operation[Any]]] = deque()
-        self._busy = False
+        self._last: Operation[None] = Operation.finished(None)
 
     def submit(self, begin: Callable[[], Operation[T]]) -> Operation[T]:
         """Have `begin` called when it is its turn; cancelling before that ends it at once."""
-        turn: Operation[None] = Operation(on_cancel=lambda: self._leave(turn))
-        began: Operation[Any] = turn.then(lambda _: begin())
+        turn, over = Operation[None](), Operation[None]()
+
+        def end() -> None:
+            over.succeed(None)
+
+        def start() -> None:
+            turn.succeed(None)
+
         with self._lock:
-            self._waiting.append((turn, began))
-        self._next()
+            before, self._last = self._last, over
+        began: Operation[T] = turn.then(lambda _: begin())
+        began.add_done_callback(lambda: before.add_done_callback(end))
+        before.add_done_callback(start)
         return began
-
-    def _leave(self, turn: Operation[None]) -> None:
-        with self._lock:
-            waits = any(one is turn for one, _ in self._waiting)
-            self._waiting = deque(pair for pair in self._waiting if pair[0] is not turn)
-        if waits:
-            turn.fail(CanceledError("canceled before its turn"))
-
-    def _next(self) -> None:
-        with self._lock:
-            if self._busy or not self._waiting:
-                return
-            turn, began = self._waiting.popleft()
-            self._busy = True
-        began.add_done_callback(self._freed)
-        turn.succeed(None)
-
-    def _freed(self) -> None:
-        with self._lock:
-            self._busy = False
-        self._next()

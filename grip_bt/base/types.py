@@ -7,7 +7,9 @@ of their classes, so nothing heavy is imported.
 
 from __future__ import annotations
 
+import ast
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -25,7 +27,6 @@ VALUES = (
 """Class names of `grip_bt.base.values`."""
 BUILTINS = ("bool", "int", "float", "str", "bytes")
 _ROS = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9_]*")
-_TOKEN = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_/]*|[\[\],|])")
 _DEEPEST = 20
 _LONGEST = 30_000
 
@@ -58,63 +59,44 @@ def parse_type(text: str) -> Type:
     """Read a type expression; ValueError where it isn't one; the message names the nearest type."""
     if len(text) > _LONGEST:
         raise ValueError(f"{text[:40]!r}... is longer than {_LONGEST} characters, which no type is")
-    tokens, at = [], 0
-    end = len(text.rstrip())
-    while at < end:
-        match = _TOKEN.match(text, at)
-        if match is None:
-            raise ValueError(f"{text!r} isn't a type: {text[at:].strip()[0]!r} can't stand in one")
-        tokens.append(match.group(1))
-        at = match.end()
-    reader = _Reader(text, tokens)
-    made = reader.type(0)
-    if reader.tokens:
-        raise ValueError(f"{text!r} isn't a type: {reader.tokens[0]!r} is left over")
-    return made
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(text.strip() or "_", mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise ValueError(f"{text[:40]!r} isn't a type{_unknown('')}") from None
+    return _type(tree, text, 0)
 
 
-class _Reader:
-    def __init__(self, text: str, tokens: list[str]):
-        self.text, self.tokens = text, tokens
+def _type(node: ast.expr, text: str, depth: int) -> Type:
+    if depth > _DEEPEST:
+        raise ValueError(f"{text[:40]!r}... is nested deeper than {_DEEPEST} types")
+    match node:
+        case ast.BinOp(op=ast.BitOr()):
+            one, other = _type(node.left, text, depth + 1), _type(node.right, text, depth + 1)
+            if "None" not in (one.name, other.name) or one.name == other.name:
+                raise ValueError(f"{text!r} isn't a type: the only union is `T | None`")
+            kept = other if one.name == "None" else one
+            return Type(kept.name, kept.item, optional=True)
+        case ast.Subscript(value=ast.Name(id="list"), slice=item):
+            return Type("list", _type(item, text, depth + 1))
+        case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[ast.Name(id="str"), item])):
+            return Type("dict", _type(item, text, depth + 1))
+        case ast.Subscript(value=ast.Name(id="dict")):
+            raise ValueError(f"{text!r} isn't a type: a dict is written `dict[str, T]`")
+    name = ast.unparse(node).replace(" / ", "/")
+    if name in ("list", "dict"):
+        return Type(name, ANY)
+    if name not in ("Any", "None", *VALUES, *BUILTINS) and not _ROS.fullmatch(name):
+        raise ValueError(f"unknown type {name if text.strip() else ''!r}{_unknown(name)}")
+    return Type(name)
 
-    def type(self, depth: int) -> Type:
-        if depth > _DEEPEST:
-            raise ValueError(f"{self.text[:40]!r}... is nested deeper than {_DEEPEST} types")
-        made = self._single(depth)
-        while self.tokens[:1] == ["|"]:
-            self.tokens.pop(0)
-            other = self._single(depth)
-            if "None" not in (made.name, other.name) or made.name == other.name:
-                raise ValueError(f"{self.text!r} isn't a type: the only union is `T | None`")
-            kept = other if made.name == "None" else made
-            made = Type(kept.name, kept.item, optional=True)
-        return made
 
-    def _single(self, depth: int) -> Type:
-        name = self.tokens.pop(0) if self.tokens else ""
-        if name in ("list", "dict"):
-            return Type(name, self._item(name, depth))
-        if name in ("Any", "None") or name in VALUES or name in BUILTINS or _ROS.fullmatch(name):
-            return Type(name)
-        known = (*VALUES, *BUILTINS, "list", "dict", "Any")
-        raise ValueError(
-            f"unknown type {name or self.text!r}{nearest(name, known)} "
-            f"(available: {listing(known)}, T | None, and ROS types such as sensor_msgs/msg/Image)"
-        )
-
-    def _item(self, name: str, depth: int) -> Type:
-        if self.tokens[:1] != ["["]:
-            return ANY
-        self.tokens.pop(0)
-        if name == "dict":
-            if self.tokens[:2] != ["str", ","]:
-                raise ValueError(f"{self.text!r} isn't a type: a dict is written `dict[str, T]`")
-            del self.tokens[:2]
-        item = self.type(depth + 1)
-        if self.tokens[:1] != ["]"]:
-            raise ValueError(f"{self.text!r} isn't a type: a `]` is missing")
-        self.tokens.pop(0)
-        return item
+def _unknown(name: str) -> str:
+    known = (*VALUES, *BUILTINS, "list", "dict", "Any")
+    return (
+        f"{nearest(name, known)} (available: {listing(known)}, T | None, and ROS types such as sensor_msgs/msg/Image)"
+    )
 
 
 def is_assignable(source: Type | str, target: Type | str) -> bool:

@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,7 +18,7 @@ from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.moveit_package import MoveItPackage
 from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.description.robot import RobotDescription
-from grip_bt.commanders.description.tree import Joint, Tree
+from grip_bt.commanders.description.tree import Tree
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 
 from .terminal import counted
@@ -180,7 +180,7 @@ def _facts(robot: RobotDescription, packages: Sequence[MoveItPackage]) -> dict[s
             group: {name: state.as_mapping() for name, state in states.items()}
             for group, states in robot.named_states.items()
         },
-        "solvers": sorted(name for name in SOLVERS if name != "analytic" or _has_six_turning(robot, joints)),
+        "solvers": sorted(SOLVERS),
         "planners": sorted(PLANNERS),
         "preferences": {
             group: {field: asdict(preference) for field, preference in fields.items()}
@@ -188,12 +188,6 @@ def _facts(robot: RobotDescription, packages: Sequence[MoveItPackage]) -> dict[s
         },
         "moveit": [asdict(package) | {"folder": str(package.folder)} for package in packages],
     }
-
-
-def _has_six_turning(robot: RobotDescription, joints: Mapping[str, Joint]) -> bool:
-    """Tell whether a group may be an arm for the analytic solver, which then looks at its axes."""
-    kinds = [[joints[name].type for name in mine] for mine in robot.groups.values()]
-    return any(len(mine) == 6 and set(mine) <= {"revolute", "continuous"} for mine in kinds)
 
 
 def _lines(known: dict[str, Any]) -> Iterator[str]:
@@ -235,9 +229,7 @@ def _preferred(field: str, preference: dict[str, Any]) -> str:
     source = preference["source"]
     if preference["value"] is None:
         return f"{field} as usual ({source} asks for {preference['unknown']}, which isn't here)"
-    parameters = preference["parameters"].get(preference["value"], {})
-    words = "".join(f", {name} {value:g}" for name, value in parameters.items())
-    return f"{field} {preference['value']}{words} (from {source})"
+    return f"{field} {preference['value']} (from {source})"
 
 
 def _moveit(package: dict[str, Any]) -> Iterator[str]:
@@ -250,9 +242,7 @@ def _moveit(package: dict[str, Any]) -> Iterator[str]:
         yield f"  at rest: {at} (initial_positions.yaml)"
     for group, plugin in package["kinematics"].items():
         yield f"  kinematics of {group}: {plugin}"
-    for group, choice in package["planners"].items():
-        names = [name if name in PLANNERS else f"{name} (not here)" for name in choice["planners"].values()]
-        default = f", by default {choice['default']}" if choice["default"] else ""
-        yield f"  planners of {group}: {', '.join(names)}{default}"
+    for group, planner in package["planners"].items():
+        yield f"  planner of {group}: {planner}{'' if planner in PLANNERS else ' (not here)'}"
     for sensor in package["sensors"]:
         yield f"  sensor {sensor['name']}: {sensor['plugin']} on {sensor['topic']}"

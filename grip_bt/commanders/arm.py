@@ -33,7 +33,7 @@ from .planning.requests import (
 from .scene import PlanningScene
 from .settings import PlanningSettings
 from .steered_motion import SteeredMotion, Twist, velocity_of
-from .steering import HOLD, approaching, bounded, jogged, lasting
+from .steering import HOLD, approaching, bounded, jogged
 from .taught import TaughtStates
 from .trajectory.limits import Limits, refuse_beyond_limits
 
@@ -168,8 +168,10 @@ class ArmCommander:
     def jog(
         self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0), seconds: float = 0.5
     ) -> Operation[JointState]:
-        goal, seconds = jogged(self.grasp_pose(), linear, angular, seconds)
-        return self.plan_straight([goal]).then(lambda plan: self.execute(lasting(plan, seconds)))
+        goal = jogged(self.grasp_pose(), linear, angular, seconds)
+        return self.plan_straight([goal]).then(
+            lambda plan: self.execute(replace(plan, trajectory=plan.trajectory.stretched(seconds)))
+        )
 
     def steer(self, linear: Sequence[float], angular: Sequence[float] = (0.0, 0.0, 0.0)) -> Operation[JointState]:
         bounded(linear, angular)

@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,47 +54,43 @@ def all_of(starts: Mapping[K, Callable[[], Operation[T]]]) -> Operation[dict[K, 
     Args:
         starts: name -> function that starts its operation.
     """
-    return _All(starts).whole
+    parts: dict[K, Operation[T]] = {}
+    lock, left, errors = threading.Lock(), len(starts), list[BaseException]()
 
-
-class _All(Generic[K, T]):
-    def __init__(self, starts: Mapping[K, Callable[[], Operation[T]]]):
-        self.whole: Operation[dict[K, T]] = Operation(on_cancel=self._cancel)
-        self._parts: dict[K, Operation[T]] = {}
-        self._lock = threading.Lock()
-        self._left = len(starts)
-        self._first: list[BaseException] = []
-        for name, start in starts.items():
-            try:
-                self._parts[name] = start() if not self._first else Operation.failed(self._first[0])
-            except Exception as error:  # noqa: BLE001 - the others must be cancelled, then the owner raises it
-                self._parts[name] = Operation.failed(error)
-            if self._first or self.whole.cancel_asked:  # another one has failed while this one was being started
-                self._parts[name].cancel()
-            self._parts[name].add_done_callback(partial(self._ended, self._parts[name]))
-        if not starts:
-            self.whole.succeed({})
-
-    def _cancel(self) -> None:
-        for part in list(self._parts.values()):
+    def cancel() -> None:
+        for part in list(parts.values()):
             part.cancel()
 
-    def _ended(self, part: Operation[T]) -> None:
+    def ended(part: Operation[T]) -> None:
+        nonlocal left
         try:
             part.result()
         except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            with self._lock:
-                self._first.append(error)
-                first = len(self._first) == 1
+            with lock:
+                errors.append(error)
+                first = len(errors) == 1
             if first:
-                self._cancel()
-        with self._lock:
-            self._left -= 1
-            last = self._left == 0
-        if last and self._first:
-            self.whole.fail(self._first[0])
+                cancel()
+        with lock:
+            left -= 1
+            last = left == 0
+        if last and errors:
+            whole.fail(errors[0])
         elif last:
-            self.whole.succeed({name: each.result() for name, each in self._parts.items()})
+            whole.succeed({name: each.result() for name, each in parts.items()})
+
+    whole: Operation[dict[K, T]] = Operation(on_cancel=cancel)
+    for name, start in starts.items():
+        try:
+            parts[name] = start() if not errors else Operation.failed(errors[0])
+        except Exception as error:  # noqa: BLE001 - the others must be cancelled, then the owner raises it
+            parts[name] = Operation.failed(error)
+        if errors or whole.cancel_asked:  # another one has failed while this one was being started
+            parts[name].cancel()
+        parts[name].add_done_callback(partial(ended, parts[name]))
+    if not starts:
+        whole.succeed({})
+    return whole
 
 
 def execute_together(parts: Mapping[str, tuple[Arm, Plan]]) -> Operation[dict[str, JointState]]:

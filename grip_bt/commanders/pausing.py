@@ -17,6 +17,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, ExpectedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort, Steerable
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import JointState, Trajectory
 
 from .steering import spliced
@@ -92,10 +93,10 @@ class _Motion(Generic[J]):
 
     def __init__(self, job: J):
         self.job = job
-        self.whole: Operation[JointState] = Operation()
         self.part: Operation[JointState] | None = None
-        self.held = self.parted = self.starting = False
+        self.held = self.parted = False
         self.began = self.passed = 0.0
+        self.goes_on: Operation[None] = Operation.finished(None)
 
 
 class _InParts(Generic[J]):
@@ -112,6 +113,7 @@ class _InParts(Generic[J]):
         self._lock = threading.RLock()  # a part that ends while it is changed is heard of in the middle of that
         self._paused = False
         self._motion: _Motion[J] | None = None
+        self._whole: Operation[JointState] = Operation.failed(CanceledError("nothing was begun"))
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -122,21 +124,18 @@ class _InParts(Generic[J]):
 
     def _begin(self, job: J) -> Operation[JointState]:
         """Begin a motion; one under way is cancelled. In a pause it waits for the end of that."""
-        self._end()
+        self._whole.cancel()
         motion = _Motion(job)
-        motion.whole = Operation(on_cancel=lambda: self._cancel(motion))
         with self._lock:
             self._motion = motion
-        self._start(motion)
-        return motion.whole
+        self._whole = whole = run_steps(self._parts(motion))
+        if motion.part is None and whole.done():  # what can't be begun is a mistake of whoever asks
+            whole.result()
+        return whole
 
     def stop(self) -> None:
-        self._end()
+        self._whole.cancel()
         self._port.stop()
-
-    def _end(self) -> None:
-        if self._motion is not None:
-            self._motion.whole.cancel()
 
     def pause(self) -> None:
         with self._lock:
@@ -149,31 +148,34 @@ class _InParts(Generic[J]):
         with self._lock:
             self._paused = False
             motion = self._motion
-            ready = motion is not None and motion.held and motion.part is None and not motion.starting
-        if motion is not None and ready:
-            self._go_on(motion)
+        if motion is not None:
+            motion.goes_on.succeed(None)
 
     def _untouched(self) -> _Motion[J] | None:
         """Return the motion under way, if it never was held; with the lock."""
         motion = self._motion
         return motion if motion is not None and motion.part is not None and not motion.parted else None
 
-    def _start(self, motion: _Motion[J]) -> None:
-        with self._lock:
-            motion.held, motion.starting = self._paused, not self._paused
-        if not motion.starting:
-            if motion.whole.cancel_asked:
-                motion.whole.fail(CanceledError("the motion was stopped"))
-            return
-        part = self._do(motion.job)
-        with self._lock:
-            motion.part, motion.began, motion.passed, motion.starting = part, self._now(), 0.0, False
-            again = self._paused
-        part.add_done_callback(lambda: self._ended(motion, part))
-        if motion.whole.cancel_asked:
-            part.cancel()
-        elif again:
-            self._hold(motion)
+    def _parts(self, motion: _Motion[J]) -> Steps[JointState]:
+        while True:
+            with self._lock:
+                motion.goes_on = Operation() if self._paused else Operation.finished(None)
+            yield motion.goes_on
+            if motion.parted:
+                motion.job = self._rest(motion.job, motion.passed)
+            part = self._do(motion.job)
+            with self._lock:
+                motion.part, motion.began, motion.held = part, self._now(), False
+                paused = self._paused
+            if paused:
+                self._hold(motion)
+            try:
+                return (yield part)
+            except CanceledError:
+                if not motion.held:
+                    raise
+                with self._lock:
+                    motion.part = None
 
     def _hold(self, motion: _Motion[J]) -> None:
         with self._lock:
@@ -183,44 +185,6 @@ class _InParts(Generic[J]):
             motion.held = motion.parted = True
             motion.passed = self._now() - motion.began
         part.cancel()
-
-    def _ended(self, motion: _Motion[J], part: Operation[JointState]) -> None:
-        try:
-            result = part.result()
-        except CanceledError as error:
-            with self._lock:
-                goes_on = motion.held and not motion.whole.cancel_asked
-                motion.part = None
-                now = not self._paused
-            if not goes_on:
-                motion.whole.fail(error)
-            elif now:
-                self._go_on(motion)
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            motion.whole.fail(error)
-        else:
-            motion.whole.succeed(result)
-
-    def _go_on(self, motion: _Motion[J]) -> None:
-        with self._lock:
-            motion.starting = True
-        if motion.whole.cancel_asked:
-            motion.whole.fail(CanceledError("the motion was stopped"))
-            return
-        try:
-            if motion.parted:
-                motion.job = self._rest(motion.job, motion.passed)
-            self._start(motion)
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            motion.whole.fail(error)
-
-    def _cancel(self, motion: _Motion[J]) -> None:
-        with self._lock:
-            part, starting = motion.part, motion.starting
-        if part is not None:
-            part.cancel()
-        elif not starting:  # it is held at rest
-            motion.whole.fail(CanceledError("the motion was stopped"))
 
 
 class PausableExecutor(_InParts[Trajectory]):

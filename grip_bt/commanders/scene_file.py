@@ -18,7 +18,7 @@ Quaternions are x y z w there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -67,9 +67,6 @@ def _row(numbers: Iterable[float]) -> str:
     return " ".join(f"{float(number):.9g}" for number in numbers)
 
 
-_SIDES = 32
-_SLAB = (10.0, 0.1)
-"""A plane becomes a slab so wide and so thick [m], below it."""
 _MOST = 1_000_000
 
 
@@ -90,22 +87,20 @@ def load_scene(file: str | Path) -> tuple[SceneObject, ...]:
 def parse_scene(text: str, source: str = "") -> tuple[SceneObject, ...]:
     """Read the text of a `.scene` file; see `load_scene`."""
     reader = _Reader(text, source)
-    new_form = reader.is_new_form()
-    reader.line()
     objects: dict[str, SceneObject] = {}
     while (mark := reader.word("`*` before an object, or `.` at the end")) != ".":
         if mark != "*":
             raise reader.fault(f"an object begins with `*`, and the file ends with `.`; there is {mark!r}")
-        name = reader.line()
+        name = reader.word("a name")
         if not name or name in objects:
             raise reader.fault(f"there are two objects {name!r}" if name else "an object needs a name after `*`")
-        for item in _shapes(reader, name, new_form):
+        for item in _shapes(reader, name):
             objects[item.name] = item
     return tuple(objects.values())
 
 
-def _shapes(reader: _Reader, name: str, new_form: bool) -> list[SceneObject]:
-    at = reader.pose() if new_form else Pose()
+def _shapes(reader: _Reader, name: str) -> list[SceneObject]:
+    at = reader.pose() if reader.new_form else Pose()
     made = []
     for k in range(reader.count("the number of shapes")):
         kind = reader.word("a shape")
@@ -113,13 +108,13 @@ def _shapes(reader: _Reader, name: str, new_form: bool) -> list[SceneObject]:
             known = f"{nearest(kind, _KINDS)} (available: {listing(sorted(_KINDS))})"
             raise reader.fault(f"object {name!r}: unknown shape {kind!r}{known}")
         try:
-            solid, inner = _KINDS[kind](reader)
+            solid = _KINDS[kind](reader)
         except ValueError as error:
             raise reader.fault(f"object {name!r}: {error}") from None
-        pose = at @ reader.pose() @ inner
+        pose = at @ reader.pose()
         reader.numbers(4, "a colour")
         made.append(SceneObject(name if k == 0 else f"{name}.{k + 1}", solid, pose))
-    if new_form:
+    if reader.new_form:
         for _ in range(reader.count("the number of subframes")):
             reader.word("a subframe's name")
             reader.pose()
@@ -127,34 +122,28 @@ def _shapes(reader: _Reader, name: str, new_form: bool) -> list[SceneObject]:
 
 
 class _Reader:
-    """Words of a text, and where they stand."""
+    """Words of a text, and where they stand.
+
+    Attributes:
+        new_form: whether numbers stand below the first object's name: the object's pose.
+    """
 
     def __init__(self, text: str, source: str):
-        self._lines, self._source = text.splitlines(), source
-        self._row = 0
-        self._words: Iterator[str] = iter(())
-        self._next_line()
-
-    def is_new_form(self) -> bool:
-        """Tell whether three numbers stand below the first object's name: the object's pose."""
-        for row, line in enumerate(self._lines[1:], start=1):
-            if line.startswith("*"):
-                return row + 1 < len(self._lines) and " " in self._lines[row + 1].strip()
-        return True
-
-    def line(self) -> str:
-        """Return the rest of the line."""
-        rest = " ".join(self._words)
-        self._next_line()
-        return rest
+        lines, self._source, self._row = text.splitlines()[1:], source, 1
+        marks = [k + 1 for k, line in enumerate(lines) if line.startswith("*")]
+        self.new_form = not marks or " " in (lines[marks[0]].strip() if marks[0] < len(lines) else "")
+        self._words = (
+            (row, word)
+            for row, line in enumerate(lines, start=2)
+            for word in (["*", " ".join(line[1:].split())] if line.startswith("*") else line.split())
+        )
 
     def word(self, what: str) -> str:
-        """Return the next word."""
-        while (word := next(self._words, None)) is None:
-            if self._row >= len(self._lines):
-                raise self.fault(f"the file ends where {what} is expected")
-            self._next_line()
-        return str(word)
+        """Return the next word; of an object's name, all of it."""
+        self._row, word = next(self._words, (self._row, ""))
+        if not word and what != "a name":
+            raise self.fault(f"the file ends where {what} is expected")
+        return word
 
     def numbers(self, count: int, what: str) -> list[float]:
         """Return the next numbers."""
@@ -177,7 +166,7 @@ class _Reader:
 
     def fault(self, message: str) -> DocumentError:
         """Return an error at the present line."""
-        return DocumentError(message, self._source, max(self._row, 1))
+        return DocumentError(message, self._source, self._row)
 
     def _number(self, word: str, what: str) -> float:
         try:
@@ -188,51 +177,20 @@ class _Reader:
             raise self.fault(f"{what} is expected; {word!r} isn't a number")
         return number
 
-    def _next_line(self) -> None:
-        words = self._lines[self._row].split() if self._row < len(self._lines) else []
-        self._row += 1
-        self._words = iter(words)
 
-
-def _cone(reader: _Reader) -> tuple[Solid, Pose]:
-    """A cone about z, its middle at half its height, becomes the pyramid of 32 sides around it."""
-    radius, height = reader.numbers(2, "a cone's radius and height")
-    turn = np.arange(_SIDES) * 2 * np.pi / _SIDES
-    rim = radius / np.cos(np.pi / _SIDES) * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    foot = np.column_stack([rim, np.full(_SIDES, -height / 2)])
-    return Mesh(np.vstack([foot, [[0.0, 0.0, height / 2]]])), Pose()
-
-
-def _plane(reader: _Reader) -> tuple[Solid, Pose]:
-    """A plane a x + b y + c z + d = 0 becomes a slab on the side that its normal turns its back to."""
-    plane = np.array(reader.numbers(4, "a plane's a b c d"))
-    length = float(np.linalg.norm(plane[:3]))
-    if length < 1e-9:
-        raise ValueError("a plane needs a normal that isn't zero")
-    normal, offset = plane[:3] / length, -plane[3] / length
-    side = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
-    side /= np.linalg.norm(side)
-    at = np.eye(4)
-    at[:3, :3] = np.stack([side, np.cross(normal, side), normal], axis=1)
-    at[:3, 3] = normal * (offset - _SLAB[1] / 2)
-    return Box((_SLAB[0], _SLAB[0], _SLAB[1])), Pose.from_matrix(at)
-
-
-def _mesh(reader: _Reader) -> tuple[Solid, Pose]:
+def _mesh(reader: _Reader) -> Solid:
     """A mesh keeps its surface: a scene's meshes are often hollow."""
     points, triangles = reader.count("a mesh's number of points"), reader.count("its number of triangles")
     if not triangles:
         raise ValueError("a mesh has triangles")
     rows = np.array(reader.numbers(3 * points, "a point of a mesh")).reshape(-1, 3)
     faces = np.array([reader.count("an index of a point") for _ in range(3 * triangles)], np.int32)
-    return Mesh(rows, faces.reshape(-1, 3)), Pose()
+    return Mesh(rows, faces.reshape(-1, 3))
 
 
-_KINDS: dict[str, Callable[[_Reader], tuple[Solid, Pose]]] = {
-    "box": lambda reader: (Box(tuple(reader.numbers(3, "a box's edge lengths"))), Pose()),  # type: ignore[arg-type]
-    "cone": _cone,
-    "cylinder": lambda reader: (Cylinder(*reader.numbers(2, "a cylinder's radius and height")), Pose()),
+_KINDS: dict[str, Callable[[_Reader], Solid]] = {
+    "box": lambda reader: Box(tuple(reader.numbers(3, "a box's edge lengths"))),  # type: ignore[arg-type]
+    "cylinder": lambda reader: Cylinder(*reader.numbers(2, "a cylinder's radius and height")),
     "mesh": _mesh,
-    "plane": _plane,
-    "sphere": lambda reader: (Sphere(*reader.numbers(1, "a sphere's radius")), Pose()),
+    "sphere": lambda reader: Sphere(*reader.numbers(1, "a sphere's radius")),
 }

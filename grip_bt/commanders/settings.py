@@ -22,7 +22,7 @@ PLANNERS = (
     "SORRTstar",
 )
 """The planners that OMPL's wheel binds, and our own BiTRRT; a test compares them."""
-SOLVERS = ("damped_least_squares", "trac_ik", "analytic")
+SOLVERS = ("damped_least_squares", "trac_ik")
 """The keys of `ik.SOLVERS`; likewise."""
 
 
@@ -34,7 +34,7 @@ class MotionSettings(BaseModel):
     planner: str = "RRTConnect"
     """A planner of OMPL, such as `RRTConnect` or `BiTRRT`; `move_group` for MoveIt's."""
     kinematics: str = "damped_least_squares"
-    """Inverse kinematics: `damped_least_squares`, `trac_ik` or `analytic`."""
+    """Inverse kinematics: `damped_least_squares` or `trac_ik`."""
     speed: float = Field(default=0.5, gt=0, le=1)
     """Fraction of the joints' speed limits."""
     acceleration: float | None = Field(default=None, gt=0, le=1)
@@ -54,5 +54,3 @@ class PlanningSettings(MotionSettings):
     """Distance to keep from the scene's objects where start and goal leave room for it [m]."""
     seed: int = 0
     """The same request with the same seed gives the same plan."""
-    parameters: tuple[tuple[str, float], ...] = ()
-    """Of the planner, such as `("range", 0.3)`; see `planning.free.settable`."""

@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.failures import CanceledError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, Steerable
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import JointState, Trajectory
 
 from .steering import HOLD, SAMPLING
@@ -52,12 +52,9 @@ class SteeredMotion:
         with self._lock:
             run = self._run
             fresh = run is None or run.whole.done()
-            if fresh:
-                run = self._run = _Run(self._executor, self._steerable, self._plan_step)
-        assert run is not None
-        if fresh:
-            run.begin(twist_at)
-        else:
+            if run is None or fresh:
+                run = self._run = _Run(self._executor, self._steerable, self._plan_step, twist_at)
+        if not fresh:
             run.go_on(twist_at)
         return run.whole
 
@@ -65,99 +62,57 @@ class SteeredMotion:
 class _Run:
     """One motion from rest to rest."""
 
-    def __init__(self, executor: Executor, steerable: Steerable | None, plan_step: PlanStep):
+    def __init__(
+        self,
+        executor: Executor,
+        steerable: Steerable | None,
+        plan_step: PlanStep,
+        twist_at: Callable[[JointState], Twist],
+    ):
         self._executor, self._steerable, self._plan_step = executor, steerable, plan_step
-        self._lock = threading.Lock()
-        self._last: Trajectory | None = None
-        self._last_began = 0.0
-        self._planning: Operation[Trajectory] | None = None
-        self._motion: Operation[JointState] | None = None
+        self._lock, self._planning = threading.Lock(), False
+        self._last: tuple[Trajectory, float] | None = None
         self._error: BaseException | None = None
-        self.whole: Operation[JointState] = Operation(on_cancel=self._cancel)
+        self.whole = run_steps(self._steps(twist_at))
 
-    def begin(self, twist_at: Callable[[JointState], Twist]) -> None:
-        """Plan the first step, from where the joints are measured to be, and follow it."""
-        try:
-            start = self._executor.state()
-            start = replace(start, velocity=np.zeros(len(start.names)))
-            self._planning = self._plan_step(start, twist_at(start), HOLD if self._steerable else STEP)
-        except BaseException as error:
-            self.whole.fail(error)
-            raise
-        self._planning.add_done_callback(self._first_planned)
+    def _steps(self, twist_at: Callable[[JointState], Twist]) -> Steps[JointState]:
+        """Plan the first step, from where the joints are measured to be, and follow it and what becomes of it."""
+        start = self._executor.state()
+        start = replace(start, velocity=np.zeros(len(start.names)))
+        step: Trajectory = yield self._plan_step(start, twist_at(start), HOLD if self._steerable else STEP)
+        self._last = step, 0.0
+        measured: JointState = yield self._executor.execute(step)
+        if self._error is not None:
+            raise self._error
+        return measured
 
     def go_on(self, twist_at: Callable[[JointState], Twist]) -> None:
         """Plan the next step, if the last one has begun, and it isn't under way already."""
         with self._lock:
-            if self._steerable is None or self._planning is not None or self._last is None or self._error is not None:
+            if self._steerable is None or self._planning or self._last is None or self._error is not None:
                 return
-            passed = self._steerable.passed()
-            if passed is None or not self._last_began <= passed < self._last_began + HOLD:
+            passed, (last, began) = self._steerable.passed(), self._last
+            if passed is None or not began <= passed < began + HOLD:
                 return
-            waiting: Operation[Trajectory] = Operation()
-            self._planning = waiting
+            self._planning = True
         row = round(HOLD / SAMPLING)
-        last, at = self._last, self._last_began + HOLD
         assert last.velocities is not None
         start = JointState(last.names, last.positions[row], last.velocities[row])
         try:
             planning = self._plan_step(start, twist_at(start), HOLD)
         except BaseException:
-            with self._lock:
-                self._planning = None
+            self._planning = False
             raise
-        with self._lock:
-            if self._planning is waiting:
-                self._planning = planning
-        planning.add_done_callback(partial(self._next_planned, planning, at))
+        planning.add_done_callback(partial(self._next_planned, self._steerable, planning, began + HOLD))
 
-    def _first_planned(self) -> None:
-        planning, self._planning = self._planning, None
-        assert planning is not None
+    def _next_planned(self, steerable: Steerable, planning: Operation[Trajectory], at: float) -> None:
         try:
             step = planning.result()
-            if self.whole.cancel_asked:
-                raise CanceledError("the motion was stopped")
-            self._last, self._last_began = step, 0.0
-            self._motion = self._executor.execute(step)
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            self.whole.fail(error)
-            return
-        self._motion.add_done_callback(self._ended)
-        if self.whole.cancel_asked:
-            self._motion.cancel()
-
-    def _next_planned(self, planning: Operation[Trajectory], at: float) -> None:
-        assert self._steerable is not None
-        try:
-            step = planning.result()
-            amended = not self.whole.cancel_asked and self._steerable.amend(step, at)
-            with self._lock:
-                if amended:
-                    self._last, self._last_began = step, at
+            if not self.whole.cancel_asked and steerable.amend(step, at):
+                self._last = step, at
         except BaseException as error:  # noqa: BLE001 - told when the arm has come to rest
             self._error = error
-        finally:
-            with self._lock:
-                self._planning = None
-
-    def _ended(self) -> None:
-        motion = self._motion
-        assert motion is not None
-        try:
-            measured = motion.result()
-        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
-            self.whole.fail(error)
-            return
-        if self._error is not None:
-            self.whole.fail(self._error)
-        else:
-            self.whole.succeed(measured)
-
-    def _cancel(self) -> None:
-        for part in (self._planning, self._motion):
-            if part is not None:
-                part.cancel()
+        self._planning = False
 
 
 def velocity_of(state: JointState, names: Sequence[str]) -> Array:

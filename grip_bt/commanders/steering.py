@@ -6,16 +6,16 @@ rest; the next one goes on where the coming to rest would begin, once it is know
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.values import Plan, Pose, Trajectory
+from grip_bt.base.values import Pose, Trajectory
+from grip_bt.base.values.pose import quaternion_about
 
 from .trajectory.splines import s_curve
+from .trajectory.stopping import even_ramp
 
 MOST_LINEAR = 0.25
 """The grasp frame is jogged no quicker than this [m/s]: the limit of ISO 10218-1 for manual control."""
@@ -23,8 +23,8 @@ MOST_ANGULAR = 1.0
 """Nor does it turn quicker than this [rad/s]."""
 
 
-def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], seconds: float) -> tuple[Pose, float]:
-    """Return where a twist brings a pose, and how long that takes.
+def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], seconds: float) -> Pose:
+    """Return where a twist brings a pose.
 
     A twist above the bounds is made smaller as a whole, so that its direction and pitch stay.
 
@@ -40,12 +40,9 @@ def jogged(pose: Pose, linear: Sequence[float], angular: Sequence[float], second
     v, w = bounded(linear, angular)
     if not 0 < seconds < np.inf:
         raise ValueError(f"jogging takes a positive time [s], not {seconds}")
-    turn = w * seconds
-    angle = float(np.linalg.norm(turn))
-    axis = turn / angle if angle > 0 else np.array([0.0, 0.0, 1.0])
-    spin = Pose(quaternion=[np.cos(angle / 2), *(np.sin(angle / 2) * axis)])
+    spin = Pose(quaternion=quaternion_about(w * seconds))
     turned = Pose.from_matrix(spin.matrix() @ Pose(quaternion=pose.quaternion).matrix())
-    return Pose(pose.position + v * seconds, turned.quaternion, pose.frame), seconds
+    return Pose(pose.position + v * seconds, turned.quaternion, pose.frame)
 
 
 def bounded(linear: Sequence[float], angular: Sequence[float]) -> tuple[Array, Array]:
@@ -81,11 +78,6 @@ def twist_towards(pose: Pose, target: Pose, seconds: float) -> tuple[list[float]
     return ((target.position - pose.position) / seconds).tolist(), (turn / seconds).tolist()
 
 
-def lasting(plan: Plan, seconds: float) -> Plan:
-    """Return a plan that takes at least so long [s]."""
-    return replace(plan, trajectory=plan.trajectory.stretched(seconds))
-
-
 HOLD = 0.2
 """How long a step holds what is wanted [s]; its successor is planned meanwhile."""
 SAMPLING = 0.02
@@ -116,9 +108,16 @@ def steered(
         jerk: likewise [rad/s^3]; None for any. With it, a step's velocity changes in an S over all of `hold`, towards
             what is wanted at its end: no joint accelerates where one step goes over into the next.
     """
-    if jerk is not None:
-        return _smoothly(names, position, velocity, wanted, acceleration, hold, jerk)
     q, v = np.array(position, dtype=float), np.array(velocity, dtype=float)
+    if jerk is None:
+        times, rows, speeds = _followed(q, v, wanted, acceleration, hold)
+    else:
+        times, rows, speeds = _smoothly(q, v, wanted, acceleration, hold, jerk)
+    rest = even_ramp(names, rows[-1], speeds[-1], acceleration, jerk)
+    return spliced(Trajectory(tuple(names), times, rows, speeds), rest, float(times[-1]))
+
+
+def _followed(q: Array, v: Array, wanted: Velocity, acceleration: Array, hold: float) -> tuple[Array, Array, Array]:
     rows, speeds = [q], [v]
     for _ in range(round(hold / SAMPLING)):
         change = wanted(q) - v
@@ -128,26 +127,12 @@ def steered(
         v = faster
         rows.append(q)
         speeds.append(v)
-    times: Array = np.arange(len(rows), dtype=np.float64) * np.float64(SAMPLING)
-    if v.any():
-        braking = max(SAMPLING, float((np.abs(v) / acceleration).max()))
-        rest = np.linspace(0.0, braking, int(np.ceil(braking / SAMPLING)) + 1)[1:]
-        rows.extend(q + np.outer(rest - rest**2 / (2 * braking), v))
-        speeds.extend(np.outer(1.0 - rest / braking, v))
-        times = np.concatenate([times, times[-1] + rest])
-    return Trajectory(tuple(names), times, np.stack(rows), np.stack(speeds))
+    return np.arange(len(rows), dtype=np.float64) * np.float64(SAMPLING), np.stack(rows), np.stack(speeds)
 
 
 def _smoothly(
-    names: Sequence[str],
-    position: Array,
-    velocity: Array,
-    wanted: Velocity,
-    acceleration: Array,
-    hold: float,
-    jerk: Array,
-) -> Trajectory:
-    q, v = np.array(position, dtype=float), np.array(velocity, dtype=float)
+    q: Array, v: Array, wanted: Velocity, acceleration: Array, hold: float, jerk: Array
+) -> tuple[Array, Array, Array]:
     count = max(2, round(hold / SAMPLING))
     corner = float(np.clip(np.ceil((acceleration / jerk).max() / SAMPLING), 1, count // 2)) * SAMPLING
     level = count * SAMPLING - corner
@@ -157,29 +142,7 @@ def _smoothly(
         change /= max(1.0, float((np.abs(change) / np.minimum(acceleration, jerk * corner)).max()) / level)
     times: Array = np.arange(count + 1, dtype=np.float64) * np.float64(SAMPLING)
     moved, part, _ = s_curve(times, count * SAMPLING, corner)
-    rows, speeds = [q + np.outer(times, v) + np.outer(moved, change)], [v + np.outer(part, change)]
-    q, v = rows[0][-1], v + change
-    if v.any():
-        corner = float(np.minimum(acceleration / jerk, np.sqrt(np.abs(v) / jerk)).max())
-        level = max(corner, float((np.abs(v) / np.minimum(acceleration, jerk * corner)).max()))
-        edges = np.array([0.0, corner, level, level + corner])
-        rest = _divided(edges)
-        moved, part, _ = s_curve(rest, level + corner, corner)
-        rows.append(q + np.outer(rest - moved, v))
-        speeds.append(np.outer(1.0 - part, v))
-        speeds[-1][-1] = 0.0
-        times = np.concatenate([times, times[-1] + rest])
-    return Trajectory(tuple(names), times, np.concatenate(rows), np.concatenate(speeds))
-
-
-def _divided(edges: Array) -> Array:
-    """Return times between edges and these, evenly spaced from each to the next one, without the first edge [s]."""
-    pieces = [
-        np.linspace(begin, end, int(np.ceil((end - begin) / SAMPLING)) + 1)[1:]
-        for begin, end in itertools.pairwise(edges.tolist())
-        if end > begin + 1e-6
-    ]
-    return np.concatenate(pieces)
+    return times, q + np.outer(times, v) + np.outer(moved, change), v + np.outer(part, change)
 
 
 def spliced(before: Trajectory, after: Trajectory, at: float) -> Trajectory:

@@ -17,14 +17,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import yaml
-from pydantic import RootModel, ValidationError
+from pydantic import RootModel, TypeAdapter
 
 from grip_bt.base.errors import DocumentError
 from grip_bt.base.failures import NameTakenError
 from grip_bt.base.files import replace_text
 from grip_bt.base.values import JointState, Pose
-from grip_bt.base.yaml.models import Settings, diagnostic_of, document_error
-from grip_bt.base.yaml.tree import YamlMapping, parse, read_file, to_data
+from grip_bt.base.yaml.models import Settings, document_error, validated
+from grip_bt.base.yaml.tree import YamlMapping, parse, read_file
 
 
 class TaughtPose(Settings):
@@ -106,10 +106,7 @@ def _read(file: Path) -> dict[str, dict[str, TaughtEntry]]:
     tree = parse(read_file(file), str(file))
     if not isinstance(tree, YamlMapping):
         raise document_error([("a mapping of names to what was taught is expected", tree.line, tree.column)], str(file))
-    try:
-        return TaughtFile.model_validate(to_data(tree)).root
-    except ValidationError as error:
-        raise document_error([diagnostic_of(tree, e) for e in error.errors()], str(file)) from None
+    return validated(TypeAdapter(TaughtFile), tree, str(file)).root
 
 
 def _value(entry: TaughtEntry, where: str, file: Path) -> JointState | Pose:

@@ -58,13 +58,8 @@ def test_a_ready_made_robot_is_ok_and_shown_with_groups_limits_states_solvers_an
     assert "group arm: 6 joints, grasp frame on tool0" in shown
     assert "elbow_joint: -3.142 ... 3.142 rad, 3.15 rad/s, 4 rad/s^2" in shown
     assert "state home: 0, -1.57, 1.57" in shown
-    assert "solvers: analytic, damped_least_squares, trac_ik" in shown
+    assert "solvers: damped_least_squares, trac_ik" in shown
     assert "BiTRRT" in shown
-
-
-def test_the_analytic_solver_is_not_offered_to_an_arm_of_seven_joints(capsys):
-    assert main(["robot", "show", "xarm7"]) == 0
-    assert "solvers: damped_least_squares, trac_ik\n" in capsys.readouterr().out
 
 
 def test_show_as_json_and_of_a_wrong_robot(bad, capsys):

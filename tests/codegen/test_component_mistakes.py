@@ -107,7 +107,7 @@ def test_ports_that_do_are_left_alone(ports):
     ("wrong", "right", "words"),
     [
         ("name: counter", "name: Counter", "'Counter' isn't a name: lower case letters, digits and _, a letter first"),
-        ("name: counter", "name: myGrasps2", "such as my_grasps2"),
+        ("name: counter", "name: myGrasps2", "such as my_grasps"),
         ("my_pkg/srv/Do", "my_pkg/Do", "'my_pkg/Do' isn't the name of an interface: package/srv/Name"),
         ("/do", "do", "'do' isn't a whole ROS name"),
         ("[found, none]", "found none", "outcomes: expected a list: write [found, none], not 'found none'"),

@@ -29,7 +29,7 @@ from grip_bt.commanders.planning.requests import (
 )
 from grip_bt.commanders.scene_state import SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
-from grip_bt.commanders.steering import HOLD, jogged, lasting, spliced
+from grip_bt.commanders.steering import HOLD, jogged, spliced
 from grip_bt.commanders.trajectory.stopping import stop_ramp
 
 PERIOD = 1e-3
@@ -137,9 +137,10 @@ def _straight(motions: Motions, rng: np.random.Generator) -> Trajectory:
 
 def _jog(motions: Motions, rng: np.random.Generator) -> Trajectory:
     begin = motions.free(rng, 0.3)
-    to, seconds = jogged(motions.pose(begin), rng.uniform(-0.2, 0.2, 3), rng.uniform(-0.5, 0.5, 3), rng.uniform(0.1, 1))
+    linear, angular, seconds = rng.uniform(-0.2, 0.2, 3), rng.uniform(-0.5, 0.5, 3), rng.uniform(0.1, 1)
+    to = jogged(motions.pose(begin), linear, angular, seconds)
     plan = answer(motions.model, PlanStraight(motions.at(begin), (to,)), lambda: False)
-    return lasting(plan, seconds).trajectory
+    return plan.trajectory.stretched(seconds)
 
 
 def _blended(motions: Motions, rng: np.random.Generator) -> Trajectory:

@@ -12,7 +12,7 @@ from table_top import robot_model
 
 from grip_bt.base.values import Pose, Trajectory
 from grip_bt.base.values.solids import Box, Cylinder
-from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.planning.continuous import continuously_free, first_touch
 from grip_bt.commanders.planning.paths import interpolated
 from grip_bt.commanders.planning.search import halving
@@ -211,11 +211,3 @@ def test_trajectories_at_once_are_free_only_if_all_that_controllers_draw_between
     assert answers.count((True, True)) > 10
     assert answers.count((False, True)) <= 2
     assert touched > 10
-
-
-def test_an_unchanged_scene_keeps_its_checker(chain):
-    first = recent_checker(chain, SCENE, "hand", 0.01)
-    same = SceneSnapshot(dict(SCENE.objects), SCENE.allowed)
-    assert recent_checker(chain, same, "hand", 0.01) is first
-    assert recent_checker(chain, SCENE.without(["can"]), "hand", 0.01) is not first
-    assert recent_checker(chain, SCENE, "hand", 0.0) is not first

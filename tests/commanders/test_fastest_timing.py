@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from grip_bt.commanders.trajectory.timing import Allowed, _curve, _drive
+from grip_bt.commanders.trajectory.limits import Limits
+from grip_bt.commanders.trajectory.timing import _curve, _drive
 
 
 def driven(rows, velocity, acceleration):
     """Return path positions, path velocities there, and path accelerations between, with the curve."""
     at, curve = _curve(rows)
-    drive = _drive(at, curve, Allowed(velocity, acceleration))
-    return curve, drive._grid, drive._velocity, drive._change
+    drive = _drive(at, curve, Limits(-velocity, velocity, velocity, acceleration))
+    return curve, drive._ss, drive._velocities, drive._us
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -14,7 +14,7 @@ from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.fake import FakeExecutor, FakeHand, OnClock
 from grip_bt.commanders.pausing import ASIDE, PausableExecutor, PausableHand, rest_of
 from grip_bt.commanders.trajectory.limits import Limits
-from grip_bt.commanders.trajectory.timing import Allowed, timed
+from grip_bt.commanders.trajectory.timing import timed
 from grip_bt.runtime.clock import ManualClock
 
 NAMES = ("a", "b")
@@ -39,8 +39,8 @@ def arc(duration: float = 3.0, turns: float = 0.4) -> Trajectory:
 def timed_arc(acceleration: np.ndarray, jerk: np.ndarray) -> Trajectory:
     """Along the same circle, as a planner times it."""
     wide, fast = np.full(2, 99.0), np.full(2, 3.0)
-    limits = Limits(-wide, wide, fast, acceleration)
-    return timed(NAMES, arc().positions[::5], limits, Allowed(fast, acceleration, jerk), lambda _: True)
+    limits = Limits(-wide, wide, fast, acceleration, jerk)
+    return timed(NAMES, arc().positions[::5], limits, lambda _: True)
 
 
 @given(passed=st.floats(0.0, 3.0), aside=st.floats(-0.04, 0.04), late=st.floats(0.0, 0.3))

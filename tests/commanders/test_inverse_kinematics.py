@@ -6,7 +6,7 @@ import pytest
 from ik_search import nearest, solve
 from table_top import named, robot_model
 
-from grip_bt.base.errors import UnfitSolverError, UnknownNameError
+from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.ports import FREEDOMS
 from grip_bt.commanders.description.load import build_robot
 from grip_bt.commanders.kinematics.damped_least_squares import TOLERANCE, Target, solve_from
@@ -14,7 +14,6 @@ from grip_bt.commanders.kinematics.ik import SOLVERS, solver
 from grip_bt.commanders.kinematics.model import RobotModel
 
 FITS = [(name, robot) for name in SOLVERS for robot in ("panda_allegro", "ur10_allegro")]
-FITS.remove(("analytic", "panda_allegro"))  # seven joints
 
 
 @pytest.fixture(scope="module")
@@ -115,21 +114,8 @@ def test_damped_least_squares_repeats_exactly(chain):
     assert all(np.array_equal(a, b) for a, b in zip(*runs, strict=True))
 
 
-def test_the_analytic_solver_finds_all_eight_ways_of_a_ur_and_whole_turns_within_limits(chains):
-    chain = chains["ur10_allegro"]
-    q = np.array([0.3, -0.9, 0.9, 0.4, 0.7, 0.6])
-    found = list(solver("analytic")(chain, Target(chain.grasp_pose(q)), np.random.default_rng(0), (q,), 20))
-    assert len(found) == 8
-    assert found[0] == pytest.approx(q, abs=1e-9)
-
-
-def test_the_analytic_solver_says_which_arms_it_does_not_take(chain):
-    with pytest.raises(UnfitSolverError, match=r"six turning joints.*take 'damped_least_squares' or 'trac_ik'"):
-        solve(chain, Target(pin.SE3.Identity()), np.random.default_rng(0), kinematics="analytic")
-
-
 def test_an_unknown_solver_lists_those_that_exist():
-    with pytest.raises(UnknownNameError, match=r"did you mean 'trac_ik'.*analytic, damped_least_squares"):
+    with pytest.raises(UnknownNameError, match=r"did you mean 'trac_ik'.*damped_least_squares"):
         solver("trac_ikk")
 
 

@@ -12,7 +12,7 @@ from grip_bt.base.values import JointState, WayPoint
 from grip_bt.commanders.planning.requests import PlanStraight, PlanThrough, PlanTo
 from grip_bt.commanders.trajectory.limits import Limits
 from grip_bt.commanders.trajectory.splines import eased, peaks, slowed
-from grip_bt.commanders.trajectory.timing import STILL, Allowed, timed
+from grip_bt.commanders.trajectory.timing import STILL, timed
 
 ROUNDED = 1 + 1e-6
 
@@ -133,10 +133,10 @@ def test_any_path_is_timed_within_its_limits(seed, joints, corners, size, jerk):
     if rng.random() < 0.3:
         path = np.concatenate([path, path[::-1]])
     velocity, acceleration = rng.uniform(0.2, 3, joints), rng.uniform(0.2, 15, joints)
-    limits = Limits(np.full(joints, -99.0), np.full(joints, 99.0), velocity, acceleration)
     sharpest = None if jerk is None else acceleration * jerk
+    limits = Limits(np.full(joints, -99.0), np.full(joints, 99.0), velocity, acceleration, sharpest)
     names = tuple(f"joint_{k}" for k in range(joints))
-    trajectory = timed(names, path, limits, Allowed(velocity, acceleration, sharpest), lambda _: True)
+    trajectory = timed(names, path, limits, lambda _: True)
     assert trajectory.positions[0] == pytest.approx(path[0], abs=STILL)
     assert trajectory.positions[-1] == pytest.approx(path[-1], abs=STILL)
     most = peaks(trajectory)

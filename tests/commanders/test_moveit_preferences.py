@@ -17,11 +17,11 @@ from grip_bt.commanders.description.load import inspect_robot, load_robot
 from grip_bt.commanders.description.robot import Preference
 
 PLANNING = """planner_configs:
-  Both: {type: geometric::RRTConnect, range: 0.7}
+  Both: {type: geometric::RRTConnect}
   TRRTkConfigDefault: {type: geometric::TRRT}
   PRMkConfigDefault: {type: geometric::PRM}
-  Bold: {type: geometric::RRT, range: 0.3, goal_bias: 0.4, projection: here}
-  Shy: {type: geometric::RRT, range: 0.1}
+  Bold: {type: geometric::RRT}
+  Shy: {type: geometric::RRT}
 manipulator:
   default_planner_config: DEFAULT
   planner_configs: [TRRTkConfigDefault, PRMkConfigDefault, Shy, Bold, Both]
@@ -72,32 +72,19 @@ def test_the_planner_that_is_told_at_the_start_of_a_run_is_the_one_in_force(tmp_
     assert planners_in_force(find_project(tmp_path), robot(tmp_path)) == "PRM"
 
 
-def test_parameters_are_those_of_the_configuration_in_force(tmp_path, capsys):
-    folder = package(tmp_path, "Bold")
-    settings = settings_of(ArmConfig(group="manipulator"), robot(tmp_path), seed=0)
-    assert (settings.planner, dict(settings.parameters)) == ("RRT", {"range": 0.3, "goal_bias": 0.4})
-    chosen = settings_of(ArmConfig(group="manipulator", planner="PRM"), robot(tmp_path), seed=0)
-    assert chosen.parameters == ()
-    assert main(["robot", "show", str(folder)]) == 0
-    assert "planner RRT, range 0.3, goal_bias 0.4 (from ompl_planning.yaml)" in capsys.readouterr().out
-
-
 def test_what_is_not_here_is_said_and_the_usual_taken(tmp_path):
     package(tmp_path, "TRRTkConfigDefault", "bio_ik/BioIKKinematicsPlugin")
     made = robot(tmp_path)
     preferred = made.preferences["manipulator"]["planner"]
-    assert preferred == Preference(
-        None, "ompl_planning.yaml", "TRRT", {"RRT": {"range": 0.1}, "RRTConnect": {"range": 0.7}}
-    )
+    assert preferred == Preference(None, "ompl_planning.yaml", "TRRT")
     settings = settings_of(ArmConfig(group="manipulator"), made, seed=0)
     assert (settings.planner, settings.kinematics) == ("RRTConnect", "damped_least_squares")
 
 
-def test_without_a_default_rrt_connect_is_taken_with_the_files_parameters_wherever_it_is_listed(tmp_path):
+def test_without_a_default_rrt_connect_is_taken(tmp_path):
     package(tmp_path, '""', "kdl_kinematics_plugin/KDLKinematicsPlugin")
     preferred = robot(tmp_path).preferences["manipulator"]
     assert (preferred["planner"].value, preferred["kinematics"].value) == ("RRTConnect", "damped_least_squares")
-    assert dict(settings_of(ArmConfig(group="manipulator"), robot(tmp_path), seed=0).parameters) == {"range": 0.7}
 
 
 def test_preferences_follow_their_group_into_a_world_of_several_robots(tmp_path):
@@ -128,7 +115,6 @@ def test_show_prints_what_is_in_force_and_where_it_comes_from(tmp_path, capsys):
         "value": "PRM",
         "source": "ompl_planning.yaml",
         "unknown": "",
-        "parameters": {"RRT": {"range": 0.1}, "RRTConnect": {"range": 0.7}},
     }
 
 

@@ -181,7 +181,6 @@ def test_all_faults_are_told_at_once_each_on_its_line(tmp_path):
         ),
         ('<group name="gripper"/>', '<group name="all"/>', "cycle", "group 'all' contains itself"),
         ('parent_link="l6"', 'parent_link="l7"', "unknown-link", "end effector 'hand': there is no link 'l7'"),
-        ('child_link="base"', 'child_link="bass"', "unknown-link", "virtual joint 'stand': there is no link 'bass'"),
         (
             'name="j5" value="1.2"',
             'name="j9" value="1.2"',

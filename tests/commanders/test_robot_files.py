@@ -67,7 +67,7 @@ def test_a_moveit_package_of_either_layout_makes_a_robot(tmp_path, ros):
     assert [str(f) for f in inspected.findings if f.severity == "error"] == []
     (package,), robot = inspected.packages, inspected.description
     assert package.kinematics == {"manipulator": "kdl_kinematics_plugin/KDLKinematicsPlugin"}
-    assert package.planners["manipulator"].planners["ESTkConfigDefault"] == "EST"
+    assert package.planners == {"manipulator": "RRTConnect"}
     assert package.sensors[0].topic == "/camera/points"
     assert robot.acceleration_limits["j1"] == 3.5
     assert robot.acceleration_limits["j3"] == pytest.approx(2.0 / 0.5)

@@ -10,7 +10,7 @@ from grip_bt.base.ports import Steerable
 from grip_bt.base.values import Pose, Trajectory
 from grip_bt.commanders.arm import ArmCommander, ArmSetup
 from grip_bt.commanders.fake import FakeExecutor, OnClock
-from grip_bt.commanders.kinematics.collision import recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.requests import PlanServoStep
 from grip_bt.commanders.settings import PlanningSettings
@@ -114,7 +114,7 @@ def test_what_is_in_the_way_is_not_touched_and_the_arm_rests_before_it(rig):
     assert places[-1][1] - start[1] > 0.05, "it went as far as was free"
     situation = rig.planner.requests[-1].situation
     chain = rig.model.chain("arm", situation.start)
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    checker = CollisionChecker(chain, situation.scene, situation.hand)
     assert checker.all_free(joints)
     rest = rig.arm.state()
     rig.clock.advance(1.0)

@@ -17,7 +17,7 @@ from grip_bt.commanders.planning.answer import answer
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, excess, interpolated, kept
 from grip_bt.commanders.planning.requests import PlanTo, Situation
-from grip_bt.commanders.planning.search import Search, settable
+from grip_bt.commanders.planning.search import Search
 from grip_bt.commanders.planning.tree_planners import CLEARANCES, Tree, costs
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
 from grip_bt.commanders.settings import PlanningSettings
@@ -64,8 +64,8 @@ def level():
     return PathConstraint(pose(LEVEL, 0, 0, 0), tolerance=(np.inf, 0.15, 0.15), axes="own")
 
 
-def searched(checker, start, goal, planner, seed, parameters=()):
-    settings = PlanningSettings(planner=planner, seed=seed, parameters=tuple(dict(parameters).items()))
+def searched(checker, start, goal, planner, seed):
+    settings = PlanningSettings(planner=planner, seed=seed)
     return Search(checker, settings, None, lambda: False).path(start, goal, Budget(600.0))
 
 
@@ -127,27 +127,11 @@ def test_a_constrained_motion_stays_in_its_box(model, checker):
         assert (np.abs(offset) <= np.array([0.25, 0.45, 0.2]) + CONSTRAINT_SLACK).all()
 
 
-def test_parameters_of_a_planner_change_its_search(model, checker, monkeypatch):
-    """Of a planner's steps none is longer than its range; unknown parameters, and those of others, are left out."""
-    one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
-    assert settable("RRT") == {"range", "goal_bias"}
-    assert settable("BiTRRT") == settable("PRM") == frozenset()
-    monkeypatch.setattr("grip_bt.commanders.planning.search.shortened", lambda path, *_: path)
-    longest = {}
-    for size in (0.2, 1.0):
-        given = {"range": size, "goal_bias": 0.05, "nonsense": 1.0}
-        path = searched(checker, one, other, "RRTConnect", 3, given)
-        longest[size] = np.linalg.norm(np.diff(path, axis=0), axis=1).max()
-    assert longest[0.2] <= 0.2 + 1e-6 < longest[1.0] <= 1.0 + 1e-6
-
-
-@pytest.mark.parametrize("given", [{}, {"range": 0.0}])
-def test_without_a_range_rrt_connect_grows_in_short_steps(checker, monkeypatch, given):
-    """0 is what MoveIt's files have for "the planner's own"."""
+def test_rrt_connect_grows_in_short_steps(checker, monkeypatch):
     one, other = level_at(checker, 0.5, -0.3, 0.3), level_at(checker, 0.5, 0.3, 0.3)
     monkeypatch.setattr("grip_bt.commanders.planning.search.shortened", lambda path, *_: path)
     for seed in range(4):
-        path = searched(checker, one, other, "RRTConnect", seed, given)
+        path = searched(checker, one, other, "RRTConnect", seed)
         assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.25 * np.sqrt(7) + 1e-6
 
 

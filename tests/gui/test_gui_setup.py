@@ -154,7 +154,7 @@ def test_a_project_that_begins_has_no_fault(page: TestClient) -> None:
         ("palm: {gripper", "plam: {gripper", 11, "ros/controllers/plam: there is no 'plam'; did you mean 'palm'?"),
         ("depth: /top/depth, ", "", 12, "ros/cameras/top: the key 'depth' is missing"),
         ("/top/depth", "top/depth", 12, "'top/depth' isn't a whole ROS name: words of letters, digits and _"),
-        ("/top/depth", "/2nd depth", 12, "each after a /, such as /_2nd/depth"),
+        ("/top/depth", "/2nd depth", 12, "each after a /, such as /camera/points"),
     ],
 )
 def test_what_is_wrong_with_the_real_robot_is_said(
@@ -377,7 +377,7 @@ def test_outcomes_that_make_no_sense_are_told(page: TestClient) -> None:
 def test_a_server_that_is_no_ros_name_is_told_in_words(page: TestClient) -> None:
     (problem,) = look(page, outcomes="one,none", server="do it").json()["problems"]
     assert problem == (
-        "server: 'do it' isn't a whole ROS name: words of letters, digits and _, each after a /, such as /do/it"
+        "server: 'do it' isn't a whole ROS name: words of letters, digits and _, each after a /, such as /camera/points"
     )
 
 

@@ -111,7 +111,7 @@ def test_what_waits_for_its_turn_ends_at_once_and_never_begins():
     line.submit(lambda: held)
     waiting = line.submit(lambda: begun.append(1))
     waiting.cancel()
-    with pytest.raises(CanceledError, match="before its turn"):
+    with pytest.raises(CanceledError):
         waiting.result()
     held.succeed(None)
     assert not begun

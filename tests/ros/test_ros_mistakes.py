@@ -54,11 +54,11 @@ def test_a_field_deep_in_an_installed_message_is_looked_up(component):
         (["add", "wrok"], "there is no such folder; did you mean 'work'? (available in {home}: work)"),
         (
             ["add", "std_srvs/srv/SetBool", "--outcomes", "done: success", "--server", "set"],
-            "server: 'set' isn't a whole ROS name: words of letters, digits and _, each after a /, such as /set",
+            "server: 'set' isn't a whole ROS name: words of letters, digits and _, each after a /",
         ),
         (
             ["add", "std_srvs/srv/SetBool", "--outcomes", "done: success", "--name", "SetIt"],
-            "name: 'SetIt' isn't a name: lower case letters, digits and _, a letter first, such as set_it",
+            "name: 'SetIt' isn't a name: lower case letters, digits and _, a letter first, such as my_grasps",
         ),
     ],
 )

@@ -25,6 +25,8 @@ from grip_bt.commanders.description.roles import arms_of
 
 from .first_motions import FirstMotions, MotionFinder
 
+FILES = ("urdf", "xacro", "mjcf", "srdf", "moveit")
+"""Keys of `robot:` that name a file or a folder."""
 Choose = Callable[[str, Sequence[str]], str]
 """Given a question and names, returns one of them."""
 
@@ -83,7 +85,7 @@ def _chosen(source: str, choose: Choose) -> dict[str, Any]:
     if path.is_file() or (path / PROJECT).is_file():
         config, around = config_of(str(path), Path.cwd())
         given = config.model_dump(exclude_unset=True)
-        return {k: str(around / v) if k in ("urdf", "xacro", "mjcf", "srdf", "moveit") else v for k, v in given.items()}
+        return {k: str(around / v) if k in FILES and "://" not in v else v for k, v in given.items()}
     if not (path / MANIFEST).is_file() and not is_configured(path) or not path.is_dir():
         found = {str(each.relative_to(path)): each for each in configured_packages(path)}
         if not found and not Configurations(path, Packages()).alternatives():
@@ -121,7 +123,7 @@ def _robot_lines(
         return [f"robot: {said['ready']}"]
     lines = ["robot:"]
     for key, value in said.items():
-        if key in ("urdf", "xacro", "mjcf", "srdf", "moveit"):
+        if key in FILES and "://" not in value:
             home, path = package_around(Path(value)) if by_package else None, os.path.relpath(value, folder)
             value = f"package://{Path(name_of_package(home), os.path.relpath(value, home))}" if home else path
         lines.append(f"  {key}: {_flow(value)}")

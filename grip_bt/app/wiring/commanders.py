@@ -259,12 +259,9 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
     def field(name: str) -> Any:
         return field_of(arm, robot, name)
 
-    planner = field("planner")
-    configured = robot.preferences.get(arm.group, {}).get("planner")
-    parameters = {} if configured is None else configured.parameters.get(planner, {})
     asked = {name: getattr(arm, name) for name in MotionSettings.model_fields}
     preferred = {name: field(name) for name in ("planner", "kinematics", "speed", "acceleration")}
-    return PlanningSettings(**{**asked, **preferred}, seed=seed, parameters=tuple(parameters.items()))
+    return PlanningSettings(**{**asked, **preferred}, seed=seed)
 
 
 class SimulatedBackend:

@@ -17,12 +17,12 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 import yaml
-from pydantic import AfterValidator, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, Field, TypeAdapter
 
 from grip_bt.base.errors import DocumentError, GripError, nearest
 from grip_bt.base.values import JointState, Pose, Trajectory
 from grip_bt.base.values.pose import quaternion_of
-from grip_bt.base.yaml.models import Settings, check_model, diagnostic_of, document_error
+from grip_bt.base.yaml.models import Settings, check_model, document_error, validated
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlValue, parse, read_file, to_data
 
 T = TypeVar("T")
@@ -61,7 +61,7 @@ _WAY_POINTS = TypeAdapter(dict[str, Annotated[list[_WayPoint], Field(min_length=
 
 def read_joint_states(path: Path | str, text: str | None = None) -> dict[str, JointState]:
     """Read named joint states. Raises DocumentError: the file is wrong; with the place."""
-    found = _validated(_JOINTS, _tree(path, text), str(path))
+    found = validated(_JOINTS, _tree(path, text), str(path))
     return {name: JointState.from_mapping(positions) for name, positions in found.items()}
 
 
@@ -103,7 +103,7 @@ def read_trajectories(
     tree = _tree(path, text)
     return {
         name: _trajectory(path, tree.entries[name], points, states)
-        for name, points in _validated(_WAY_POINTS, tree, str(path)).items()
+        for name, points in validated(_WAY_POINTS, tree, str(path)).items()
     }
 
 
@@ -119,13 +119,6 @@ def _tree(path: Path | str, text: str | None) -> YamlMapping:
     if not isinstance(tree, YamlMapping):
         raise DocumentError("expected a mapping from names to values", str(path), tree.line, tree.column)
     return tree
-
-
-def _validated(adapter: TypeAdapter[T], tree: YamlMapping, source: str) -> T:
-    try:
-        return adapter.validate_python(to_data(tree))
-    except ValidationError as error:
-        raise document_error([diagnostic_of(tree, fault) for fault in error.errors()], source) from None
 
 
 def _pose(value: YamlValue, name: str, frame: str, source: str) -> Pose:

@@ -124,6 +124,13 @@ def quaternion_of(roll: float, pitch: float, yaw: float) -> tuple[float, float, 
     )
 
 
+def quaternion_about(vector: ArrayLike) -> Array:
+    """Return w, x, y, z of a turn about an axis by its length [rad], the inverse of `Pose.rotation_vector`."""
+    turn = np.asarray(vector, dtype=float)
+    angle = float(np.linalg.norm(turn))
+    return np.array([cos(angle / 2), *(turn / max(angle, 1e-12) * sin(angle / 2))])
+
+
 def angles_of(r: Array) -> tuple[float, float, float]:
     """Return a matrix's roll, pitch and yaw [rad], as `quaternion_of` takes them; at pitch +-90 degrees, roll is 0."""
     pitch = atan2(-r[2, 0], hypot(r[0, 0], r[1, 0]))

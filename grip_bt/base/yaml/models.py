@@ -6,19 +6,20 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, TypeVar, Union, get_args, get_origin
+from typing import Annotated, TypeVar, Union, cast, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
 from grip_bt.base.errors import DocumentError, listing, nearest
-from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlValue, inner, parse, read_file, to_data
+from grip_bt.base.yaml.tree import YamlMapping, YamlValue, inner, parse, read_file, to_data
 
 Diagnostic = tuple[str, int, int]
 """Message, line, column; both 1-based."""
 _KEYS_OF_NODES = ("children", "child")
 _PASSED_OVER = {*_KEYS_OF_NODES, "Variable", "str", "leaf"}
 M = TypeVar("M", bound=BaseModel)
+T = TypeVar("T")
 
 
 def read_model(path: Path | str, model: type[M]) -> M:
@@ -39,59 +40,54 @@ def check_model(tree: YamlValue, model: type[M], name: str = "the file") -> tupl
     """Return what was parsed as `model`, or None and all that keeps it from being one, each with its place."""
     if not isinstance(tree, YamlMapping):
         return None, [(f"a mapping with {listing(model.model_fields)}", tree.line, tree.column)]
-    faults = list(_unknown_keys(tree, model, name))
     try:
-        found = model.model_validate(to_data(tree))
+        return model.model_validate(to_data(tree)), []
     except ValidationError as error:
-        # what is missing may be what is misspelt
-        errors = [e for e in error.errors() if not (faults and e["type"] == "missing")]
-        mistyped = {e["loc"][0] for e in errors if e["type"] == "extra_forbidden" and e["loc"]} if faults else set()
-        return None, faults + [
-            diagnostic_of(tree, e) for e in errors if not _is_told(e["loc"], e["type"], mistyped, tree)
-        ]
-    return (None, faults) if faults else (found, [])
+        errors = error.errors()
+    unknown = [e["loc"] for e in errors if e["type"] == "extra_forbidden"]
+    faults = [_unknown_key(tree, model, where, name) for where in unknown]
+    for e in errors:
+        above, kind = e["loc"][:-1], e["type"]
+        # what is missing may be what is misspelt; other forms of what a misspelt key stands in aren't meant
+        told = kind == "missing" or (kind.endswith("_type") and any(above == where[: len(above)] for where in unknown))
+        if kind != "extra_forbidden" and not (unknown and told):
+            faults.append(diagnostic_of(tree, e))
+    return None, faults
 
 
-def _is_told(where: tuple[int | str, ...], kind: str, mistyped: set[int | str], tree: YamlMapping) -> bool:
-    """Tell whether an error comes of an unknown key, which is told elsewhere: itself, or another form of its field."""
-    if not where or where[0] not in mistyped:
-        return False
-    value = tree.entries[str(where[0])].value if str(where[0]) in tree.entries else None
-    of_form = len(where) == 2 and not (isinstance(value, YamlMapping) and str(where[1]) in value.entries)
-    return kind == "extra_forbidden" or (of_form and kind.endswith("_type"))
+def _unknown_key(tree: YamlMapping, model: type[BaseModel], where: tuple[int | str, ...], name: str) -> Diagnostic:
+    value, at, key = cast("YamlValue", tree), list[str](), str(where[-1])
+    for step in where[:-1]:  # pydantic names the branches of a union, too
+        if (entry := inner(value, step)) is not None:
+            value = entry.value
+            at.append(str(step))
+    allowed = [field.alias or n for n, field in next(_models_at(model, where[:-1])).model_fields.items()]
+    message = f"unknown key {key!r} in {'/'.join(at) or name}{nearest(key, allowed)} (available: {listing(allowed)})"
+    return (message, *find(tree, where))
 
 
-def _unknown_keys(tree: YamlValue, model: type[BaseModel], name: str) -> Iterator[Diagnostic]:
-    if not isinstance(tree, YamlMapping):
-        return
-    allowed = {field.alias or key: field for key, field in model.model_fields.items()}
-    for key, entry in tree.entries.items():
-        if key not in allowed:
-            message = f"unknown key {key!r} in {name}{nearest(key, allowed)} (available: {listing(allowed)})"
-            yield message, entry.line, entry.column
-            continue
-        for (where, part), value in _models_below(allowed[key].annotation, entry.value, key):
-            yield from _unknown_keys(value, part, where)
-
-
-def _models_below(
-    annotation: object, value: YamlValue, name: str
-) -> Iterator[tuple[tuple[str, type[BaseModel]], YamlValue]]:
-    """Yield the models that a field holds, itself or as the values of a dict or a list, with their part of the file."""
+def _models_at(annotation: object, where: tuple[int | str, ...]) -> Iterator[type[BaseModel]]:
+    """Yield the models that stand at a place of a type, as pydantic's errors name places."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield (name, annotation), value
+        fields = {field.alias or name: field.annotation for name, field in annotation.model_fields.items()}
+        if not where:
+            yield annotation
+        elif where[0] in fields:
+            yield from _models_at(fields[str(where[0])], where[1:])
+        elif re.search(rf"\b{annotation.__name__}\b", str(where[0])):  # the branch of a union
+            yield from _models_at(annotation, where[1:])
         return
-    if get_origin(annotation) in (Union, UnionType):
-        for member in get_args(annotation):
-            yield from _models_below(member, value, name)
-        return
-    models = [a for a in get_args(annotation) if isinstance(a, type) and issubclass(a, BaseModel)]
-    if models and isinstance(value, YamlMapping):
-        for key, entry in value.entries.items():
-            yield (f"{name}/{key}", models[0]), entry.value
-    if models and isinstance(value, YamlList):
-        for index, entry in enumerate(value.entries):
-            yield (f"{name}/{index}", models[0]), entry.value
+    itself = get_origin(annotation) in (Union, UnionType, Annotated)
+    for part in get_args(annotation):
+        yield from _models_at(part, where if itself else where[1:])
+
+
+def validated(adapter: TypeAdapter[T], tree: YamlMapping, source: str) -> T:
+    """Return what was parsed as a type. Raises DocumentError: it doesn't fit; with line and column."""
+    try:
+        return adapter.validate_python(to_data(tree))
+    except ValidationError as error:
+        raise document_error([diagnostic_of(tree, fault) for fault in error.errors()], source) from None
 
 
 def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
@@ -100,7 +96,9 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     line, column = find(tree, path)
     words = [str(step) for step in path if step not in _PASSED_OVER]
     message = error["msg"].removeprefix("Value error, ")
-    if error["type"] == "missing":
+    if error["type"] == "missing" and isinstance(path[-1], int):
+        message, words = f"it has {len(error['input'])} numbers, which are too few", words[:-1]
+    elif error["type"] == "missing":
         message = f"the key {words[-1]!r} is missing"
         words = words[:-1]
     elif error["type"] == "extra_forbidden" and words:
@@ -109,7 +107,8 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
     elif error["type"] == "string_pattern_mismatch" and words[-1:] == ["behaviour"]:
         message = f"{error['input']!r} isn't an import path: write `package.module:Class`"
     elif error["type"] == "string_pattern_mismatch":
-        message = _mismatch(error["ctx"]["pattern"], error["input"])
+        asked = next(words for mark, words in _PATTERNS.items() if mark in error["ctx"]["pattern"])
+        message = f"{error['input']!r} isn't {asked}"
     elif error["type"] == "tuple_type" and isinstance(error["input"], str | int | float):
         message = f"expected a list: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
     elif error["type"] == "union_tag_not_found":
@@ -135,28 +134,15 @@ def _kind_of(value: object) -> str:
     return "nothing" if value is None else repr(value)
 
 
-def _mismatch(pattern: str, text: object) -> str:
-    """Return what is wrong with a text that has to match a pattern of ours, in words, with what could be written."""
-    if pattern.startswith("^(/"):
-        allowed = "words of letters, digits and _, each after a /"
-        return f"{text!r} isn't a whole ROS name: {allowed}, such as {_ros_name(text)}"
-    if "(srv|action|msg)" in pattern:
-        allowed = "package/srv/Name, package/action/Name or package/msg/Name"
-        return f"{text!r} isn't the name of an interface: {allowed}, such as std_srvs/srv/Trigger"
-    if pattern.startswith("^[a-z][a-z0-9_]*("):
-        return f"{text!r} isn't a path of fields: lower case names with dots between them, such as target.pose"
-    if pattern.startswith("^[a-z]"):
-        lower = "_".join(re.findall(r"[a-z0-9]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", str(text)).lower()))
-        such = lower if lower[:1].isalpha() else "my_grasps"
-        return f"{text!r} isn't a name: lower case letters, digits and _, a letter first, such as {such}"
-    if pattern == r"^[A-Za-z_][A-Za-z0-9_]*$":
-        return f"{text!r} isn't a name: letters, digits and _, no digit first"
-    return f"{text!r} isn't a name: letters, digits, _, - and spaces, a letter or _ first"
-
-
-def _ros_name(text: object) -> str:
-    words = [word for word in re.split(r"[^A-Za-z0-9_]+", str(text)) if word]
-    return "".join(f"/{'_' * word[0].isdigit()}{word}" for word in words) or "/camera/points"
+_PATTERNS = {
+    "^(/": "a whole ROS name: words of letters, digits and _, each after a /, such as /camera/points",
+    "(srv|action|msg)": "the name of an interface: package/srv/Name, package/action/Name or package/msg/Name",
+    "^[a-z][a-z0-9_]*(": "a path of fields: lower case names with dots between them, such as target.pose",
+    "^[a-z]": "a name: lower case letters, digits and _, a letter first, such as my_grasps",
+    "^[A-Za-z_][A-Za-z0-9_]*$": "a name: letters, digits and _, no digit first",
+    "": "a name: letters, digits, _, - and spaces, a letter or _ first",
+}
+"""What is in a pattern of ours -> what it asks for, in words."""
 
 
 def find(tree: YamlValue, path: Iterable[str | int]) -> tuple[int, int]:

@@ -13,11 +13,11 @@ from grip_bt.base.errors import DocumentError, MissingPartError, UnknownNameErro
 from grip_bt.base.values import JointState
 
 from .check_urdf import BALL, INERTIA, NO_EFFORT, NO_SPEED, principal_moments
-from .config import RobotConfig
+from .config import Drive, RobotConfig
 from .files import Finding, errors
 from .moveit_package import JointLimits
 from .packages import Packages
-from .robot import Drive, EndEffector, RobotDescription
+from .robot import EndEffector, RobotDescription
 from .roles import Roles, frame_of
 from .srdf import Group, Srdf, check_srdf, resolve
 from .tree import HELD, Joint, Tree
@@ -209,11 +209,7 @@ def named_states_of(srdf: Srdf, groups: Mapping[str, tuple[str, ...]], tree: Tre
 
 def drives_of(groups: Mapping[str, tuple[str, ...]], config: RobotConfig) -> dict[str, Drive]:
     """Return the drives that a configuration gives, by joint."""
-    return {
-        joint: Drive(drive.stiffness, drive.damping, drive.limit, drive.armature)
-        for group, drive in reversed(config.drives.items())
-        for joint in groups.get(group, ())
-    }
+    return {j: drive for group, drive in reversed(config.drives.items()) for j in groups.get(group, ())}
 
 
 def accelerations_of(groups: Mapping[str, tuple[str, ...]], tree: Tree, config: RobotConfig) -> dict[str, float]:
@@ -227,10 +223,14 @@ def _inside(joint: Joint, position: float) -> float:
 
 
 def _drive(joint: Joint, in_hand: bool) -> Drive:
-    slides = joint.type == "prismatic"
+    limit, armature, stiffness = joint.effort, 0.0, 40000.0 if joint.type == "prismatic" else 4000.0
+    damping = stiffness / 10
     if in_hand:  # light fingers: what an Allegro hand's joints and a Panda's gripper hold well with
-        return Drive(2000.0, 100.0, joint.effort) if slides else Drive(6.0, 0.3, min(joint.effort, 5.0), 0.001)
-    return Drive(40000.0, 4000.0, joint.effort) if slides else Drive(4000.0, 400.0, joint.effort)
+        if joint.type == "prismatic":
+            stiffness, damping = 2000.0, 100.0
+        else:
+            stiffness, damping, limit, armature = 6.0, 0.3, min(limit, 5.0), 0.001
+    return Drive(stiffness=stiffness, damping=damping, limit=limit, armature=armature)
 
 
 def _acceleration(joint: Joint, limits: Mapping[str, JointLimits]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,19 +19,11 @@ from .tree import Tree
 WORLD = "world"
 
 KEYED = {
-    "groups": ("group", "joints"),
-    "named_states": ("group", "states"),
-    "finger_links": ("finger", "links"),
-    "drives": ("joint", ""),
-    "acceleration_limits": ("joint", ""),
-    "jerk_limits": ("joint", ""),
-    "rest": ("joint", ""),
-    "mimics": ("joint", "mimic"),
-    "grasp_frames": ("group", "frame"),
-    "hands": ("group", "links"),
-    "preferences": ("group", ""),
+    **dict.fromkeys(("groups", "named_states", "grasp_frames", "hands", "preferences"), "group"),
+    **dict.fromkeys(("drives", "acceleration_limits", "jerk_limits", "rest", "mimics"), "joint"),
+    "finger_links": "finger",
 }
-"""Mapping of a `RobotDescription` -> what its keys are names of, and which names its values hold."""
+"""Mapping of a `RobotDescription` -> what its keys are names of."""
 
 _NAMES = (("link", "name"), ("joint", "name"), ("parent", "link"), ("child", "link"), ("mimic", "joint"))
 Vector = tuple[float, float, float]
@@ -46,17 +38,20 @@ def namespaced(robot: RobotDescription, prefix: str, groups: bool = True) -> Rob
     def grouped(word: str) -> str:
         return named(word) if groups else word
 
-    def all_named(words: Sequence[str]) -> tuple[str, ...]:
-        return tuple(map(named, words))
-
-    def states(mine: Mapping[str, JointState]) -> dict[str, JointState]:
-        return {name: replace(state, names=all_named(state.names)) for name, state in mine.items()}
-
-    def frame(mine: GraspFrame) -> GraspFrame:
-        return GraspFrame(named(mine.link), replace(mine.pose, frame=named(mine.link)))
-
-    def mimic(mine: Mimic) -> Mimic:
-        return replace(mine, joint=named(mine.joint))
+    def inner(value: Any) -> Any:
+        """Rename what a value of a mapping names: joints or links."""
+        match value:
+            case tuple():
+                return tuple(map(named, value))
+            case JointState():
+                return replace(value, names=tuple(map(named, value.names)))
+            case GraspFrame():
+                return GraspFrame(named(value.link), replace(value.pose, frame=named(value.link)))
+            case Mimic():
+                return replace(value, joint=named(value.joint))
+            case Mapping():
+                return {key: inner(each) for key, each in value.items()}
+        return value
 
     urdf = ET.fromstring(robot.urdf)
     for element in urdf.iter():
@@ -64,17 +59,9 @@ def namespaced(robot: RobotDescription, prefix: str, groups: bool = True) -> Rob
             if element.tag == tag and attribute in element.attrib:
                 element.set(attribute, named(element.get(attribute, "")))
     urdf.set("name", robot.name)
-    values: dict[str, Callable[[Any], object]] = {
-        "joints": all_named,
-        "links": all_named,
-        "states": states,
-        "frame": frame,
-        "mimic": mimic,
-        "": lambda value: value,
-    }
     keyed: dict[str, Any] = {
-        field: {(named if key == "joint" else grouped)(k): values[value](v) for k, v in getattr(robot, field).items()}
-        for field, (key, value) in KEYED.items()
+        field: {(named if key == "joint" else grouped)(k): inner(v) for k, v in getattr(robot, field).items()}
+        for field, key in KEYED.items()
     }
     ends = [
         EndEffector(named(e.name), grouped(e.group), named(e.parent_link), grouped(e.parent_group))
@@ -84,8 +71,8 @@ def namespaced(robot: RobotDescription, prefix: str, groups: bool = True) -> Rob
         robot,
         urdf=ET.tostring(urdf, encoding="unicode"),
         base_link=named(robot.base_link),
-        grasp_frame=frame(robot.grasp_frame),
-        disabled_pairs=frozenset((min(p), max(p)) for p in map(all_named, robot.disabled_pairs)),
+        grasp_frame=inner(robot.grasp_frame),
+        disabled_pairs=frozenset((min(p), max(p)) for p in map(inner, robot.disabled_pairs)),
         end_effectors=tuple(ends),
         **keyed,
     )
@@ -140,7 +127,7 @@ def in_one_world(robots: Mapping[str, RobotDescription], name: str, config: Robo
         placed, part = config.robots[key], namespaced(robot, f"{key}_")
         _add(urdf, part)
         _fix(urdf, f"{key}_stands", WORLD, part.base_link, placed.xyz, placed.rpy)
-        parts.append(_with_own_frames(part))
+        parts.append(part)
     return with_additions(_sum(parts, urdf, WORLD), config)
 
 
@@ -187,11 +174,11 @@ def without_below(robot: RobotDescription, link: str) -> RobotDescription:
 
     keyed: dict[str, Any] = {
         field: {
-            k: frame(v) if value == "frame" else v
+            k: frame(v) if isinstance(v, GraspFrame) else v
             for k, v in getattr(robot, field).items()
-            if k in kept[key] and (value != "links" or links.issuperset(v))
+            if k in kept[key] and (field not in ("finger_links", "hands") or links.issuperset(v))
         }
-        for field, (key, value) in KEYED.items()
+        for field, key in KEYED.items()
     }
     return replace(
         robot,
@@ -218,16 +205,6 @@ def _sum(parts: Sequence[RobotDescription], urdf: ET.Element, base: str) -> Robo
         end_effectors=tuple(end for part in parts for end in part.end_effectors),
         **keyed,
     )
-
-
-def _with_own_frames(robot: RobotDescription) -> RobotDescription:
-    """Give the groups of a robot with one grasp frame that frame by name, and its one hand to its one arm."""
-    arms = [group for group in robot.groups if group not in robot.hands]
-    frames = robot.grasp_frames or dict.fromkeys(arms, robot.grasp_frame)
-    ends = robot.end_effectors
-    if not ends and len(arms) == 1:
-        ends = tuple(EndEffector(hand, hand, robot.grasp_frame.link, arms[0]) for hand in robot.hands)
-    return replace(robot, grasp_frames=frames, end_effectors=ends)
 
 
 def _carrier(arm: RobotDescription, link: str) -> str:

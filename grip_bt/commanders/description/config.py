@@ -64,8 +64,8 @@ class EndEffectorConfig(_Config):
     """The arm's group."""
 
 
-class DriveConfig(_Config):
-    """How a group's joints are driven in simulation."""
+class Drive(_Config):
+    """How a joint is driven in simulation: torque = stiffness * error - damping * velocity, clamped."""
 
     stiffness: float = Field(gt=0, allow_inf_nan=False)
     """Torque or force by which a joint is pulled to its target [N m/rad or N/m]."""
@@ -125,7 +125,7 @@ class RobotConfig(_Config):
     """Arm's group -> the frame that grasps are given in: z leaves the palm, x runs along the fingers."""
     fingers: dict[str, dict[str, tuple[str, ...]]] = {}
     """Hand's group -> finger -> its links from the knuckle to the tip; the thumb last."""
-    drives: dict[str, DriveConfig] = {}
+    drives: dict[str, Drive] = {}
     """Group -> how its joints are driven in simulation."""
     accelerations: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]] = {}
     """Group or joint -> acceleration limit [rad/s^2 or m/s^2]."""

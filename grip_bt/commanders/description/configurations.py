@@ -15,7 +15,7 @@ from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, MissingPartError
 
-from .files import mapping_of, read_yaml
+from .files import read_yaml
 from .hints import Declared, Hints, declared, hints_of
 from .packages import MANIFEST, Packages, packages_below, surroundings
 from .xml import read_robot
@@ -173,7 +173,7 @@ class Configurations:
         return self._declared[path]
 
     def _srdfs(self) -> list[Path]:
-        named = str(_part(self.assistant, "srdf", self.folder).get("relative_path") or "")
+        named = str(self.assistant.get("srdf", {}).get("relative_path") or "")
         found = [path for path in _files_below(self.folder, _is_srdf) if self._told(path).whole]
 
         def order(path: Path) -> tuple[bool, int, int, int, str]:
@@ -186,7 +186,7 @@ class Configurations:
     def _urdfs(self, name: str) -> list[Path]:
         """Return the URDFs that there may be for a configuration, the likeliest first."""
         certain: list[Path] = []
-        entry = _part(self.assistant, "urdf", self.folder)
+        entry = self.assistant.get("urdf", {})
         if relative := str(entry.get("relative_path") or ""):
             try:
                 package = str(entry.get("package") or "")
@@ -206,7 +206,7 @@ class Configurations:
 
     def _described(self) -> Iterator[Path]:
         """Yield the packages that may hold the URDF: those that are named, then those beside that sound like it."""
-        entry = _part(self.assistant, "urdf", self.folder)
+        entry = self.assistant.get("urdf", {})
         manifest = self.folder / MANIFEST
         depends = _DEPENDS.findall(manifest.read_text(errors="replace")) if manifest.is_file() else []
         seen = {self.folder}
@@ -254,19 +254,15 @@ def _files_below(folder: Path, wanted: Callable[[Path], bool]) -> list[Path]:
     return sorted(p for p in found if wanted(p) and p.is_file())
 
 
-def _assistant(folder: Path) -> Mapping[str, object]:
+def _assistant(folder: Path) -> Mapping[str, Mapping[str, object]]:
     path = folder / ASSISTANT
     try:
         data = read_yaml(path) if path.is_file() else {}
     except DocumentError:
         return {}
     entry = data.get("moveit_setup_assistant_config", {})
-    return entry if isinstance(entry, dict) else {}
-
-
-def _part(assistant: Mapping[str, object], name: str, folder: Path) -> Mapping[str, object]:
-    """ROS 1 writes `URDF:` and `SRDF:`, ROS 2 `urdf:` and `srdf:`."""
-    return mapping_of(assistant.get(name) or assistant.get(name.upper()), name, folder / ASSISTANT)
+    # ROS 1 writes `URDF:` and `SRDF:`, ROS 2 `urdf:` and `srdf:`
+    return {str(k).lower(): v for k, v in entry.items() if isinstance(v, dict)} if isinstance(entry, dict) else {}
 
 
 def _stem(path: Path) -> str:

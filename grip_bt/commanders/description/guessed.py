@@ -12,7 +12,7 @@ import numpy as np
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.values import JointState
-from grip_bt.base.values.pose import Pose
+from grip_bt.base.values.pose import Pose, quaternion_about
 
 from .files import Finding
 from .robot import EndEffector, RobotDescription
@@ -156,7 +156,7 @@ class _Ways:
         along = np.array(self.axes[joint.name])
         if joint.type == "prismatic":
             return Pose(along * q).matrix()
-        return Pose((0, 0, 0), (np.cos(q / 2), *(along * np.sin(q / 2)))).matrix()
+        return Pose(quaternion=quaternion_about(along * q)).matrix()
 
 
 def _axis_of(joint: ET.Element) -> ET.Element:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
-from math import isfinite
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
@@ -38,21 +37,6 @@ class JointLimits:
 
 
 @dataclass(frozen=True, slots=True)
-class PlannerChoice:
-    """A group's planners in `ompl_planning.yaml`.
-
-    Attributes:
-        default: configuration that is used unless told otherwise, or empty.
-        planners: configuration -> OMPL's name of its planner, such as `RRTConnect`.
-        parameters: configuration -> parameter, such as `range` or `goal_bias` -> number.
-    """
-
-    default: str
-    planners: Mapping[str, str]
-    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
 class Sensor:
     """A depth sensor that fills MoveIt's octomap.
 
@@ -80,7 +64,7 @@ class MoveItPackage:
         folder: the package.
         limits: joint -> limits.
         kinematics: group -> MoveIt's plugin.
-        planners: group -> planners.
+        planners: group -> OMPL's name of the planner that is used unless told otherwise, such as `RRTConnect`.
         sensors: depth sensors.
         initial_positions: joint -> position [rad or m].
         scaling: `velocity`, `acceleration` -> part of the limits that is used unless told otherwise, in (0, 1].
@@ -90,7 +74,7 @@ class MoveItPackage:
     folder: Path
     limits: Mapping[str, JointLimits] = field(default_factory=dict)
     kinematics: Mapping[str, str] = field(default_factory=dict)
-    planners: Mapping[str, PlannerChoice] = field(default_factory=dict)
+    planners: Mapping[str, str] = field(default_factory=dict)
     sensors: tuple[Sensor, ...] = ()
     initial_positions: Mapping[str, float] = field(default_factory=dict)
     scaling: Mapping[str, float] = field(default_factory=dict)
@@ -178,26 +162,16 @@ def _kinematics(path: Path) -> dict[str, str]:
     return {group: str(entry["kinematics_solver"]) for group, entry in groups.items() if "kinematics_solver" in entry}
 
 
-def _planners(path: Path) -> dict[str, PlannerChoice]:
-    data = read_yaml(path)
+def _planners(path: Path) -> dict[str, str]:
+    data, found = read_yaml(path), {}
     written = mapping_of(data.get("planner_configs"), "planner_configs", path)
     entries = {name: mapping_of(entry, f"planner_configs/{name}", path) for name, entry in written.items()}
     configs = {name: str(entry.get("type", "")).rpartition("::")[2] for name, entry in entries.items()}
-    found = {}
     for group, entry in data.items():
-        if group == "planner_configs" or not isinstance(entry, dict) or "planner_configs" not in entry:
-            continue
-        names = entry["planner_configs"] or []
-        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-            raise DocumentError(f"{group}/planner_configs has to be a list of names, not {names!r:.80}", str(path))
-        # ROS 1's files call configurations `RRTConnectkConfigDefault`
-        chosen = {name: configs.get(name) or name.removesuffix("Default").removesuffix("kConfig") for name in names}
-        # others, such as a projection, OMPL's planners don't take
-        parameters = {
-            name: {k: float(v) for k, v in entries.get(name, {}).items() if isinstance(v, int | float) and isfinite(v)}
-            for name in names
-        }
-        found[group] = PlannerChoice(str(entry.get("default_planner_config") or ""), chosen, parameters)
+        if group != "planner_configs" and isinstance(entry, dict) and "planner_configs" in entry:
+            name = str(entry.get("default_planner_config") or USUAL)
+            # ROS 1's files call configurations `RRTConnectkConfigDefault`
+            found[group] = configs.get(name) or name.removesuffix("Default").removesuffix("kConfig")
     return found
 
 
@@ -254,14 +228,7 @@ def preferences_of(
     for group in groups:
         fields: dict[str, Preference] = {}
         if group in package.planners:
-            choice = package.planners[group]
-            default = choice.planners.get(choice.default, choice.default)
-            parameters: dict[str, Mapping[str, float]] = {}
-            for name in sorted(choice.planners, key=lambda name: name != choice.default):  # the default's first
-                if choice.planners[name] in known and (given := choice.parameters.get(name)):
-                    parameters.setdefault(choice.planners[name], given)
-            asked = _first([default or USUAL], known, "ompl_planning.yaml")
-            fields["planner"] = replace(asked, parameters=parameters)
+            fields["planner"] = _first([package.planners[group]], known, "ompl_planning.yaml")
         if group in package.kinematics:
             plugin = package.kinematics[group]
             solvers = [solver for part, solver in _PLUGINS if part in plugin.lower()]

@@ -10,25 +10,10 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.values import JointState, Pose
 
+from .config import Drive
+
 RESTING = ("home", "open", "ready", "default")
 """Names of states in which a group rests, best first."""
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """A joint's position drive: torque = stiffness * error - damping * velocity, clamped.
-
-    Attributes:
-        stiffness: [N m/rad, or N/m where it slides].
-        damping: [N m s/rad, or N s/m].
-        limit: largest torque [N m], or force [N].
-        armature: rotor inertia seen at the joint [kg m^2]; light fingers need some to be stable.
-    """
-
-    stiffness: float
-    damping: float
-    limit: float
-    armature: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,13 +54,11 @@ class Preference:
         value: a planner's or a solver's name, or a factor; None where what they ask for isn't there.
         source: the file that says so.
         unknown: what it asks for, where that isn't there.
-        parameters: of planners: name -> parameter, such as `range` -> number.
     """
 
     value: str | float | None
     source: str
     unknown: str = ""
-    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from grip_bt.base.errors import listing, nearest
@@ -35,15 +35,6 @@ class Group:
     line: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class VirtualJoint:
-    """How the robot's base stands in the world: `fixed`, `planar` or `floating`."""
-
-    name: str
-    type: str
-    child_link: str
-
-
 @dataclass(frozen=True)
 class Srdf:
     """What an SRDF says.
@@ -53,7 +44,7 @@ class Srdf:
         groups: name -> group.
         states: group -> name -> joint -> position [rad or m].
         end_effectors: in the file's order.
-        virtual_joints: likewise.
+        virtual_joints: how the robot's base stands in the world: name -> type.
         passive: joints that nobody drives.
         disabled: pairs of links that may touch, each sorted.
         doubled: names of groups that come twice; the first one is taken.
@@ -63,7 +54,7 @@ class Srdf:
     groups: Mapping[str, Group] = field(default_factory=dict)
     states: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
     end_effectors: tuple[EndEffector, ...] = ()
-    virtual_joints: tuple[VirtualJoint, ...] = ()
+    virtual_joints: Mapping[str, str] = field(default_factory=dict)
     passive: tuple[str, ...] = ()
     disabled: frozenset[tuple[str, str]] = frozenset()
     doubled: tuple[str, ...] = ()
@@ -81,14 +72,11 @@ def read_srdf(robot: ET.Element, source: str = "") -> Srdf:
         group = _group(element, source)
         if groups.setdefault(group.name, group) is not group:
             doubled.append(group.name)
-    virtual = tuple(
-        VirtualJoint(e.get("name", ""), e.get("type", "fixed"), e.get("child_link", ""))
-        for e in robot.findall("virtual_joint")
-    )
+    virtual = {e.get("name", ""): e.get("type", "fixed") for e in robot.findall("virtual_joint")}
     return Srdf(
         source,
         groups,
-        _states(robot, {joint.name for joint in virtual}, source),
+        _states(robot, virtual, source),
         tuple(
             EndEffector(
                 required(e, "name", source), e.get("group", ""), e.get("parent_link", ""), e.get("parent_group", "")
@@ -116,7 +104,7 @@ def _group(element: ET.Element, source: str) -> Group:
     )
 
 
-def _states(robot: ET.Element, virtual: set[str], source: str) -> dict[str, dict[str, dict[str, float]]]:
+def _states(robot: ET.Element, virtual: Container[str], source: str) -> dict[str, dict[str, dict[str, float]]]:
     states: dict[str, dict[str, dict[str, float]]] = {}
     for element in robot.findall("group_state"):
         group, name = required(element, "group", source), required(element, "name", source)
@@ -169,9 +157,6 @@ def _named(group: Group, srdf: Srdf, tree: Tree) -> Iterator[str]:
         todo += [srdf.groups[name] for name in reversed(inner)]
 
 
-VIRTUAL_TYPES = ("fixed", "planar", "floating")
-
-
 def check_srdf(srdf: Srdf, tree: Tree) -> list[Finding]:
     """Return what is wrong with an SRDF for the robot that `tree` has."""
     return _Known(srdf, tree).found
@@ -193,7 +178,7 @@ class _Known:
 
     def __init__(self, srdf: Srdf, tree: Tree):
         self.source, self.tree, self.found = srdf.source, tree, list[Finding]()
-        virtual, joints, links = {joint.name for joint in srdf.virtual_joints}, tree.joints, tree.links
+        joints, links = tree.joints, tree.links
         inner, looped = {name: group.groups for name, group in srdf.groups.items()}, set[str]()
         while loop := loop_in(inner):
             looped.update(loop)
@@ -203,7 +188,7 @@ class _Known:
             where = f"group {name!r}"
             groups[name] = replace(
                 group,
-                joints=self.known("joint", group.joints, {*joints, *virtual}, where, group),
+                joints=self.known("joint", group.joints, {*joints, *srdf.virtual_joints}, where, group),
                 links=self.known("link", group.links, links, where, group),
                 groups=self.known("group", group.groups, srdf.groups, where, group),
                 chains=tuple(chain for chain in group.chains if self.carries(chain, group)),
@@ -217,7 +202,9 @@ class _Known:
             there = self.known("link", [end.parent_link] if end.parent_link else [], links, where)
             if len(there) == bool(end.parent_link) and len(self.known("group", mine, groups, where)) == len(mine):
                 ends.append(end)
-        virtuals = tuple(joint for joint in srdf.virtual_joints if self.holds(joint))
+        for name, kind in srdf.virtual_joints.items():
+            if kind in HELD:
+                self.say("warning", "held-joint", f"virtual joint {name!r} is {kind}; GRIP holds the base still")
         passive = self.known("joint", srdf.passive, joints, "passive joints")
         if strange := sorted({link for pair in srdf.disabled for link in pair} - set(links)):
             message = f"disabled collisions name links that aren't there: {listing(strange)}; they are left out"
@@ -232,9 +219,7 @@ class _Known:
             for group, of in srdf.states.items()
             if self.known("group", [group], groups, "named states")
         }
-        self.srdf = replace(
-            srdf, groups=groups, states=states, end_effectors=tuple(ends), virtual_joints=virtuals, passive=passive
-        )
+        self.srdf = replace(srdf, groups=groups, states=states, end_effectors=tuple(ends), passive=passive)
 
     def carries(self, chain: tuple[str, str], group: Group) -> bool:
         base, tip = chain
@@ -245,16 +230,6 @@ class _Known:
             self.say("error", "no-chain", f"{where}: link {base!r} doesn't carry link {tip!r}", group)
             return False
         return True
-
-    def holds(self, joint: VirtualJoint) -> bool:
-        where = f"virtual joint {joint.name!r}"
-        there = bool(self.known("link", [joint.child_link], self.tree.links, where))
-        if joint.type not in VIRTUAL_TYPES:
-            message = f"{where} is of type {joint.type!r} (available: {listing(VIRTUAL_TYPES)})"
-            self.say("error", "joint-type", message)
-        elif joint.type in HELD:
-            self.say("warning", "held-joint", f"{where} is {joint.type}; GRIP holds the base still")
-        return there and joint.type in VIRTUAL_TYPES
 
     def state(self, positions: Mapping[str, float], where: str) -> dict[str, float]:
         known = {name: positions[name] for name in self.known("joint", positions, self.tree.joints, where)}

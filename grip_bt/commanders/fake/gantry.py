@@ -16,6 +16,7 @@ from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import ConstraintBrokenError, ExpectedError, NoGraspError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Grasp, JointState, PathConstraint, Plan, Pose, Trajectory
+from grip_bt.base.values.pose import quaternion_about
 
 from ..arm import ArmCommander, ArmSetup
 from ..joined import require_joints
@@ -195,7 +196,7 @@ class _GantryPlanner:
         start = request.situation.start
 
         def wanted(q: Array) -> Array:
-            there, _ = jogged(_pose_of(q), request.linear, request.angular, _MOMENT)
+            there = jogged(_pose_of(q), request.linear, request.angular, _MOMENT)
             rates = (_joints_of(there) - q[-len(JOINTS) :]) / _MOMENT
             still = np.zeros(len(q) - len(rates))
             return np.concatenate([still, rates / max(1.0, float(np.abs(rates).max()) / SPEED)])
@@ -218,11 +219,7 @@ def _joints_of(pose: Pose) -> Array:
 
 
 def _pose_of(joints: Array) -> Pose:
-    *_, x, y, z, a, b, c = joints
-    vector = np.array([a, b, c])
-    angle = float(np.linalg.norm(vector))
-    axis = vector / angle if angle > 1e-12 else np.zeros(3)
-    return Pose((x, y, z), np.concatenate([[np.cos(angle / 2)], axis * np.sin(angle / 2)]))
+    return Pose(joints[-6:-3], quaternion_about(joints[-3:]))
 
 
 def _broken(constraint: PathConstraint | None, rows: Mapping[str, Array]) -> ConstraintBrokenError | None:

@@ -15,26 +15,6 @@ from .joints import AtOnce, Schedule
 T = TypeVar("T")
 
 
-class FakeCamera:
-    """Implements `ports.Camera`.
-
-    Args:
-        info: the camera's geometry.
-        frames: what the captures give, one after the other, again and again; an error stands for a failed capture.
-    """
-
-    def __init__(self, info: CameraInfo, frames: Iterable[RgbdFrame | ExpectedError] = ()):
-        self._info = info
-        self._frames = cycle(tuple(frames))
-
-    def info(self) -> CameraInfo:
-        return self._info
-
-    def capture(self) -> Operation[RgbdFrame]:
-        frame = next(self._frames, SensorError("the fake camera has no frames"))
-        return Operation.failed(frame) if isinstance(frame, ExpectedError) else Operation.finished(frame)
-
-
 class FakeSensor:
     """Implements `ports.Sensor`.
 
@@ -47,8 +27,29 @@ class FakeSensor:
         self._moments = cycle(tuple(moments))
 
     def capture(self) -> Operation[Mapping[str, object]]:
-        moment = next(self._moments, SensorError("the fake sensor has nothing to give"))
-        return Operation.failed(moment) if isinstance(moment, ExpectedError) else Operation.finished(moment)
+        return _given(next(self._moments, SensorError("the fake sensor has nothing to give")))
+
+
+class FakeCamera:
+    """Implements `ports.Camera`.
+
+    Args:
+        info: the camera's geometry.
+        frames: what the captures give, one after the other, again and again; an error stands for a failed capture.
+    """
+
+    def __init__(self, info: CameraInfo, frames: Iterable[RgbdFrame | ExpectedError] = ()):
+        self._info, self._frames = info, cycle(tuple(frames))
+
+    def info(self) -> CameraInfo:
+        return self._info
+
+    def capture(self) -> Operation[RgbdFrame]:
+        return _given(next(self._frames, SensorError("the fake camera has no frames")))
+
+
+def _given(value: T | ExpectedError) -> Operation[T]:
+    return Operation.failed(value) if isinstance(value, ExpectedError) else Operation.finished(value)
 
 
 Reply = Mapping[str, object] | ExpectedError | Callable[[Mapping[str, object]], Mapping[str, object]]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import threading
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import combinations
@@ -18,7 +17,7 @@ from grip_bt.base.values.solids import Box, Cylinder, Mesh, Solid, Sphere
 
 from ..scene_state import SceneObject, SceneSnapshot
 from .model import GRASP_FRAME, Chain
-from .outline import between, radii, reaches, shape_reaches
+from .outline import between, shape_reaches
 from .shapes import coal_mesh
 
 HELD_SLACK = 0.01
@@ -70,8 +69,10 @@ class CollisionChecker:
             if carried[one] != carried[other] and joint[one] != joint[other]:
                 self._pair([one], [other])
         self._set_pairs()
-        lent = radii(chain.model, [self._geometry.geometryObjects[k] for k in (*held, *carried)])
-        self.reaches = reaches(chain.model, np.maximum(chain.radii, lent))
+        self._lent = shape_reaches(
+            chain.model, [self._geometry.geometryObjects[k] for k in self._place if k not in robot]
+        )
+        self.reaches = np.hstack([chain.reaches, self._lent]).max(axis=1, initial=0.0)
         self._threads = min(os.cpu_count() or 1, 8)
         self._rough = _Pool(chain.model, self._outline, self._threads)
 
@@ -168,13 +169,12 @@ class CollisionChecker:
     @cached_property
     def _between(self) -> Array:
         """How far each joint can move two shapes of the outline against one another, shape (n, k, k)."""
-        added = self._outline.geometryObjects[self.chain.outline.geometry.ngeoms :]
-        return between(np.hstack([self.chain.outline_reaches, shape_reaches(self.chain.model, added)]))
+        return between(np.hstack([self.chain.outline_reaches, self._lent]))
 
     @cached_property
     def _between_shapes(self) -> Array:
         """How far each joint can move two shapes against one another, shape (n, k, k)."""
-        return between(shape_reaches(self.chain.model, self._geometry.geometryObjects))
+        return between(np.hstack([self.chain.reaches, self._lent]))
 
     def _collide(self, configurations: Array, stop_at_first: bool) -> Mask:
         """Ask the outline first: nearly all that is free is seen to be free by it."""
@@ -222,29 +222,6 @@ class CollisionChecker:
 def _keep_apart(pool: _Pool, geometry: pin.GeometryModel, margins: Array) -> None:
     for manager in pool.getBroadPhaseManagers():
         manager.getGeometryData().setSecurityMargins(geometry, margins)
-
-
-class _Recent(threading.local):
-    """The checkers that a thread made last, the newest first."""
-
-    def __init__(self) -> None:
-        self.checkers: list[tuple[tuple[Chain, SceneSnapshot, str, float], CollisionChecker]] = []
-
-
-_recent = _Recent()
-_KEPT = 6
-
-
-def recent_checker(chain: Chain, scene: SceneSnapshot, hand: str = "", margin: float = 0.0) -> CollisionChecker:
-    """Return a checker as `CollisionChecker` would make it, the same one as before when nothing has changed.
-
-    Making one takes milliseconds, and a task plans many motions in one scene.
-    """
-    key = (chain, scene, hand, margin)
-    checker = next((made for known, made in _recent.checkers if known == key), None) or CollisionChecker(*key)
-    others = [entry for entry in _recent.checkers if entry[1] is not checker]
-    _recent.checkers = [(key, checker), *others][:_KEPT]
-    return checker
 
 
 def _shape(shape: Solid) -> coal.CollisionGeometry:

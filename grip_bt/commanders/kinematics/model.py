@@ -20,7 +20,7 @@ from grip_bt.base.values import JointState, Pose
 
 from ..description.robot import RobotDescription
 from ..trajectory.limits import Limits
-from .outline import Outline, corners, outlined, radii, shape_reaches
+from .outline import Outline, corners, outlined, shape_reaches
 from .shapes import simplified
 
 GRASP_FRAME = "grasp"
@@ -71,9 +71,9 @@ class Chain:
         return shape_reaches(self.model, self.outline.geometry.geometryObjects)
 
     @cached_property
-    def radii(self) -> Array:
-        """How far from each joint's frame what moves with it reaches [m], shape (n + 1,); the base comes first."""
-        return radii(self.model, self.geometry.geometryObjects)
+    def reaches(self) -> Array:
+        """How far each joint can move each shape; see `outline.shape_reaches`."""
+        return shape_reaches(self.model, self.geometry.geometryObjects)
 
     def grasp_pose(self, q: Array) -> pin.SE3:
         """Return the grasp frame in world for a configuration of shape (n,)."""

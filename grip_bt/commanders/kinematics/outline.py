@@ -53,41 +53,11 @@ def outlined(geometry: pin.GeometryModel, grouped: Iterable[int]) -> Outline:
     return Outline(outline, place)
 
 
-def radii(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> Array:
-    """Return how far from each joint's frame the shapes that move with it reach [m], shape (njoints,)."""
-    result = np.zeros(model.njoints)
-    for shape in shapes:
-        result[shape.parentJoint] = max(result[shape.parentJoint], np.linalg.norm(corners(shape), axis=1).max())
-    return result
-
-
-def reaches(model: pin.Model, radius: Array) -> Array:
-    """Return for each joint how far from its axis anything that it moves can come, whatever the others do; shape (nv,).
-
-    The displacement of any point of the robot is at most the sum over the joints of this [m, or m per m for a sliding
-    joint] times the joint's motion.
-
-    Args:
-        radius: see `radii`, shape (njoints,).
-    """
-    radius, result = np.array(radius), np.ones(model.nv)
-    for joint in range(model.njoints - 1, 0, -1):
-        kind, parent = model.joints[joint], model.parents[joint]
-        slides = kind.shortname() in _SLIDING
-        stroke = 0.0
-        if slides:
-            stroke = max(abs(model.lowerPositionLimit[kind.idx_q]), abs(model.upperPositionLimit[kind.idx_q]))
-        else:
-            result[kind.idx_v] = radius[joint]
-        offset = np.linalg.norm(model.jointPlacements[joint].translation)
-        radius[parent] = max(radius[parent], offset + stroke + radius[joint])
-    return result
-
-
 def shape_reaches(model: pin.Model, shapes: Iterable[pin.GeometryObject]) -> Array:
     """Return how far from each joint's axis each shape can come [m, or m per m for a sliding joint], shape (nv, k).
 
-    It is 0 where the joint doesn't move the shape. Unlike in `reaches`, what is further out doesn't count.
+    It is 0 where the joint doesn't move the shape. The displacement of any point of a shape is at most the sum over the
+    joints of this times the joint's motion.
     """
     columns = []
     for shape in shapes:

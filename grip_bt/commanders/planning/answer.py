@@ -14,7 +14,7 @@ from grip_bt.base.arrays import Array
 from grip_bt.base.failures import NoIkError, PathInvalidError
 from grip_bt.base.values import Plan, Trajectory
 from grip_bt.base.values.joints import MOVE_GROUP
-from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
@@ -90,7 +90,7 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     for moment, row in zip(given.times, positions, strict=True):
         if not chain.within_limits(row):
             raise out_of_limits(chain, row, f"{moment:.2f} s into the trajectory, it is")
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    checker = CollisionChecker(chain, situation.scene, situation.hand)
     if met := checker.pairs(positions[0]):
         raise PathInvalidError(f"the trajectory starts in collision: {touching(met)}", pairs=met, time=0.0)
     known = given.velocities is not None
@@ -104,8 +104,8 @@ def plan_from_trajectory(model: RobotModel, request: CheckTrajectory) -> Traject
     velocities = of_all(given.velocities if known else _smooth(given))
     whole = Trajectory(chain.joints, given.times, positions, velocities, of_all(given.accelerations if known else None))
     if request.slow_down:
-        velocity, acceleration, _ = allowed(chain, situation.settings)
-        whole = whole.stretched(whole.duration * longer(whole, velocity, acceleration))
+        limits = allowed(chain, situation.settings)
+        whole = whole.stretched(whole.duration * longer(whole, limits.velocity, limits.acceleration))
     refuse_beyond_limits(whole, chain.limits)
     if touched := first_touch(checker, whole):
         at, pairs = touched
@@ -178,7 +178,7 @@ def plan_to(model: RobotModel, request: PlanTo, canceled: Callable[[], bool]) ->
     chain, checker = chain_and_checker(model, situation, margin=0.0)
     start = free_start(chain, checker, situation, request.constraint)
     goals = goals_of(chain, checker, request, start)
-    roomy = recent_checker(chain, situation.scene, situation.hand, settings.margin)
+    roomy = CollisionChecker(chain, situation.scene, situation.hand, settings.margin)
     wide = roomy.free(start)
     tries = [(goal, c) for goal in goals for c in ([roomy] if wide and roomy.free(goal) else []) + [checker]]
     attempts = [
@@ -220,18 +220,18 @@ def plan_servo_step(model: RobotModel, request: PlanServoStep) -> Trajectory:
     situation, settings = request.situation, request.situation.settings
     chain = model.chain(situation.group, situation.start)
     start = np.clip(situation.start.ordered(chain.joints), chain.limits.lower, chain.limits.upper)
-    fastest, hardest, sharpest = allowed(chain, settings)
+    limits = allowed(chain, settings)
     twist = np.concatenate(bounded(request.linear, request.angular))
     begin = velocity_of(situation.start, chain.joints)
 
     def wanted(q: Array) -> Array:
-        return _joint_velocity(chain, q, twist, fastest)
+        return _joint_velocity(chain, q, twist, limits.velocity)
 
-    step = steered(chain.joints, start, begin, wanted, hardest, request.hold, sharpest)
+    step = steered(chain.joints, start, begin, wanted, limits.acceleration, request.hold, limits.jerk)
     for row in step.positions:
         if not chain.within_limits(row, slack=1e-3):
             raise out_of_limits(chain, row, "the next steering step would be")
-    checker = recent_checker(chain, situation.scene, situation.hand, 0.0)
+    checker = CollisionChecker(chain, situation.scene, situation.hand)
     if touched := first_touch(checker, step):
         raise PathInvalidError(f"the steering step would collide: {touching(touched[1])}", pairs=touched[1])
     return step

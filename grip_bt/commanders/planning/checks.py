@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -19,7 +20,7 @@ from grip_bt.base.failures import (
 )
 from grip_bt.base.values import JointState, PathConstraint, Pose, Trajectory
 from grip_bt.base.values.pose import check_frame
-from grip_bt.commanders.kinematics.collision import CollisionChecker, recent_checker
+from grip_bt.commanders.kinematics.collision import CollisionChecker
 from grip_bt.commanders.kinematics.damped_least_squares import Target
 from grip_bt.commanders.kinematics.ik import solver
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
@@ -27,7 +28,8 @@ from grip_bt.commanders.planning.continuous import trajectory_free
 from grip_bt.commanders.planning.paths import CONSTRAINT_SLACK, kept
 from grip_bt.commanders.planning.requests import PlanTo, Situation
 from grip_bt.commanders.settings import PlanningSettings
-from grip_bt.commanders.trajectory.timing import Allowed, timed
+from grip_bt.commanders.trajectory.limits import Limits
+from grip_bt.commanders.trajectory.timing import timed
 
 _GOALS = 4
 _RESTARTS = 20
@@ -139,7 +141,7 @@ START_SLACK = 0.03
 def chain_and_checker(model: RobotModel, situation: Situation, margin: float) -> tuple[Chain, CollisionChecker]:
     """Return what moves, and what tells whether it is free, `margin` [m] away from the scene's objects."""
     chain = model.chain(situation.group, situation.start)
-    return chain, recent_checker(chain, situation.scene, situation.hand, margin)
+    return chain, CollisionChecker(chain, situation.scene, situation.hand, margin)
 
 
 def drawn_in(chain: Chain, situation: Situation) -> Array:
@@ -189,13 +191,14 @@ def refuse_collisions(checker: CollisionChecker, path: Path) -> None:
         )
 
 
-def allowed(chain: Chain, settings: PlanningSettings) -> Allowed:
+def allowed(chain: Chain, settings: PlanningSettings) -> Limits:
     """Return what the joints may do of what they can."""
     limits, jerk = chain.limits, settings.jerk
-    return Allowed(
-        limits.velocity * settings.speed,
-        limits.acceleration * (settings.acceleration or settings.speed),
-        None if jerk is None or limits.jerk is None else limits.jerk * jerk,
+    return replace(
+        limits,
+        velocity=limits.velocity * settings.speed,
+        acceleration=limits.acceleration * (settings.acceleration or settings.speed),
+        jerk=None if jerk is None or limits.jerk is None else limits.jerk * jerk,
     )
 
 
@@ -216,4 +219,4 @@ def timed_free(
         keeping = constraint is None or kept(constraint, chain, trajectory.positions, CONSTRAINT_SLACK)
         return keeping and trajectory_free(checker, trajectory)
 
-    return timed(chain.joints, path, chain.limits, allowed(chain, settings), acceptable)
+    return timed(chain.joints, path, allowed(chain, settings), acceptable)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from grip_bt.base.arrays import Array
-from grip_bt.base.failures import CanceledError, NoGraspError, NoPlanError, TimeOutError
+from grip_bt.base.failures import CanceledError, NoGraspError, NoIkError, NoPlanError, PathInvalidError, TimeOutError
 from grip_bt.base.values import Grasp, JointState
 from grip_bt.base.values.pose import check_frame
 
@@ -21,7 +21,7 @@ from .budget import Budget
 from .paths import interpolated
 from .requests import ChosenGrasp, Situation
 from .search import RESOLUTION, Search
-from .straight import BrokenLineError, straight_path, world_pose
+from .straight import straight_path, world_pose
 
 TARGET_WITHIN = 0.03
 """The object nearest to the closing point, at most this far from it [m], is the one that a grasp takes."""
@@ -140,14 +140,14 @@ class GraspSearch:
         """Return the configuration at the pre-grasp from which the straight approach ends at `q`, or what is amiss."""
         stage = "approach_blocked"
         try:
-            approach = straight_path(chain, q, world_pose(grasp.pre_grasp))
+            approach = straight_path(chain, q, grasp.pre_grasp)
             if not self._without(chain, target).all_free(interpolated(approach, RESOLUTION)):
                 return stage
             if not self._without(chain, None).free(approach[-1]):
                 return "pre_grasp_in_collision"
             stage = "lift_blocked"
-            lift = straight_path(chain, q, world_pose(grasp.post_grasp))
-        except BrokenLineError:
+            lift = straight_path(chain, q, grasp.post_grasp)
+        except (NoIkError, PathInvalidError):
             return stage
         holding = self._without(chain, None)
         if target is not None:

@@ -29,9 +29,20 @@ def interpolated(path: Path, resolution: float) -> Path:
     return np.concatenate(pieces)
 
 
+def at_arc(path: Path, where: Array) -> Path:
+    """Return the configurations so far along a path [rad], shape (m,) -> (m, n)."""
+    at = arc(path)
+    return np.stack([np.interp(where, at, column) for column in path.T], axis=1)
+
+
+def arc(path: Path) -> Array:
+    """Return how far along the path [rad] its rows are, joints weighted alike, shape (k,)."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+
+
 def length(path: Path) -> float:
     """Return the length of a path [rad], joints weighted alike."""
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    return float(arc(path)[-1])
 
 
 def shortened(path: Path, edge_free: EdgeCheck, rng: np.random.Generator) -> Path:
@@ -46,12 +57,12 @@ def shortened(path: Path, edge_free: EdgeCheck, rng: np.random.Generator) -> Pat
         if len(path) < 3 or idle >= _PATIENCE:
             break
         idle += 1
-        at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+        at = arc(path)
         low, high = np.sort(rng.uniform(0.0, at[-1], 2))
         i, j = int(np.searchsorted(at, low, "right")) - 1, int(np.searchsorted(at, high, "right")) - 1
         if i == j:
             continue
-        one, other = _point(path, at, i, low), _point(path, at, j, high)
+        one, other = at_arc(path, np.array([low, high]))
         gain = high - low - float(np.linalg.norm(other - one))
         if gain > _WORTH * at[-1] and edge_free(one, other):
             idle = 0
@@ -65,13 +76,6 @@ def _pruned(path: Path, edge_free: EdgeCheck) -> Path:
         i = next((j for j in range(len(path) - 1, i + 1, -1) if edge_free(path[i], path[j])), i + 1)
         rows.append(i)
     return path[rows]
-
-
-def _point(path: Path, at: Array, row: int, where: float) -> Array:
-    if row >= len(path) - 1:
-        return np.array(path[-1])
-    span = at[row + 1] - at[row]
-    return path[row] + (path[row + 1] - path[row]) * ((where - at[row]) / span if span > 0 else 0.0)
 
 
 CONSTRAINT_SLACK = 0.02

@@ -32,24 +32,13 @@ _THREADED = frozenset({"PRM", "PRMstar"})
 a condition without Python, which the checks of states and motions end."""
 
 _STEP = 0.25
-"""RRTConnect's trees grow in steps of this [rad] times the root of the number of joints, unless `range` is given.
+"""RRTConnect's trees grow in steps of this [rad] times the root of the number of joints.
 
 OMPL's own range, a fifth of the space's diagonal, leads to longer ways and takes longer where it is hard.
 """
 
 _HARDER = {BITRRT: 6.0, CBIRRT: 6.0}
 """What one step of a planner is, in checks of RRTConnect."""
-
-_PARAMETERS = {
-    "range": "setRange",
-    "goal_bias": "setGoalBias",
-    "border_fraction": "setBorderFraction",
-    "failed_expansion_score_factor": "setFailedExpansionCellScoreFactor",
-    "min_valid_path_fraction": "setMinValidPathFraction",
-    "rewire_factor": "setRewireFactor",
-    "radius_multiplier": "setRadiusMultiplier",
-}
-"""Parameter in `ompl_planning.yaml` -> the method that sets it; OMPL's own list of parameters isn't bound."""
 
 
 class MotionCheck:
@@ -76,12 +65,6 @@ def halving(steps: int) -> Array:
         order += range(steps, 0, -stride)
         stride //= 2
     return np.array(list(dict.fromkeys(order))) / steps
-
-
-def settable(planner: str) -> frozenset[str]:
-    """Return the parameters of a planner that can be set, by their names in MoveIt's `ompl_planning.yaml`."""
-    kind = getattr(og, planner, None)
-    return frozenset(name for name, setter in _PARAMETERS.items() if hasattr(kind, setter))
 
 
 @dataclass(frozen=True)
@@ -171,11 +154,8 @@ class Search:
                 state[k] = value
         setup.setStartAndGoalStates(*ends)
         search = getattr(og, planner)(information)
-        usual = {"range": _STEP * float(np.sqrt(dimension))} if planner == "RRTConnect" else {}
-        given = {name: value for name, value in self.settings.parameters if value or name != "range"}  # 0: the usual
-        for name, value in {**usual, **given}.items():
-            if name in settable(planner):
-                getattr(search, _PARAMETERS[name])(value)
+        if planner == "RRTConnect":
+            search.setRange(_STEP * float(np.sqrt(dimension)))
         setup.setPlanner(search)
         objective = ob.PathLengthOptimizationObjective(information)
         objective.setCostThreshold(ob.Cost(1e9))  # optimising planners: the first path will do, it is shortened anyway

@@ -36,19 +36,6 @@ JUMP = 0.35
 """A joint that moves more than this [rad] between two solutions has jumped to another branch."""
 
 
-class BrokenLineError(ValueError):
-    """A straight motion can't be followed all the way.
-
-    Attributes:
-        fraction: the part that can, in [0, 1).
-        jump: whether a joint jumps there; otherwise the pose is out of reach.
-    """
-
-    def __init__(self, fraction: float, jump: bool):
-        self.fraction, self.jump = fraction, jump
-        super().__init__(f"{'a joint jumps' if jump else 'out of reach'} after {fraction:.0%} of the line")
-
-
 def world_pose(pose: Pose) -> pin.SE3:
     """Return a pose of the grasp frame as the chains have it.
 
@@ -59,22 +46,29 @@ def world_pose(pose: Pose) -> pin.SE3:
     return pin.SE3(pose.matrix())
 
 
-def straight_path(chain: Chain, start: Array, goal: pin.SE3) -> Path:
+def straight_path(chain: Chain, start: Array, goal: Pose, where: str = "the line") -> Path:
     """Return configurations, shape (k, n), that move the grasp frame on a straight line from where `start` puts it.
 
     The position moves on a line, the orientation about one axis, both evenly.
 
+    Args:
+        goal: where it ends, in world.
+        where: begins the words of errors.
+
     Raises:
-        BrokenLineError: part of the line is out of reach, or a joint jumps.
+        NoIkError: part of the line is out of reach; `data['fraction']` tells how far one gets.
+        PathInvalidError: a joint would jump; likewise.
     """
-    begin = chain.grasp_pose(start)
-    way, turn = goal.translation - begin.translation, pin.log3(begin.rotation.T @ goal.rotation)
+    begin, end = chain.grasp_pose(start), world_pose(goal)
+    way, turn = end.translation - begin.translation, pin.log3(begin.rotation.T @ end.rotation)
     steps = max(1, int(np.ceil(max(np.linalg.norm(way) / STEP, np.linalg.norm(turn) / TURN))))
     rows = [start]
     for k in range(1, steps + 1):
-        q = _solved(chain, begin, goal, k / steps, rows[-1])
-        if q is None or np.abs(q - rows[-1]).max() > JUMP:
-            raise BrokenLineError((k - 1) / steps, jump=q is not None)
+        q, fraction = _solved(chain, begin, end, k / steps, rows[-1]), (k - 1) / steps
+        if q is None:
+            raise NoIkError(f"{where}: out of reach after {fraction:.0%} of the line", fraction=fraction)
+        if np.abs(q - rows[-1]).max() > JUMP:
+            raise PathInvalidError(f"{where}: a joint jumps after {fraction:.0%} of the line", fraction=fraction)
         rows.append(q)
     return np.stack(rows)
 
@@ -84,20 +78,6 @@ def _solved(chain: Chain, begin: pin.SE3, end: pin.SE3, part: float, guess: Arra
     turn, way = pin.log3(begin.rotation.T @ end.rotation), end.translation - begin.translation
     pose = pin.SE3(begin.rotation @ pin.exp3(turn * part), begin.translation + way * part)
     return solve_from(chain, Target(pose), guess)
-
-
-def line_to(chain: Chain, start: Array, goal: Pose, where: str) -> Path:
-    """Return what `straight_path` does to a pose in world; `where` begins the words of its errors.
-
-    Raises:
-        NoIkError: part of the line is out of reach; `data['fraction']` tells how far one gets.
-        PathInvalidError: a joint would jump; likewise.
-    """
-    try:
-        return straight_path(chain, start, world_pose(goal))
-    except BrokenLineError as broken:
-        error = PathInvalidError if broken.jump else NoIkError
-        raise error(f"{where}: {broken}", fraction=broken.fraction) from broken
 
 
 def closer(chain: Chain, path: Path, times: int) -> Path:
@@ -168,7 +148,7 @@ def plan_straight(model: RobotModel, request: PlanStraight) -> Trajectory:
     start, lines = drawn_in(chain, situation), list[Path]()
     for k, pose in enumerate(request.poses):
         begin = lines[-1][-1] if lines else start
-        lines.append(line_to(chain, begin, pose, f"line {k + 1} of {len(request.poses)}"))
+        lines.append(straight_path(chain, begin, pose, f"line {k + 1} of {len(request.poses)}"))
     refuse_collisions(checker, interpolated(np.concatenate([lines[0], *(line[1:] for line in lines[1:])]), RESOLUTION))
     pieces, first = [], 0
     for k in range(1, len(lines) + 1):

@@ -15,8 +15,7 @@ import numpy as np
 
 from grip_bt.base.arrays import Array, Path
 from grip_bt.base.failures import ConstraintBrokenError, PathInvalidError
-from grip_bt.base.values import JointState, PathConstraint, Trajectory
-from grip_bt.commanders.kinematics.collision import CollisionChecker
+from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.kinematics.model import Chain, RobotModel
 from grip_bt.commanders.planning.budget import Budget
 from grip_bt.commanders.planning.checks import (
@@ -27,10 +26,10 @@ from grip_bt.commanders.planning.checks import (
     timed_free,
 )
 from grip_bt.commanders.planning.continuous import continuously_free
-from grip_bt.commanders.planning.paths import interpolated, kept
+from grip_bt.commanders.planning.paths import arc, at_arc, interpolated, kept
 from grip_bt.commanders.planning.requests import PlanThrough, PlanTo
 from grip_bt.commanders.planning.search import RESOLUTION, Search, first_success
-from grip_bt.commanders.planning.straight import closer, ends_of, finer_and_finer, keeps_to_lines, line_to
+from grip_bt.commanders.planning.straight import closer, ends_of, finer_and_finer, keeps_to_lines, straight_path
 from grip_bt.commanders.trajectory.splines import joined
 
 SMALLEST = 1e-3
@@ -102,26 +101,16 @@ def distinct(path: Path) -> Path:
     return np.stack([*rows, path[-1]])
 
 
-def at_arc(path: Path, where: Array) -> Path:
-    """Return the configurations so far along a path [rad], shape (m,) -> (m, n)."""
-    at = arc(path)
-    return np.stack([np.interp(where, at, column) for column in path.T], axis=1)
-
-
-def arc(path: Path) -> Array:
-    """Return how far along the path [rad] its rows are, joints weighted alike, shape (k,)."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-
-
 _SHRUNK = (1.0, 0.5, 0.25, 0.125)
 ROUNDING = 1e-3
 """Configurations on a line that keeps to a constraint may leave it by this, as they are solved numerically [rad, m]."""
 _ABOUT = 0.03
 
 
-def plan_through(
-    model: RobotModel, request: PlanThrough, canceled: Callable[[], bool]
-) -> tuple[Trajectory, tuple[float, ...]]:
+Radii = tuple[float, ...]
+
+
+def plan_through(model: RobotModel, request: PlanThrough, canceled: Callable[[], bool]) -> tuple[Trajectory, Radii]:
     """Plan a motion through way points; return it, and the blend radii that it has at the inner ones [m].
 
     Raises:
@@ -131,129 +120,104 @@ def plan_through(
         PathInvalidError: a joint would jump, or a straight segment touches something.
         ConstraintBrokenError: the start, a way point or a straight segment breaks what the motion must keep to.
     """
-    settings = request.situation.settings
-    budget = Budget(settings.planning_time)
-    chain, checker = chain_and_checker(model, request.situation, margin=0.0)
-    start = free_start(chain, checker, request.situation, request.constraint)
-    searched = any(not point.straight for point in request.way_points)
-    attempts = settings.attempts if searched else 1
+    through, settings = _Through(model, request, canceled), request.situation.settings
+    attempts = settings.attempts if any(not point.straight for point in request.way_points) else 1
     for attempt in range(attempts):
-        segments = _segments(chain, checker, request, start, attempt, budget, canceled)
+        segments = through.segments(attempt)
         try:
-            return finer_and_finer(partial(_followed, chain, checker, request, segments))
+            return finer_and_finer(partial(through.followed, segments))
         except PathInvalidError:
             if attempt == attempts - 1:
                 raise
     raise AssertionError("unreachable")
 
 
-def _followed(
-    chain: Chain, checker: CollisionChecker, request: PlanThrough, segments: list[Path], finer: int
-) -> tuple[Trajectory, tuple[float, ...]] | None:
-    """Round and time segments, lines of the hand so many times finer; None where the result is off them."""
-    lines = [point.straight and not isinstance(point.goal, JointState) for point in request.way_points]
-    paths = [closer(chain, s, finer) if line else s for s, line in zip(segments, lines, strict=True)]
-    asked = [point.radius for point in request.way_points[:-1]]
-    parts, radii = rounded(chain, checker, paths, asked, request.constraint)
-    for part in parts:
-        refuse_collisions(checker, interpolated(part, RESOLUTION))
-    trajectory = joined([timed_free(checker, part, request.situation.settings, request.constraint) for part in parts])
-    elsewhere = [s for s, line in zip(segments, lines, strict=True) if not line]  # there, lines say nothing
-    ends = [ends_of(chain, s) for s, line in zip(segments, lines, strict=True) if line]
-    balls = [
-        *((chain.grasp_pose(s[-1]).translation, r + OUTSIDE) for s, r in zip(segments[:-1], radii, strict=True)),
-        *((chain.grasp_pose(q).translation, _ABOUT) for s in elsewhere for q in interpolated(s, RESOLUTION)),
-    ]
-    return (trajectory, radii) if keeps_to_lines(chain, trajectory.positions, ends, balls) else None
+class _Through:
+    """What the segments and corners of one request share."""
 
+    def __init__(self, model: RobotModel, request: PlanThrough, canceled: Callable[[], bool]):
+        self.request, self.canceled, self.settings = request, canceled, request.situation.settings
+        self.budget = Budget(self.settings.planning_time)
+        self.chain, self.checker = chain_and_checker(model, request.situation, margin=0.0)
+        self.start = free_start(self.chain, self.checker, request.situation, request.constraint)
+        self.lines = [p.straight and not isinstance(p.goal, JointState) for p in request.way_points]
 
-def rounded(
-    chain: Chain,
-    checker: CollisionChecker,
-    segments: list[Path],
-    radii: list[float],
-    constraint: PathConstraint | None = None,
-) -> tuple[list[Path], tuple[float, ...]]:
-    """Round the corners between segments.
-
-    Returns:
-        Paths at whose ends the arm comes to rest, and the radii that fitted.
-    """
-    begins, ends, corners = [0.0] * len(segments), [0.0] * len(segments), list[Path | None]()
-    fitted = []
-    for k, asked in enumerate(radii):
-        incoming, outgoing = Leg(chain, segments[k][::-1]), Leg(chain, segments[k + 1])
-        radius, rows = _fitting(chain, checker, incoming, outgoing, segments[k][-1], asked, constraint)
-        fitted.append(radius)
-        corners.append(rows)
-        if rows is not None:
-            ends[k], begins[k + 1] = incoming.crossing(radius), outgoing.crossing(radius)
-    parts: list[Path] = []
-    for k, segment in enumerate(segments):
-        own = without_ends(segment, begins[k], ends[k])
-        before = corners[k - 1] if k else None
-        if before is None:
-            parts.append(own)
-        else:
-            parts[-1] = np.concatenate([parts[-1][:-1], before, own[1:]])
-    return [distinct(part) for part in parts], tuple(fitted)
-
-
-def _fitting(
-    chain: Chain,
-    checker: CollisionChecker,
-    incoming: Leg,
-    outgoing: Leg,
-    point: Array,
-    asked: float,
-    constraint: PathConstraint | None,
-) -> tuple[float, Path | None]:
-    """Return the radius that fits at a way point [m] and the corner's rows; 0 and None where the arm has to stop."""
-    largest = min(asked, incoming.reach, outgoing.reach)
-    for part in _SHRUNK:
-        radius = largest * part
-        if radius < SMALLEST:
-            break
-        rows = corner(incoming, outgoing, radius)
-        keeping = constraint is None or kept(constraint, chain, rows, ROUNDING)
-        fine = interpolated(rows, RESOLUTION)
-        possible = keeping and within(chain, point, rows, radius) and chain.within_limits(fine, slack=1e-3)
-        if possible and continuously_free(checker, fine):
-            return radius, rows
-    return 0.0, None
-
-
-def _segments(
-    chain: Chain,
-    checker: CollisionChecker,
-    request: PlanThrough,
-    start: Array,
-    attempt: int,
-    budget: Budget,
-    canceled: Callable[[], bool],
-) -> list[Path]:
-    segments: list[Path] = []
-    for k, point in enumerate(request.way_points):
-        where = f"segment {k + 1} of {len(request.way_points)}"
-        assert not isinstance(point.goal, str), "the arm knows its named states, the planner doesn't"
-        if point.straight and not isinstance(point.goal, JointState):
-            segments.append(line_to(chain, start, point.goal, where))
-        else:
-            settings = request.situation.settings
-            ask = settings.model_copy(update={"seed": settings.seed + attempt})
-            to = PlanTo(replace(request.situation, settings=ask), point.goal, constraint=request.constraint)
-            goals = goals_of(chain, checker, to, start)
-            if point.straight:
-                segments.append(np.stack([start, goals[0]]))
+    def segments(self, attempt: int) -> list[Path]:
+        segments, start, constraint = list[Path](), self.start, self.request.constraint
+        for k, point in enumerate(self.request.way_points):
+            where = f"segment {k + 1} of {len(self.request.way_points)}"
+            assert not isinstance(point.goal, str), "the arm knows its named states, the planner doesn't"
+            if point.straight and not isinstance(point.goal, JointState):
+                segments.append(straight_path(self.chain, start, point.goal, where))
             else:
-                search = partial(Search(checker, ask, request.constraint, canceled).path, start)
-                finer = RESOLUTION / 2 ** min(attempt, 2)
-                segments.append(first_success([partial(search, goal, resolution=finer) for goal in goals], budget))
-        kept_to = request.constraint if point.straight else None
-        if kept_to is not None and not kept(kept_to, chain, interpolated(segments[-1], RESOLUTION), ROUNDING):
-            raise ConstraintBrokenError(
-                f"{where}: the straight way leaves what the motion must keep to; search it (`straight: false`), "
-                "or widen the tolerances or the box"
-            )
-        start = segments[-1][-1]
-    return segments
+                ask = self.settings.model_copy(update={"seed": self.settings.seed + attempt})
+                to = PlanTo(replace(self.request.situation, settings=ask), point.goal, constraint=constraint)
+                goals = goals_of(self.chain, self.checker, to, start)
+                if point.straight:
+                    segments.append(np.stack([start, goals[0]]))
+                else:
+                    search = partial(Search(self.checker, ask, constraint, self.canceled).path, start)
+                    finer = RESOLUTION / 2 ** min(attempt, 2)
+                    tries = [partial(search, goal, resolution=finer) for goal in goals]
+                    segments.append(first_success(tries, self.budget))
+            if point.straight and not self.keeping(interpolated(segments[-1], RESOLUTION)):
+                raise ConstraintBrokenError(
+                    f"{where}: the straight way leaves what the motion must keep to; search it (`straight: false`), "
+                    "or widen the tolerances or the box"
+                )
+            start = segments[-1][-1]
+        return segments
+
+    def keeping(self, rows: Path) -> bool:
+        constraint = self.request.constraint
+        return constraint is None or kept(constraint, self.chain, rows, ROUNDING)
+
+    def followed(self, segments: list[Path], finer: int) -> tuple[Trajectory, Radii] | None:
+        """Round and time segments, lines of the hand so many times finer; None where the result is off them."""
+        chain, checker, constraint = self.chain, self.checker, self.request.constraint
+        paths = [closer(chain, s, finer) if line else s for s, line in zip(segments, self.lines, strict=True)]
+        parts, radii = self.rounded(paths)
+        for part in parts:
+            refuse_collisions(checker, interpolated(part, RESOLUTION))
+        trajectory = joined([timed_free(checker, part, self.settings, constraint) for part in parts])
+        elsewhere = [s for s, line in zip(segments, self.lines, strict=True) if not line]  # there, lines say nothing
+        ends = [ends_of(chain, s) for s, line in zip(segments, self.lines, strict=True) if line]
+        balls = [
+            *((chain.grasp_pose(s[-1]).translation, r + OUTSIDE) for s, r in zip(segments[:-1], radii, strict=True)),
+            *((chain.grasp_pose(q).translation, _ABOUT) for s in elsewhere for q in interpolated(s, RESOLUTION)),
+        ]
+        return (trajectory, radii) if keeps_to_lines(chain, trajectory.positions, ends, balls) else None
+
+    def rounded(self, segments: list[Path]) -> tuple[list[Path], Radii]:
+        """Round the corners between segments; return paths at whose ends the arm comes to rest, and the radii."""
+        begins, parts, radii = 0.0, list[Path](), list[float]()
+        before: Path | None = None
+        for k, segment in enumerate(segments):
+            radius, ends, after, rows = 0.0, 0.0, 0.0, None
+            if k + 1 < len(segments):
+                incoming, outgoing = Leg(self.chain, segment[::-1]), Leg(self.chain, segments[k + 1])
+                radius, rows = self.fitting(incoming, outgoing, segment[-1], self.request.way_points[k].radius)
+                radii.append(radius)
+                if rows is not None:
+                    ends, after = incoming.crossing(radius), outgoing.crossing(radius)
+            own = without_ends(segment, begins, ends)
+            if before is None:
+                parts.append(own)
+            else:
+                parts[-1] = np.concatenate([parts[-1][:-1], before, own[1:]])
+            begins, before = after, rows
+        return [distinct(part) for part in parts], tuple(radii)
+
+    def fitting(self, incoming: Leg, outgoing: Leg, point: Array, asked: float) -> tuple[float, Path | None]:
+        """Return the radius that fits at a way point [m] and the corner's rows; 0 and None: the arm has to stop."""
+        largest = min(asked, incoming.reach, outgoing.reach)
+        for part in _SHRUNK:
+            radius = largest * part
+            if radius < SMALLEST:
+                break
+            rows = corner(incoming, outgoing, radius)
+            fine = interpolated(rows, RESOLUTION)
+            possible = self.keeping(rows) and within(self.chain, point, rows, radius)
+            if possible and self.chain.within_limits(fine, slack=1e-3) and continuously_free(self.checker, fine):
+                return radius, rows
+        return 0.0, None

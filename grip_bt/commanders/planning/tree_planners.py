@@ -62,37 +62,29 @@ Extend = Callable[[Tree, int, Configuration], int | None]
 
 def joined(
     start: Configuration,
-    goals: Array,
+    goal: Configuration,
     sample: Callable[[], Configuration],
     extend: Extend,
     over: Callable[[], bool],
     close: float = 1e-6,
 ) -> Path | None:
-    """Return a way from `start` to one of the goals, shape (k, n), or None when time is over.
+    """Return a way from `start` to `goal`, shape (k, n), or None when time is over.
 
     Args:
-        goals: shape (m, n).
         sample: returns random configurations to grow towards.
         extend: adds one step to a tree.
         over: asked after each step; True ends it.
         close: trees have met when they are this close, in every joint.
     """
-    ours = Tree(start)
-    theirs = [Tree(goal) for goal in goals]
-    turn = 0
+    growing, waiting, forward = Tree(start), Tree(goal), True
     while not over():
-        other = theirs[turn % len(theirs)]
-        forward = (turn // len(theirs)) % 2 == 0
-        turn += 1
-        growing, waiting = (ours, other) if forward else (other, ours)
         target = sample()
         reached = extend(growing, growing.nearest(target), target)
-        if reached is None:
-            continue
-        meeting = grown_towards(waiting, growing.at(reached), extend, over, close)
-        if meeting is not None:
-            one, two = growing.branch(reached), waiting.branch(meeting)[::-1]
-            return np.concatenate([one, two[1:]]) if forward else np.concatenate([one, two[1:]])[::-1]
+        meeting = None if reached is None else grown_towards(waiting, growing.at(reached), extend, over, close)
+        if reached is not None and meeting is not None:
+            way = np.concatenate([growing.branch(reached), waiting.branch(meeting)[::-1][1:]])
+            return way if forward else way[::-1]
+        growing, waiting, forward = waiting, growing, not forward
     return None
 
 
@@ -157,7 +149,7 @@ def bitrrt(
 ) -> Path | None:
     """Return a way that keeps clear of things where it can, shape (k, n), or None when `over` says so."""
     limits, extend = checker.chain.limits, _Extension(checker, edge_free, rng)
-    return joined(start, goal[None, :], lambda: rng.uniform(limits.lower, limits.upper), extend, over)
+    return joined(start, goal, lambda: rng.uniform(limits.lower, limits.upper), extend, over)
 
 
 class _Extension:
@@ -215,7 +207,7 @@ def cbirrt(
         return tree.add(other, index)
 
     limits = chain.limits
-    path = joined(start, goal[None, :], lambda: rng.uniform(limits.lower, limits.upper), extend, over, close=1e-3)
+    path = joined(start, goal, lambda: rng.uniform(limits.lower, limits.upper), extend, over, close=1e-3)
     return None if path is None else _shortened(path, extend, rng, over)
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
 
 import numpy as np
 import toppra
 import toppra.algorithm
 import toppra.constraint
 from scipy.interpolate import BSpline
+from toppra.parametrizer import ParametrizeConstAccel
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.failures import PathInvalidError
@@ -37,25 +37,10 @@ _SLOWER = (1.0, 1.25, 1.6, 2.0, 3.0, 5.0)
 """Where keeping to a jerk leads too far off the path, times are made so much longer, one after the other."""
 
 
-class Allowed(NamedTuple):
-    """What the joints of a motion may do, each of shape (n,).
-
-    Attributes:
-        velocity: [rad/s].
-        acceleration: [rad/s^2].
-        jerk: [rad/s^3]; None for any.
-    """
-
-    velocity: Array
-    acceleration: Array
-    jerk: Array | None = None
-
-
 def timed(
     names: tuple[str, ...],
     path: Array,
     limits: Limits,
-    allowed: Allowed,
     acceptable: Callable[[Trajectory], bool],
 ) -> Trajectory:
     """Return the path as a smooth trajectory that starts and ends at rest.
@@ -68,8 +53,7 @@ def timed(
 
     Args:
         path: shape (k, n) [rad].
-        limits: of the joints' positions.
-        allowed: what is used of the other limits.
+        limits: what the joints may do of what they can.
         acceptable: takes the trajectory and tells whether it is free.
 
     Raises:
@@ -79,7 +63,7 @@ def timed(
     if len(rows) < 2:
         still = np.zeros((1, len(names)))
         return Trajectory(names, np.zeros(1), path[:1], still, still)
-    for trajectory in _candidates(names, rows, limits, allowed):
+    for trajectory in _candidates(names, rows, limits):
         if acceptable(trajectory):
             return trajectory
     raise PathInvalidError("the path can't be timed without leaving the free space", knots=len(path))
@@ -99,24 +83,24 @@ def _apart(path: Array) -> Array:
     return rows
 
 
-def _candidates(names: tuple[str, ...], path: Array, limits: Limits, allowed: Allowed) -> Iterator[Trajectory]:
-    slower = (1.0,) if allowed.jerk is None else _SLOWER
+def _candidates(names: tuple[str, ...], path: Array, limits: Limits) -> Iterator[Trajectory]:
+    slower = (1.0,) if limits.jerk is None else _SLOWER
     for spacing in _SPACINGS:
         at, curve = _curve(_knots(path, spacing))
-        drive = _drive(at, curve, allowed)
+        drive = _drive(at, curve, limits)
         for factor in slower:
-            step, rows = _sampled(curve, drive, factor, limits)
-            if allowed.jerk is not None:
-                rows = averaged(rows, _window(rows, step, allowed.jerk))
-            yield slowed(smoothed(names, rows, step), *allowed)
+            step, rows = _sampled(drive, factor, limits)
+            if limits.jerk is not None:
+                rows = averaged(rows, _window(rows, step, limits.jerk))
+            yield slowed(smoothed(names, rows, step), limits.velocity, limits.acceleration, limits.jerk)
 
 
-def _sampled(curve: BSpline, drive: _Drive, slower: float, limits: Limits) -> tuple[float, Array]:
+def _sampled(drive: ParametrizeConstAccel, slower: float, limits: Limits) -> tuple[float, Array]:
     """Return the time between positions on the path [s], and these, shape (k, n)."""
     duration = drive.duration * slower
     count = max(2, int(np.ceil(duration / np.clip(duration / _POINTS, _SHORTEST, SAMPLING))))
-    where = drive(np.linspace(0.0, drive.duration, count + 1))
-    rows = np.clip(curve(where), limits.lower, limits.upper)  # on a limit, rounding would be outside
+    rows = drive(np.linspace(0.0, drive.duration, count + 1))
+    rows = np.clip(rows, limits.lower, limits.upper)  # on a limit, rounding would be outside
     return max(duration / count, _SHORTEST), rows
 
 
@@ -155,29 +139,29 @@ def _curve(knots: Array) -> tuple[Array, BSpline]:
     return at, BSpline(padded, controls, 3)
 
 
-def _drive(at: Array, curve: BSpline, allowed: Allowed) -> _Drive:
+def _drive(at: Array, curve: BSpline, limits: Limits) -> ParametrizeConstAccel:
     """Return the fastest way along the path, from rest to rest, as the library `toppra` finds it.
 
     The tolerances of the library are absolute, so it is given a path of length 1, accelerations of about 1,
     and joints that all move: each is scaled by how steep its curve is.
     """
     grid, along = _grid(at), float(at[-1])
-    unit = float(np.sqrt(along / np.median(allowed.acceleration)))
+    unit = float(np.sqrt(along / np.median(limits.acceleration)))
     steepest = np.maximum(np.abs(curve(grid, 1)).max(axis=0), _TINY)
     scale = unit / (along * steepest)
-    velocity, acceleration = allowed.velocity * scale, allowed.acceleration * unit * scale
-    limits = [
+    velocity, acceleration = limits.velocity * scale, limits.acceleration * unit * scale
+    constraints = [
         toppra.constraint.JointVelocityConstraint(np.stack([-velocity, velocity], axis=1)),
         toppra.constraint.JointAccelerationConstraint(np.stack([-acceleration, acceleration], axis=1)),
     ]
     first, last = (curve(end, 1) / steepest for end in (at[0], at[-1]))  # with these its spline is the same curve
     rows = (curve(at) - curve(at[0])) / (along * steepest)
     path = toppra.SplineInterpolator(at / along, rows, bc_type=((1, first), (1, last)))
-    method = toppra.algorithm.TOPPRA(limits, path, gridpoints=grid / along, parametrizer="ParametrizeConstAccel")
+    method = toppra.algorithm.TOPPRA(constraints, path, gridpoints=grid / along, parametrizer="ParametrizeConstAccel")
     _, found, _ = method.compute_parameterization(0, 0)
     if found is None or np.isnan(found).any():
         raise PathInvalidError("toppra finds no timing for the path", knots=len(at))
-    return _Drive(grid, (np.asarray(found, dtype=np.float64) * (along / unit)) ** 2)
+    return ParametrizeConstAccel(curve, grid, np.asarray(found, dtype=np.float64) * (along / unit))
 
 
 def _grid(at: Array) -> Array:
@@ -191,23 +175,3 @@ def _grid(at: Array) -> Array:
     parts = np.ceil(parts * max(1.0, _LEAST / parts.sum())).astype(int)
     pieces = [begin + gap * (np.arange(1, n + 1) / n) for begin, gap, n in zip(at[:-1], gaps, parts, strict=True)]
     return np.concatenate([at[:1], *pieces])
-
-
-class _Drive:
-    """Path position by time, with constant path acceleration between the points of a grid, shape (m + 1,).
-
-    `squared` path velocities are given there; two neighbours aren't both zero. The end is reached at `duration` [s].
-    """
-
-    def __init__(self, grid: Array, squared: Array):
-        self._grid, self._velocity, steps = grid, np.sqrt(squared), np.diff(grid)
-        self._change = np.diff(squared) / (2.0 * steps)
-        self._times = np.concatenate([[0.0], np.cumsum(2.0 * steps / (self._velocity[:-1] + self._velocity[1:]))])
-        self.duration = float(self._times[-1])
-
-    def __call__(self, times: Array) -> Array:
-        """Return the path position at times in [0, duration], each of shape (k,)."""
-        stage = np.clip(np.searchsorted(self._times, times, side="right") - 1, 0, len(self._change) - 1)
-        since = times - self._times[stage]
-        where: Array = self._grid[stage] + (self._velocity[stage] + self._change[stage] * since / 2) * since
-        return np.clip(where, self._grid[stage], self._grid[stage + 1])
