@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import Literal
 
-from typing_extensions import override
-
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
 
@@ -161,7 +159,6 @@ class Comment(BaseCommand):
     text: str
     """Its lines without `#`; empty for none."""
 
-    @override
     def in_words(self) -> str:
         return (
             f"comment on {path_in_words(self.path)}"
@@ -169,7 +166,6 @@ class Comment(BaseCommand):
             else f"no comment on {path_in_words(self.path)}"
         )
 
-    @override
     def plan(self, edit: Edit) -> None:
         place: Place = edit.place(self.path) or (FILE_COMMENT,)
         lines_of_comment(self.path, self.text)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 from pydantic import Field
-from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
@@ -37,13 +36,11 @@ class Wrap(BaseCommand):
     fields: FrozenDict[str, object] = FrozenDict()
     """Keys of the container that it needs or that differ from defaults: `{times: 3}`."""
 
-    @override
     def in_words(self) -> str:
         shown = ", ".join(path_in_words(path) for path in self.paths[:_SHOWN])
         more = f" and {len(self.paths) - _SHOWN} more" if len(self.paths) > _SHOWN else ""
         return f"wrap {shown}{more} in {kind_in_words(self.kind)}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         expect_kind(self.paths[0], self.kind)
         if not slot_of(KINDS[self.kind]):
@@ -74,7 +71,6 @@ class Unwrap(BaseCommand):
     words: ClassVar[str] = "unwrap {path}"
     path: str
 
-    @override
     def plan(self, edit: Edit) -> None:
         node = edit.container(self.path)
         names = list(children_of(node))
