@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import queue
-import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -60,13 +58,9 @@ class RunParts:
 
 
 class RunContext:
-    """Implements `grip_bt.base.ports.Context`, where its methods are described, over mappings.
+    """Implements `grip_bt.base.ports.Context`, where its methods are described, over mappings."""
 
-    Args:
-        workers: how many threads run blocking code at most; as many as are needed where a simulated world waits for it.
-    """
-
-    def __init__(self, clock: Clock | None = None, parts: RunParts | None = None, workers: int = 4):
+    def __init__(self, clock: Clock | None = None, parts: RunParts | None = None):
         parts = parts or RunParts()
         self.clock: Clock = clock if clock is not None else WallClock()
         self._motions = Motions()
@@ -80,7 +74,6 @@ class RunContext:
             self._sensors = {name: InTurn(part, lockstep) for name, part in self._sensors.items()}
             self._ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
         self._messages = parts.messages
-        self._workers = Workers(workers if lockstep is None else sys.maxsize)
         self.preempt_requests = 0
         self._pausable = [part for part in (*parts.pausable, self.clock) if isinstance(part, Pausable)]
         self._measure = parts.measure
@@ -104,7 +97,7 @@ class RunContext:
         self.waker.wake_at(time)
 
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
-        return self._workers.run(work) if self.lockstep is None else self.lockstep.work(self._workers.run, work)
+        return in_worker(work) if self.lockstep is None else self.lockstep.work(in_worker, work)
 
     def left(self, path: str, work: Operation[Any]) -> None:
         self._motions.left(path, work)
@@ -187,74 +180,27 @@ class RunContext:
         return list(self._used.values())
 
 
-class Workers:
-    """A small pool that starts its threads, at most `limit`, when they are needed.
+def in_worker(work: Callable[[], T]) -> Operation[T]:
+    """Run `work()` in a thread of its own.
 
     Code can't be interrupted: when its operation is cancelled, the operation ends at once and stays `busy` until the
-    code returns. Its thread doesn't count any more and ends then, so that what hangs takes no place in the pool.
+    code returns.
     """
+    operation: Operation[T] = Operation()
+    operation.busy = True
 
-    def __init__(self, limit: int = 4):
-        self._limit = limit
-        self._queue: queue.SimpleQueue[tuple[Operation[Any], Callable[[], Any]]] = queue.SimpleQueue()
-        self._lock = threading.Lock()
-        self._threads = self._waiting = 0
-
-    def run(self, work: Callable[[], T]) -> Operation[T]:
-        """Run `work()` in a worker; an operation that is cancelled before it began isn't begun."""
-        operation: Operation[T] = Operation()
-        with self._lock:
-            self._queue.put((operation, work))
-            self._waiting += 1
-            self._staff()
-        return operation
-
-    def _staff(self) -> None:
-        """Start a thread when there is more work than free threads; with the lock held."""
-        if self._waiting > 0 and self._threads < self._limit:
-            self._threads += 1
-            threading.Thread(target=self._serve, name="grip_worker", daemon=True).start()
-
-    def _serve(self) -> None:
-        while True:
-            with self._lock:
-                if self._waiting == 0:
-                    self._threads -= 1
-                    return
-                operation, work = self._queue.get_nowait()
-                self._waiting -= 1
-                operation.busy = not operation.done()
-            if operation.busy and not self._do(operation, work):
-                return
-
-    def _do(self, operation: Operation[Any], work: Callable[[], object]) -> bool:
-        left_alone = threading.Event()
-        working = threading.Lock()
-        over = False
-
-        def ended_early() -> None:
-            with working:
-                if over:
-                    return
-                left_alone.set()
-            with self._lock:
-                self._threads -= 1
-                self._staff()
-
-        operation.add_done_callback(ended_early)
-        result, error = None, None
+    def serve() -> None:
         try:
             result = work()
-        except BaseException as raised:  # noqa: BLE001 - handed to the owner, who raises it
-            error = raised
-        with working:
-            over = True
-        operation.busy = False
-        if error is not None:
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            operation.busy = False
             operation.fail(error)
         else:
+            operation.busy = False
             operation.succeed(result)
-        return not left_alone.is_set()
+
+    threading.Thread(target=serve, name="grip_worker", daemon=True).start()
+    return operation
 
 
 _ONE = {"arm": "an arm", "hand": "a hand", "sensor": "a sensor"}
