@@ -42,7 +42,7 @@ def _begun(pid: int) -> int | None:
         return None
 
 
-VERSION = 2
+VERSION = 3
 """Of the tables, kept in `PRAGMA user_version`; 0 where there are none yet."""
 
 _TABLES = """
@@ -53,8 +53,7 @@ CREATE TABLE IF NOT EXISTS names(
   run TEXT, id INTEGER, path TEXT, event TEXT, outcome TEXT, code TEXT,
   PRIMARY KEY(run, id)) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS blocks(
-  run TEXT, first INTEGER, last INTEGER, name BLOB, t BLOB, wall BLOB, wall_offset REAL, data TEXT, writes INTEGER,
-  sum INTEGER,
+  run TEXT, first INTEGER, last INTEGER, content BLOB, data TEXT, sum INTEGER,
   PRIMARY KEY(run, first));
 CREATE TABLE IF NOT EXISTS processes(
   run TEXT PRIMARY KEY, pid INTEGER, since INTEGER, host TEXT);
