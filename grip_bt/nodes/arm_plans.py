@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -130,12 +129,6 @@ class MoveStraight(ArmLeaf):
         return go_straight(self.arm, [goal], self.context.scene(), self.params["ignore"])
 
 
-@dataclass(frozen=True, slots=True)
-class _Passed:
-    plan: Plan
-    reached: JointState
-
-
 class _ThroughLeaf(KeepingLeaf):
     """A leaf that is given way points, as offsets or bound."""
 
@@ -179,13 +172,14 @@ class PlanThrough(_ThroughLeaf):
 class MoveThrough(_ThroughLeaf):
     """Go through way points."""
 
-    def start(self) -> Operation[_Passed]:
+    def start(self) -> Operation[tuple[Plan, JointState]]:
         return self.arm.plan_through(self.way_points(), constraint=self.constraint()).then(
-            lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished(_Passed(plan, reached)))
+            lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished((plan, reached)))
         )
 
-    def finish(self, result: _Passed) -> Status:
-        return self.end(reached=result.reached, radii=list(result.plan.radii))
+    def finish(self, result: tuple[Plan, JointState]) -> Status:
+        plan, reached = result
+        return self.end(reached=reached, radii=list(plan.radii))
 
 
 def _mismatch(radii: list[float], goals: list[Any]) -> str:

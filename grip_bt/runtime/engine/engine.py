@@ -10,8 +10,8 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Composite
 
-from grip_bt.nodes.condition import Conditional
 from grip_bt.nodes.container import KindNode
+from grip_bt.nodes.node import Conditional
 
 from . import ours as own
 from . import theirs

@@ -19,7 +19,7 @@ from grip_bt.base.yaml.writer import WIDTH, in_braces
 
 from ..canonical import lines_of
 from .commands import Splice
-from .comment import found_at, head_at, lines_of_comment, rewritten
+from .comment import found_at, head_at, lines_of_comment
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
 from .text_places import (
     NOT_EDITABLE,
@@ -170,29 +170,27 @@ class Text:
         return taken
 
     def _remark(self, step: Remark) -> str:
+        column, lines = 1, lines_of_comment("/".join(step.at), step.text)
         if is_head(step):
-            head = head_at(self.text, self.tree)
-            said = "\n".join(head.lines)
-            if said != step.text:
-                self._splice(*rewritten(head, step.text, self._newline))
-            return said
-        lines = lines_of_comment("/".join(step.at), step.text)
-        if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
-            return ""
-        self._make_tidy(step.at)
-        if not one_entry_a_line(self.text, self._mapping(step.at)):
-            raise EditError("/".join(step.at), NOT_EDITABLE)
-        found = found_at(self.text, self._mapping(step.at), step.key)
+            found = head_at(self.text, self.tree)
+        else:
+            if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
+                return ""
+            self._make_tidy(step.at)
+            if not one_entry_a_line(self.text, self._mapping(step.at)):
+                raise EditError("/".join(step.at), NOT_EDITABLE)
+            found = found_at(self.text, self._mapping(step.at), step.key)
+            column = self._entry(step.at, step.key).column
         if found.text == step.text:
             return found.text
-        column = self._entry(step.at, step.key).column
-        if found.beside and not found.above and len(lines) == 1:
+        if found.beside and found.begin == found.end and len(lines) == 1:
             self._splice(*found.beside, lines[0])
             return found.text
         if found.beside:
             begin, end = found.beside
             self._splice(len(self.text[:begin].rstrip(" ")), end, "")
-        self._splice(found.begin, found.end, "".join(line + self._newline for line in indented(lines, column)))
+        above = "".join(line + self._newline for line in indented(lines, column))
+        self._splice(found.begin, found.end if lines else found.after, above)
         return found.text
 
     def _drop(self, at: Place, key: str) -> str:
