@@ -216,6 +216,7 @@ class _RunWriter:
             type_name = (noted.data or {}).get("type")
             row = (digest, type_name, len(content), zlib.compress(content, 1))
             self._database.execute("INSERT INTO big_values VALUES(?,?,?,?)", row)
+        self._database.execute("INSERT OR IGNORE INTO uses VALUES(?,?)", (self._log.id, digest))
         return {"hash": digest, "size": len(content)}
 
 
