@@ -11,7 +11,7 @@ import numpy as np
 from grip_bt.base.failures import SensorError, ViewBlockedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera, Context, Sensor
-from grip_bt.base.steps import Steps, run_steps
+from grip_bt.base.steps import Steps
 from grip_bt.base.types import Value
 from grip_bt.base.values import Grasp, JointState, PointCloud, RgbdFrame
 from grip_bt.nodes.arm import ArmLeaf, expect_state
@@ -135,10 +135,7 @@ class Holds(HandLeaf):
     whether the object's place is empty.
     """
 
-    def start(self) -> Operation[list[Evidence]]:
-        return run_steps(self._steps())
-
-    def _steps(self) -> Steps[list[Evidence]]:
+    def start(self) -> Steps[list[Evidence]]:
         p = self.params
         evidence = hand_evidence(self.hand, EvidenceLimits(p["force"], p["links"], p["least_open"], p["most_moved"]))
         before, after, grasp = self.read("before"), self.read("after"), self.read("grasp")
@@ -183,10 +180,7 @@ class ClearView(ArmLeaf):
         _check_region(self.path, self.params["region"])
         expect_state(self.arm, self.params["state"], self.path)
 
-    def start(self) -> Operation[JointState]:
-        return run_steps(self._steps())
-
-    def _steps(self) -> Steps[JointState]:
+    def start(self) -> Steps[JointState]:
         try:
             self.camera.info()
         except SensorError:  # of a camera on topics nothing is known before its first frame

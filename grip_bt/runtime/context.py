@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
@@ -64,19 +64,16 @@ class RunContext:
         parts = parts or RunParts()
         self.clock: Clock = clock if clock is not None else WallClock()
         self._motions = Motions()
-        self._arms: dict[str, Arm] = self._moved(parts.arms)
-        self._hands: dict[str, Hand] = self._moved(parts.hands)
-        self._cameras, self._components = dict(parts.cameras), dict(parts.components)
-        self._scene, self._sensors, self._ros = parts.scene, dict(parts.sensors), parts.ros
         self.lockstep = lockstep = parts.lockstep
+        parts = replace(parts, arms=self._moved(parts.arms), hands=self._moved(parts.hands))
         if lockstep is not None:
-            self._components = {name: InTurn(part, lockstep) for name, part in self._components.items()}
-            self._sensors = {name: InTurn(part, lockstep) for name, part in self._sensors.items()}
-            self._ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
-        self._messages = parts.messages
+            ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
+            components = {name: InTurn(part, lockstep) for name, part in parts.components.items()}
+            sensors = {name: InTurn(part, lockstep) for name, part in parts.sensors.items()}
+            parts = replace(parts, components=components, sensors=sensors, ros=ros)
+        self._parts = parts
         self.preempt_requests = 0
         self._pausable = [part for part in (*parts.pausable, self.clock) if isinstance(part, Pausable)]
-        self._measure = parts.measure
         self._used: dict[int, Arm | Hand] = {}
         self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
         self._paused = False
@@ -118,32 +115,32 @@ class RunContext:
         return over
 
     def arm(self, name: str) -> Arm:
-        arm = _named("arm", self._arms, name)
+        arm = _named("arm", self._parts.arms, name)
         self._used[id(arm)] = arm
         return arm
 
     def hand(self, name: str) -> Hand:
-        hand = _named("hand", self._hands, name)
+        hand = _named("hand", self._parts.hands, name)
         self._used[id(hand)] = hand
         return hand
 
     def camera(self, name: str) -> Camera:
-        return _named("sensor", self._cameras, name)
+        return _named("sensor", self._parts.cameras, name)
 
     def component(self, name: str) -> Component:
-        return _named("component", self._components, name)
+        return _named("component", self._parts.components, name)
 
     def scene(self) -> Scene:
-        return _there(self._scene, "a planning scene", "run with a robot: `grip run TASK --robot sim`")
+        return _there(self._parts.scene, "a planning scene", "run with a robot: `grip run TASK --robot sim`")
 
     def sensor(self, name: str) -> Sensor:
-        return _named("sensor", self._sensors, name)
+        return _named("sensor", self._parts.sensors, name)
 
     def ros(self) -> Ros:
-        return _there(self._ros, "a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
+        return _there(self._parts.ros, "a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
 
     def messages(self) -> Messages:
-        return _there(self._messages, "a store of named messages", "run the task in a project: `grip new DIR`")
+        return _there(self._parts.messages, "a store of named messages", "run the task in a project: `grip new DIR`")
 
     # --- for the runner ---
 
@@ -173,7 +170,7 @@ class RunContext:
 
     def rest(self, within: float) -> Rest:
         """Measure the arms and hands that leaves have asked for until they stand still, at most `within` [s]."""
-        return measured_rest(self.moving(), self._measure, within)
+        return measured_rest(self.moving(), self._parts.measure, within)
 
     def moving(self) -> list[Arm | Hand]:
         """Return the arms and hands that leaves have asked for: what has to hold when the run is stopped."""
