@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import inspect
 import re
+import types
 import typing
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Generic, TypeVar, overload
 
+from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
 from grip_bt.base.types import Value
 from grip_bt.nodes.async_leaf import AsyncLeaf, finish, run_coroutine
 from grip_bt.nodes.leaf import Leaf, OperationLeaf, Status
+from grip_bt.task.catalog.manifest import InputPort, Manifest, OutputPort, Parameter
 
 T = TypeVar("T")
 _MARK = re.compile(r"(?:^|\.)(Input|Output|Param)\[")
@@ -104,9 +107,10 @@ def _check_run(cls: type[Leaf]) -> None:
 
 
 class FunctionLeaf(OperationLeaf):
-    """A leaf that calls a function; `leaf` makes its subclasses."""
+    """A leaf that calls a function; `leaf` makes its subclasses, with the manifest made from its annotations."""
 
     function: ClassVar[Callable[..., Value]]
+    face: ClassVar[Manifest]
     context_names: ClassVar[tuple[str, ...]] = ()
     quick: ClassVar[bool] = False
     labelled: ClassVar[bool] = False
@@ -138,8 +142,6 @@ def leaf(
 ) -> Callable[[Callable[..., Value]], type[Leaf]]:
     """Make a leaf of a function or a coroutine, or mark a class as one.
 
-    Its manifest is read from the source; see `grip_bt.task.catalog.python_nodes`.
-
     Args:
         id: catalogue id, such as `count/tall`.
         doc: what it does; the docstring by default.
@@ -152,7 +154,7 @@ def leaf(
             unless this says so.
 
     Raises:
-        TypeError: a class isn't a `Leaf`, or a coroutine is to be quick.
+        TypeError: a parameter has no annotation, or takes any number of arguments; a class isn't a `Leaf`.
     """
 
     def make(function: Callable[..., Any]) -> type[Leaf]:
@@ -161,15 +163,52 @@ def leaf(
         if quick and inspect.iscoroutinefunction(function):
             raise TypeError(f"{function.__qualname__}: a coroutine waits, so it can't be quick")
         hints = typing.get_type_hints(function)
+        inputs, parameters, contexts = {}, {}, []
+        for name, parameter in inspect.signature(function).parameters.items():
+            if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD) or name not in hints:
+                raise TypeError(f"{function.__qualname__}: {name!r} needs an annotation and a name of its own")
+            given = {} if parameter.default is parameter.empty else {"default": parameter.default}
+            if hints[name] is Context:
+                contexts.append(name)
+            elif parameter.kind is parameter.KEYWORD_ONLY:
+                parameters[name] = Parameter(type=type_name(hints[name]), **given)
+            else:
+                inputs[name] = InputPort(type=type_name(hints[name]), required=not given)
+        face = Manifest(
+            id=id,
+            doc=doc or inspect.getdoc(function) or id,
+            implementation=f"{function.__module__}:{function.__qualname__}",
+            parameters=FrozenDict(parameters),
+            inputs=FrozenDict(inputs),
+            outputs=FrozenDict({n: OutputPort(type=type_name(t)) for n, t in (outputs or {}).items()}),
+            codes=codes,
+            moves=False if moves is None and not contexts else moves,
+            **({"outcomes": FrozenDict(outcomes)} if outcomes else {}),
+        )
         members = {
             "quick": quick,
             "labelled": outcomes is not None,
             "function": staticmethod(function),
-            "context_names": tuple(name for name, hint in hints.items() if hint is Context),
-            "__doc__": doc or inspect.getdoc(function),
+            "face": face,
+            "context_names": tuple(contexts),
+            "__doc__": face.doc,
             "__module__": function.__module__,
             "__qualname__": function.__qualname__,
         }
         return type(function.__name__, (FunctionLeaf,), members)
 
     return make
+
+
+def type_name(hint: object) -> str:
+    """Return how a manifest spells a Python annotation: `list[Grasp]`, `float | None`, `Any`."""
+    if hint is Any:
+        return "Any"
+    if hint is type(None):
+        return "None"
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        return " | ".join(type_name(a) for a in arguments)
+    if origin is not None:
+        return f"{origin.__name__}[{', '.join(type_name(a) for a in arguments)}]"
+    return str(getattr(hint, "__name__", hint))

@@ -1,9 +1,5 @@
 import asyncio
-import inspect
-import textwrap
 import threading
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pytest
 from py_trees.common import Status
@@ -11,26 +7,17 @@ from py_trees.common import Status
 from grip_bt.base.failures import NoGraspError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
-from grip_bt.nodes.function import leaf
-from grip_bt.task.catalog import read_python_nodes
-
-HEAD = "from grip_bt.base.ports import Context\nfrom grip_bt.nodes.function import leaf\n"
-
-
-def manifest_of(cls):
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "mine.py"
-        file.write_text(HEAD + textwrap.dedent(inspect.getsource(cls.function)))
-        return read_python_nodes(file)[0]
+from grip_bt.base.types import parse_type
+from grip_bt.base.values import Grasp, PointCloud
+from grip_bt.nodes.function import leaf, type_name
 
 
 def make(cls, context, data=None, inputs=None, **params):
-    face = manifest_of(cls)
-    defaults = {n: p.default for n, p in face.parameters.items()}
-    node = cls("leaf", "task/leaf", face, {**defaults, **params}, {})
+    defaults = {n: p.default for n, p in cls.face.parameters.items()}
+    node = cls("leaf", "task/leaf", cls.face, {**defaults, **params}, {})
     for port, value in (inputs or {}).items():
         node.readers[port] = lambda value=value: value
-    for port in face.outputs:
+    for port in cls.face.outputs:
         node.writers[port] = lambda value, port=port: data.__setitem__(port, value)
     node.setup(context=context)
     return node
@@ -40,6 +27,31 @@ def make(cls, context, data=None, inputs=None, **params):
 def scale(value: float, offset: float = 0.0, *, factor: float = 2.0) -> float:
     """Scale a value."""
     return value * factor + offset
+
+
+def test_annotations_make_the_manifest():
+    face = scale.face
+    assert (face.id, face.doc) == ("test/scale", "Scale a value.")
+    assert {n: (p.type, p.required) for n, p in face.inputs.items()} == {
+        "value": ("float", True),
+        "offset": ("float", False),
+    }
+    assert face.parameters["factor"].default == 2.0
+    assert face.outputs["scaled"].type == "float"
+
+
+@pytest.mark.parametrize(
+    ("hint", "name"),
+    [
+        (int, "int"),
+        (list[Grasp], "list[Grasp]"),
+        (PointCloud | None, "PointCloud | None"),
+        (dict[str, int], "dict[str, int]"),
+    ],
+)
+def test_type_names_are_those_of_manifests(hint, name):
+    assert type_name(hint) == name
+    parse_type(name)
 
 
 def test_a_function_gets_inputs_and_parameters_and_fills_the_output(world, tick):
@@ -93,9 +105,17 @@ def test_what_is_annotated_context_gets_the_context(world):
         return context.clock.now()
 
     data = {}
-    assert not manifest_of(now).inputs
+    assert not now.face.inputs
     make(now, world.context, data).tick_once()
     assert data == {"time": 100.0}
+
+
+def test_a_parameter_without_annotation_is_refused_when_the_leaf_is_made():
+    with pytest.raises(TypeError, match="'x' needs an annotation"):
+
+        @leaf("test/bad")
+        def bad(x):
+            """Nothing."""
 
 
 class ThreadContext:

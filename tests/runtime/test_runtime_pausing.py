@@ -20,7 +20,7 @@ from grip_bt.commanders.fake.joints import OnClock
 from grip_bt.compilers import to_tree
 from grip_bt.nodes.function import leaf as leaf_of
 from grip_bt.runtime import ManualClock, RunContext, Runner, RunParts, WallClock
-from grip_bt.task.catalog import Catalog, read_python_nodes
+from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Task
 
 both = pytest.mark.parametrize("target", TARGETS)
@@ -151,10 +151,9 @@ async def awaiting(context: Context, *, seconds: float = 0.0) -> int:
 
 def started(target: Any, form: Any) -> Any:
     seen.update(inside=threading.Event(), block=threading.Event(), cancelled=threading.Event())
-    face = next(face for face in read_python_nodes(__file__) if face.implementation.endswith(f":{form.__name__}"))
-    root = {"node": face.id, "out": {"n": "n"}}
+    root = {"node": form.face.id, "out": {"n": "n"}}
     task = Task.model_validate({"grip": 1, "name": "t", "data": {"n": "int"}, "root": root})
-    made = target(task, Catalog([face]), leaf_factory=lambda p, node, face: form(p, p, face, {"seconds": 0.0}, {}))
+    made = target(task, Catalog([form.face]), leaf_factory=lambda p, node, face: form(p, p, face, {"seconds": 0.0}, {}))
     run: Any = Started.__new__(Started)
     run.compiled, run.leaves, run.context, run.result = made, made.leaves, RunContext(), None
     run.runner = Runner(made, run.context, poll=None)

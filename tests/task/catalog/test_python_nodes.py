@@ -139,7 +139,16 @@ def test_mutated_files_are_read_or_refused_never_worse(tmp_path):
 def test_what_was_found_is_what_the_code_makes_when_it_is_run(manifest):
     made = load_implementation(manifest)
     assert issubclass(made, Leaf)
-    if not issubclass(made, FunctionLeaf):
+    if issubclass(made, FunctionLeaf):
+        face = made.face
+        assert (face.id, face.doc, face.codes, face.outcomes) == (
+            manifest.id,
+            manifest.doc,
+            manifest.codes,
+            manifest.outcomes,
+        )
+        assert (face.inputs, face.parameters, face.outputs) == (manifest.inputs, manifest.parameters, manifest.outputs)
+    else:
         assert all(hasattr(made, port) for port in (*manifest.inputs, *manifest.parameters, *manifest.outputs))
 
 
