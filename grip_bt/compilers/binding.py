@@ -22,9 +22,9 @@ from grip_bt.base.issue import Issue
 from grip_bt.compilers.resolve import Part, Resolved
 from grip_bt.compilers.scopes import UNSET, Scope, Scopes, written
 from grip_bt.nodes.answers import Answers
-from grip_bt.nodes.condition import Condition
 from grip_bt.nodes.foreign import by_path, class_path, give_children
 from grip_bt.nodes.leaf import Leaf
+from grip_bt.nodes.node import Condition
 from grip_bt.nodes.tree_code import Place, TreeCodeError, find_tree
 from grip_bt.task import model
 from grip_bt.task.catalog import AllowedImports, Manifest, load_implementation

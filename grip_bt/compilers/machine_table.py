@@ -7,12 +7,13 @@ asks leads to the state `again?`, which asks. An end that carries a failure code
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from grip_bt.task.exploration import UNKNOWN, Labels, Oracle, answered, graph
 from grip_bt.task.kinds.base import CHILD, End, Ended, Kind, Next, Run, Step
 from grip_bt.task.model import Foreign, Leaf
+from grip_bt.task.parts import Edges
 
 from .behaviour_state import Refined
 from .resolve import Part
@@ -95,8 +96,7 @@ def table_of(part: Part, needed: Refined) -> Table:
     Args:
         needed: its own (outcome, code) pairs for which its parent needs a label.
     """
-    table, names = Table(), state_labels(part)
-    own = part.edges if kind_of(part).by_edges else part.exits
+    table, names, own = Table(), state_labels(part), own_edges(part)
     for index, child in enumerate(part.children):
         row: dict[str, str] = {}
         refined: set[tuple[str, str]] = set()
@@ -127,6 +127,19 @@ def first_step(part: Part) -> Run | None:
 def labels_of(part: Part) -> Labels:
     """Return with what the children may end, and where that leads."""
     return Labels({child.name: list(child.meaning.items()) for child in part.children}, part.exits, part.edges)
+
+
+def own_edges(part: Part) -> Edges:
+    """Return where ends of the children lead that the document says something of."""
+    return part.edges if kind_of(part).by_edges else part.exits
+
+
+def leads(part: Part, index: int) -> Iterator[tuple[str, str | None, Lead]]:
+    """Yield how a child ends (outcome, and code where an edge names it) and where that leads; codes come after all."""
+    child, edges = part.children[index], own_edges(part)
+    for outcome in child.meaning:
+        for code in (None, *sorted(edges.codes(child.name, outcome))):
+            yield outcome, code, lead(part, index, outcome, code)
 
 
 def kind_of(part: Part) -> Kind:

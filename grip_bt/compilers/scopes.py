@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from typing import Any
@@ -35,25 +36,21 @@ def written(type_: Type, literal: Any) -> Any:
 class Cell:
     """One variable of one scope."""
 
-    __slots__ = ("_initial", "name", "parsed", "type", "value", "watchers")
+    __slots__ = ("initial", "name", "parsed", "type", "value", "watchers")
 
     def __init__(self, name: str, declared: Variable | str):
         variable = Variable(type=declared) if isinstance(declared, str) else declared
         self.name, self.type, self.parsed = name, variable.type, parse_type(variable.type)
-        self._initial: Any = written(self.parsed, variable.value) if variable.has_value else UNSET
+        self.initial: Any = written(self.parsed, variable.value) if variable.has_value else UNSET
         self.value: Any = UNSET
         self.watchers: list[Callable[[], None]] = []
         self.reset()
 
-    @property
-    def initial(self) -> Any:
-        return self._initial
-
     def reset(self) -> None:
-        self.value = self._initial if self._initial is UNSET else deepcopy(self._initial)
+        self.value = self.initial if self.initial is UNSET else deepcopy(self.initial)
 
     def preset(self, value: object) -> None:
-        self._initial = value
+        self.initial = value
         self.reset()
 
 
@@ -63,31 +60,21 @@ class Scope:
     def __init__(self, path: str, declared: Mapping[str, Variable | str], outer: Scope | None = None):
         self.path, self.outer = path, outer
         self.cells = {name: Cell(name, variable) for name, variable in declared.items()}
+        above = outer._seen.maps if outer is not None else ()
+        self._seen: ChainMap[str, Cell] = ChainMap(self.cells, *above)
 
     def reset(self) -> None:
         for cell in self.cells.values():
             cell.reset()
 
     def find(self, name: str) -> Cell | None:
-        scope: Scope | None = self
-        while scope is not None:
-            if name in scope.cells:
-                return scope.cells[name]
-            scope = scope.outer
-        return None
+        return self._seen.get(name)
 
     def cell(self, name: str) -> Cell:
-        cell = self.find(name)
-        assert cell is not None, "resolved variables are declared"
-        return cell
+        return self._seen[name]
 
     def visible(self) -> list[str]:
-        names: dict[str, None] = {}
-        scope: Scope | None = self
-        while scope is not None:
-            names.update(dict.fromkeys(scope.cells))
-            scope = scope.outer
-        return list(names)
+        return list(dict.fromkeys(name for cells in self._seen.maps for name in cells))
 
 
 class Scopes:

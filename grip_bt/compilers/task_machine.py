@@ -12,9 +12,8 @@ from grip_bt.base.values import Failure
 from grip_bt.compilers.behaviour_state import Halted, MachineRun, Refined, TaskState, label, labels
 from grip_bt.compilers.resolve import Part
 from grip_bt.nodes.answers import Answers
-from grip_bt.nodes.condition import Condition
 from grip_bt.nodes.container import KindNode
-from grip_bt.nodes.node import LABEL, SILENT, Node, Observer
+from grip_bt.nodes.node import LABEL, SILENT, Condition, Node, Observer
 from grip_bt.nodes.smach_activation import AmongStates
 from grip_bt.nodes.smach_asking import MARK, Enclosing
 from grip_bt.smach_compat import Concurrence, State, StateMachine

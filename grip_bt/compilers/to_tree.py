@@ -19,12 +19,11 @@ from grip_bt.compilers.binding import (
     variables_of,
 )
 from grip_bt.compilers.task_machine import enclose
-from grip_bt.nodes.condition import conditional
 from grip_bt.nodes.container import KindNode, RunAnswers, container
 from grip_bt.nodes.control import ControlNode
 from grip_bt.nodes.foreign import Foreign, Shared
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.node import Node, Observer
+from grip_bt.nodes.node import Node, Observer, conditional
 from grip_bt.task import model
 from grip_bt.task.catalog import Catalog
 

@@ -23,6 +23,13 @@ class ArmLeaf(OperationLeaf):
         self.arm = self.context.arm(self.params["arm"])
 
 
+def expect_state(arm: Arm, name: str, path: str) -> None:
+    """Raise UnknownNameError unless an arm has a named state."""
+    states = arm.named_states()
+    if name not in states:
+        raise UnknownNameError("named state", name, states, where=path)
+
+
 class KeepingLeaf(ArmLeaf):
     """A leaf whose motion may have to keep to something on its whole way."""
 
@@ -41,9 +48,7 @@ class MoveTo(KeepingLeaf):
 
     def prepare(self) -> None:
         super().prepare()
-        states = self.arm.named_states()
-        if self.params["state"] not in states:
-            raise UnknownNameError("named state", self.params["state"], states, where=self.path)
+        expect_state(self.arm, self.params["state"], self.path)
 
     def start(self) -> Operation[JointState]:
         return go(self.arm, self.params["state"], self.constraint())

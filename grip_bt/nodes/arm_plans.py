@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import PathInvalidError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm
 from grip_bt.base.values import JointState, Plan, Pose, WayPoint
 from grip_bt.commanders.joined import execute_together
-from grip_bt.nodes.arm import ArmLeaf, KeepingLeaf
+from grip_bt.nodes.arm import ArmLeaf, KeepingLeaf, expect_state
 from grip_bt.nodes.leaf import OperationLeaf, Status
-from grip_bt.nodes.motion import go, go_straight, read_keep, verify_keep
+from grip_bt.nodes.motion import expect_one, go, go_straight, read_keep, verify_keep
 
 THERE = 0.005
 """An arm so near to the beginning of a trajectory [rad or m] needn't be led there."""
@@ -26,11 +24,9 @@ class PlanTo(KeepingLeaf):
 
     def prepare(self) -> None:
         super().prepare()
-        states = self.arm.named_states()
-        if self.params["state"] and self.params["state"] not in states:
-            raise UnknownNameError("named state", self.params["state"], states, where=self.path)
-        if bool(self.params["state"]) == ("goal" in self.readers):
-            raise ValueError(f"{self.path}: give either `with: {{state: ...}}` or `in: {{goal: ...}}`")
+        if self.params["state"]:
+            expect_state(self.arm, self.params["state"], self.path)
+        expect_one(self, "state", "goal")
 
     def start(self) -> Operation[Plan]:
         bound: JointState | Pose | None = self.read("goal")
@@ -123,8 +119,7 @@ class MoveStraight(ArmLeaf):
     def prepare(self) -> None:
         super().prepare()
         offset = self.params["offset"]
-        if bool(offset) == ("pose" in self.readers):
-            raise ValueError(f"{self.path}: give either `with: {{offset: [x, y, z]}}` or `in: {{pose: ...}}`")
+        expect_one(self, "offset", "pose", "[x, y, z]")
         if offset and len(offset) != 3:
             raise ValueError(f"{self.path}: an offset is 3 lengths [m] in world, not {offset}")
 
@@ -134,22 +129,13 @@ class MoveStraight(ArmLeaf):
         return go_straight(self.arm, [goal], self.context.scene(), self.params["ignore"])
 
 
-@dataclass(frozen=True, slots=True)
-class _Passed:
-    plan: Plan
-    reached: JointState
-
-
 class _ThroughLeaf(KeepingLeaf):
     """A leaf that is given way points, as offsets or bound."""
 
     def prepare(self) -> None:
         super().prepare()
         offsets, radii = self.params["offsets"], self.params["radii"]
-        if bool(offsets) == ("way_points" in self.readers):
-            raise ValueError(
-                f"{self.path}: give either `with: {{offsets: [[x, y, z], ...]}}` or `in: {{way_points: ...}}`"
-            )
+        expect_one(self, "offsets", "way_points", "[[x, y, z], ...]")
         if wrong := [offset for offset in offsets if len(offset) != 3]:
             raise ValueError(f"{self.path}: an offset is 3 lengths [m] in world, not {wrong[0]}")
         if wrong := [r for r in (self.params["radius"], *radii) if not (np.isfinite(r) and r >= 0)]:
@@ -186,13 +172,14 @@ class PlanThrough(_ThroughLeaf):
 class MoveThrough(_ThroughLeaf):
     """Go through way points."""
 
-    def start(self) -> Operation[_Passed]:
+    def start(self) -> Operation[tuple[Plan, JointState]]:
         return self.arm.plan_through(self.way_points(), constraint=self.constraint()).then(
-            lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished(_Passed(plan, reached)))
+            lambda plan: self.arm.execute(plan).then(lambda reached: Operation.finished((plan, reached)))
         )
 
-    def finish(self, result: _Passed) -> Status:
-        return self.end(reached=result.reached, radii=list(result.plan.radii))
+    def finish(self, result: tuple[Plan, JointState]) -> Status:
+        plan, reached = result
+        return self.end(reached=reached, radii=list(plan.radii))
 
 
 def _mismatch(radii: list[float], goals: list[Any]) -> str:

@@ -166,6 +166,7 @@ class AsyncLeaf(OperationLeaf):
     ):
         super().__init__(name, path, manifest, params, meaning)
         self._naps: list[tuple[float, Operation[None]]] = []
+        self._told = ""
 
     async def run(self) -> Value:
         """Do the work of one activation, and return how it ends.
@@ -186,8 +187,7 @@ class AsyncLeaf(OperationLeaf):
 
     def tell(self, message: str) -> None:
         """Say how it goes, for people: shown beside the node, and kept in the journal."""
-        if self.operation is not None:
-            self.operation.report(message)
+        self._told = message
         self.context.wake()
 
     def read(self, port: str) -> Value:
@@ -214,6 +214,7 @@ class AsyncLeaf(OperationLeaf):
 
     def start(self) -> Operation[Value]:
         self._naps.clear()
+        self._told = ""
         given = {port: self.read(port) for port in self.manifest.inputs}
 
         async def main() -> Value:
@@ -232,7 +233,7 @@ class AsyncLeaf(OperationLeaf):
         return super().update()
 
     def waiting(self, operation: Operation[Value]) -> str:
-        return str(operation.progress or "")
+        return self._told
 
     def finish(self, result: Value) -> Status:
         return finish(

@@ -11,7 +11,7 @@ import numpy as np
 from grip_bt.base.failures import CanceledError, ExpectedError, NoGraspError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
-from grip_bt.base.steps import Steps, run_steps
+from grip_bt.base.steps import Steps
 from grip_bt.base.values import Grasp, JointState, Pose
 from grip_bt.nodes.arm import ArmLeaf
 from grip_bt.nodes.leaf import Leaf, Status
@@ -167,16 +167,13 @@ class Retreat(ArmHandLeaf):
     only when no step at all could be made.
     """
 
-    def start(self) -> Operation[list[ExpectedError]]:
-        return run_steps(self._steps())
-
     def finish(self, result: list[ExpectedError]) -> Status:
         if len(result) < 2:
             return self.end()
         reasons = [f"{e.code}: {e.message}" for e in result]
         return self.fail("stuck", "the arm could neither back off nor go up", reasons=reasons)
 
-    def _steps(self) -> Steps[list[ExpectedError]]:
+    def start(self) -> Steps[list[ExpectedError]]:
         errors: list[ExpectedError] = []
         yield from self._attempt(self.hand.open(), [])
         scene = self.context.scene()

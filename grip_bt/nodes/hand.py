@@ -8,7 +8,7 @@ from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Hand
 from grip_bt.base.values import Grasp, JointState
 from grip_bt.nodes.leaf import OperationLeaf, Status
-from grip_bt.nodes.motion import Resting, check_word
+from grip_bt.nodes.motion import Resting, check_word, expect_one
 
 
 class HandLeaf(OperationLeaf):
@@ -72,8 +72,7 @@ class Posture(_MovingHandLeaf):
 
     def prepare(self) -> None:
         super().prepare()
-        if bool(self.params["posture"]) == ("state" in self.readers):
-            raise ValueError(f"{self.path}: give either `with: {{posture: ...}}` or `in: {{state: ...}}`")
+        expect_one(self, "posture", "state")
 
     def start(self) -> Operation[JointState]:
         """Go; the name is looked up now, since it may have been taught meanwhile.
@@ -106,8 +105,7 @@ class Fingertips(_MovingHandLeaf):
 
     def prepare(self) -> None:
         super().prepare()
-        if bool(self.params["tips"]) == ("targets" in self.readers):
-            raise ValueError(f"{self.path}: give either `with: {{tips: ...}}` or `in: {{targets: ...}}`")
+        expect_one(self, "tips", "targets")
 
     def start(self) -> Operation[JointState]:
         targets = self.read("targets") or self.params["tips"]

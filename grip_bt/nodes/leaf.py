@@ -16,6 +16,7 @@ from grip_bt.base.errors import DataError, NodeError, NotStoppedError
 from grip_bt.base.failures import CanceledError, ExpectedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Context
+from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.types import Value
 from grip_bt.base.values import Failure
 from grip_bt.task.catalog.manifest import Manifest
@@ -246,8 +247,8 @@ class OperationLeaf(Leaf):
     operation: Operation[Value] | None = None
     _preempted_before: bool = False
 
-    def start(self) -> Operation[Value]:
-        """Begin the work of this activation."""
+    def start(self) -> Operation[Value] | Steps[Value]:
+        """Begin the work of this activation: an operation, or a generator of operations, one after the other."""
         raise NotImplementedError(f"{type(self).__name__}.start")
 
     def finish(self, result: Value) -> Status:
@@ -269,7 +270,8 @@ class OperationLeaf(Leaf):
                 held_back = self._held_back()
                 if held_back is not None:
                     return held_back
-                self.operation = self.start()
+                begun = self.start()
+                self.operation = begun if isinstance(begun, Operation) else run_steps(begun)
                 self.operation.add_done_callback(self.context.wake)
             if not self.operation.done():
                 return self._wait(self.operation)

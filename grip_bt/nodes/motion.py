@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
+from pydantic import model_validator
 
-from grip_bt.base.errors import listing, nearest
 from grip_bt.base.failures import CanceledError, ExpectedError, NoPlanError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Arm, Context, Scene
@@ -22,6 +22,8 @@ from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.types import Value
 from grip_bt.base.values import JointState, PathConstraint, Pose
 from grip_bt.base.values.solids import Solid
+from grip_bt.base.yaml.models import Settings, check_model
+from grip_bt.base.yaml.tree import from_data
 from grip_bt.commanders.trajectory.limits import RestDetector
 
 from .leaf import Leaf
@@ -131,6 +133,12 @@ class Resting:
         return self._rest
 
 
+def expect_one(leaf: Leaf, parameter: str, port: str, example: str = "...") -> None:
+    """Raise ValueError unless either a parameter is given or an input port is bound."""
+    if bool(leaf.params[parameter]) == (port in leaf.readers):
+        raise ValueError(f"{leaf.path}: give either `with: {{{parameter}: {example}}}` or `in: {{{port}: ...}}`")
+
+
 def check_word(name: str, path: str) -> None:
     """Raise ValueError unless a name that is taught is a word."""
     if not name.isidentifier():
@@ -141,8 +149,36 @@ NOW = "now"
 """The orientation that the hand has when the motion begins."""
 FREE = "free"
 """A tolerance that any turn is within."""
-_KEYS = ("orientation", "tolerance", "axes", "box")
-_BOX = ("position", "quaternion", "size")
+_FORM = (
+    "{orientation: now or [w, x, y, z], tolerance: [3 angles, each a number or free], axes: world or own, "
+    "box: {position: [x, y, z], size: [x, y, z], quaternion: [w, x, y, z]}}"
+)
+_Three = tuple[float, float, float]
+_Four = tuple[float, float, float, float]
+_Angle = float | Literal["free"]
+
+
+class _Box(Settings):
+    position: _Three
+    quaternion: _Four = (1.0, 0.0, 0.0, 0.0)
+    size: _Three
+
+
+class _Keep(Settings):
+    """The parameter `keep`; `orientation` is `now`, or w x y z, `tolerance` 3 angles [rad]."""
+
+    orientation: Literal["now"] | _Four | None = None
+    tolerance: tuple[_Angle, _Angle, _Angle] = (0.1, 0.1, "free")
+    axes: Literal["world", "own"] = "world"
+    box: _Box | None = None
+
+    @model_validator(mode="after")
+    def _of_something(self) -> _Keep:
+        if self.orientation is None and self.box is None:
+            raise ValueError("it holds an `orientation`, a `box` or both")
+        if self.orientation is None and not self.model_fields_set.isdisjoint(("tolerance", "axes")):
+            raise ValueError("`tolerance` and `axes` belong to an `orientation`: `now`, or the numbers w, x, y, z")
+        return self
 
 
 def verify_keep(leaf: Leaf, keep: Mapping[str, object]) -> None:
@@ -160,63 +196,19 @@ def verify_keep(leaf: Leaf, keep: Mapping[str, object]) -> None:
 
 
 def read_keep(keep: Mapping[str, object], here: Pose) -> PathConstraint:
-    """Read the parameter `keep`.
-
-    Args:
-        keep: `orientation` (`now`, or w x y z), `tolerance` (3 angles [rad], or `free`), `axes`, `box`.
-        here: the pose that `now` means.
+    """Read the parameter `keep`; `here` is the pose that `now` means.
 
     Raises:
-        ValueError: a key or a value isn't one of these, or there is nothing to keep to.
+        ValueError: a key or a value isn't one that it has, or there is nothing to keep to.
     """
-    _known(keep, _KEYS, "keep")
-    if "orientation" not in keep and "box" not in keep:
-        raise ValueError("it holds an `orientation`, a `box` or both")
-    if "orientation" not in keep and ("tolerance" in keep or "axes" in keep):
-        raise ValueError("`tolerance` and `axes` belong to an `orientation`: `now`, or the numbers w, x, y, z")
+    said, faults = check_model(from_data(dict(keep)), _Keep, "keep")
+    if said is None:
+        raise ValueError(f"{'; '.join(message for message, _, _ in faults)} (it is {_FORM})")
     fields: dict[str, Value] = {}
-    if "orientation" in keep:
-        fields["orientation"] = _orientation(keep["orientation"], here)
-        fields["axes"] = keep.get("axes", "world")
-        fields["tolerance"] = _tolerance(keep.get("tolerance", (0.1, 0.1, FREE)))
-    if "box" in keep:
-        fields |= _box(keep["box"])
+    if said.orientation is not None:
+        fields["orientation"] = Pose(quaternion=here.quaternion if said.orientation == NOW else said.orientation)
+        fields["tolerance"] = tuple(np.inf if angle == FREE else angle for angle in said.tolerance)
+        fields["axes"] = said.axes
+    if said.box is not None:
+        fields |= {"box": Pose(said.box.position, said.box.quaternion), "size": said.box.size}
     return PathConstraint(**fields)
-
-
-def _orientation(given: object, here: Pose) -> Pose:
-    if given == NOW:
-        return Pose(quaternion=here.quaternion)
-    if isinstance(given, str):
-        raise ValueError(f"orientation is `{NOW}` or the numbers w, x, y, z, not {given!r}{nearest(given, [NOW])}")
-    return Pose(quaternion=_numbers(given, 4, "orientation"))
-
-
-def _tolerance(given: object) -> tuple[float, ...]:
-    if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 3:
-        raise ValueError(f"tolerance is 3 angles [rad], each a number or `{FREE}`, not {given!r}")
-    return tuple(_numbers([np.inf if angle == FREE else angle for angle in given], 3, "tolerance"))
-
-
-def _box(given: object) -> dict[str, Value]:
-    if not isinstance(given, Mapping) or "position" not in given or "size" not in given:
-        raise ValueError("box is `{position: [x, y, z], size: [x, y, z]}`: its centre and edge lengths [m]")
-    _known(given, _BOX, "box")
-    centre = Pose(
-        _numbers(given["position"], 3, "box: position"),
-        _numbers(given.get("quaternion", (1, 0, 0, 0)), 4, "box: quaternion"),
-    )
-    return {"box": centre, "size": tuple(_numbers(given["size"], 3, "box: size"))}
-
-
-def _numbers(given: Any, count: int, name: str) -> list[float]:
-    fits = isinstance(given, Sequence) and not isinstance(given, str) and len(given) == count
-    if not fits or not all(isinstance(x, int | float) and not isinstance(x, bool) for x in given):
-        raise ValueError(f"{name} is {count} numbers, not {given!r}")
-    return [float(x) for x in given]
-
-
-def _known(given: Mapping[str, object], keys: tuple[str, ...], where: str) -> None:
-    for key in given:
-        if key not in keys:
-            raise ValueError(f"{where} has no {key!r}{nearest(key, keys)} (available: {listing(keys)})")

@@ -8,14 +8,13 @@ from functools import partial
 
 import numpy as np
 
-from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import SensorError, ViewBlockedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Camera, Context, Sensor
-from grip_bt.base.steps import Steps, run_steps
+from grip_bt.base.steps import Steps
 from grip_bt.base.types import Value
 from grip_bt.base.values import Grasp, JointState, PointCloud, RgbdFrame
-from grip_bt.nodes.arm import ArmLeaf
+from grip_bt.nodes.arm import ArmLeaf, expect_state
 from grip_bt.nodes.camera_views import Change, Thresholds, compare, outline, robot_pixels, share, within
 from grip_bt.nodes.evidence import Evidence, EvidenceLimits, hand_evidence, holds, image_evidence, sight_evidence
 from grip_bt.nodes.hand import HandLeaf
@@ -136,10 +135,7 @@ class Holds(HandLeaf):
     whether the object's place is empty.
     """
 
-    def start(self) -> Operation[list[Evidence]]:
-        return run_steps(self._steps())
-
-    def _steps(self) -> Steps[list[Evidence]]:
+    def start(self) -> Steps[list[Evidence]]:
         p = self.params
         evidence = hand_evidence(self.hand, EvidenceLimits(p["force"], p["links"], p["least_open"], p["most_moved"]))
         before, after, grasp = self.read("before"), self.read("after"), self.read("grasp")
@@ -182,14 +178,9 @@ class ClearView(ArmLeaf):
         super().prepare()
         self.camera = self.context.camera(self.params["sensor"])
         _check_region(self.path, self.params["region"])
-        states = self.arm.named_states()
-        if self.params["state"] not in states:
-            raise UnknownNameError("named state", self.params["state"], states, where=self.path)
+        expect_state(self.arm, self.params["state"], self.path)
 
-    def start(self) -> Operation[JointState]:
-        return run_steps(self._steps())
-
-    def _steps(self) -> Steps[JointState]:
+    def start(self) -> Steps[JointState]:
         try:
             self.camera.info()
         except SensorError:  # of a camera on topics nothing is known before its first frame

@@ -60,10 +60,7 @@ class Place(ArmHandLeaf):
 
     _object: str = ""
 
-    def start(self) -> Operation[JointState]:
-        return run_steps(self._steps())
-
-    def _steps(self) -> Steps[JointState]:
+    def start(self) -> Steps[JointState]:
         held = self.context.scene().attached(self.hand.name)
         if not held:
             raise NothingHeldError(f"the scene has nothing attached to the hand {self.hand.name!r}")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import queue
-import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from grip_bt.base.errors import MissingPartError, UnknownNameError
@@ -60,30 +58,22 @@ class RunParts:
 
 
 class RunContext:
-    """Implements `grip_bt.base.ports.Context`, where its methods are described, over mappings.
+    """Implements `grip_bt.base.ports.Context`, where its methods are described, over mappings."""
 
-    Args:
-        workers: how many threads run blocking code at most; as many as are needed where a simulated world waits for it.
-    """
-
-    def __init__(self, clock: Clock | None = None, parts: RunParts | None = None, workers: int = 4):
+    def __init__(self, clock: Clock | None = None, parts: RunParts | None = None):
         parts = parts or RunParts()
         self.clock: Clock = clock if clock is not None else WallClock()
         self._motions = Motions()
-        self._arms: dict[str, Arm] = self._moved(parts.arms)
-        self._hands: dict[str, Hand] = self._moved(parts.hands)
-        self._cameras, self._components = dict(parts.cameras), dict(parts.components)
-        self._scene, self._sensors, self._ros = parts.scene, dict(parts.sensors), parts.ros
         self.lockstep = lockstep = parts.lockstep
+        parts = replace(parts, arms=self._moved(parts.arms), hands=self._moved(parts.hands))
         if lockstep is not None:
-            self._components = {name: InTurn(part, lockstep) for name, part in self._components.items()}
-            self._sensors = {name: InTurn(part, lockstep) for name, part in self._sensors.items()}
-            self._ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
-        self._messages = parts.messages
-        self._workers = Workers(workers if lockstep is None else sys.maxsize)
+            ros = None if parts.ros is None else InTurn(parts.ros, lockstep, waiting=MESSAGES)
+            components = {name: InTurn(part, lockstep) for name, part in parts.components.items()}
+            sensors = {name: InTurn(part, lockstep) for name, part in parts.sensors.items()}
+            parts = replace(parts, components=components, sensors=sensors, ros=ros)
+        self._parts = parts
         self.preempt_requests = 0
         self._pausable = [part for part in (*parts.pausable, self.clock) if isinstance(part, Pausable)]
-        self._measure = parts.measure
         self._used: dict[int, Arm | Hand] = {}
         self._pausing = threading.RLock()  # a part that goes on may end what has another one let go
         self._paused = False
@@ -104,7 +94,7 @@ class RunContext:
         self.waker.wake_at(time)
 
     def run_in_worker(self, work: Callable[[], T]) -> Operation[T]:
-        return self._workers.run(work) if self.lockstep is None else self.lockstep.work(self._workers.run, work)
+        return in_worker(work) if self.lockstep is None else self.lockstep.work(in_worker, work)
 
     def left(self, path: str, work: Operation[Any]) -> None:
         self._motions.left(path, work)
@@ -125,32 +115,32 @@ class RunContext:
         return over
 
     def arm(self, name: str) -> Arm:
-        arm = _named("arm", self._arms, name)
+        arm = _named("arm", self._parts.arms, name)
         self._used[id(arm)] = arm
         return arm
 
     def hand(self, name: str) -> Hand:
-        hand = _named("hand", self._hands, name)
+        hand = _named("hand", self._parts.hands, name)
         self._used[id(hand)] = hand
         return hand
 
     def camera(self, name: str) -> Camera:
-        return _named("sensor", self._cameras, name)
+        return _named("sensor", self._parts.cameras, name)
 
     def component(self, name: str) -> Component:
-        return _named("component", self._components, name)
+        return _named("component", self._parts.components, name)
 
     def scene(self) -> Scene:
-        return _there(self._scene, "a planning scene", "run with a robot: `grip run TASK --robot sim`")
+        return _there(self._parts.scene, "a planning scene", "run with a robot: `grip run TASK --robot sim`")
 
     def sensor(self, name: str) -> Sensor:
-        return _named("sensor", self._sensors, name)
+        return _named("sensor", self._parts.sensors, name)
 
     def ros(self) -> Ros:
-        return _there(self._ros, "a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
+        return _there(self._parts.ros, "a connection to ROS", "run without `--robot fake`, and see `grip doctor`")
 
     def messages(self) -> Messages:
-        return _there(self._messages, "a store of named messages", "run the task in a project: `grip new DIR`")
+        return _there(self._parts.messages, "a store of named messages", "run the task in a project: `grip new DIR`")
 
     # --- for the runner ---
 
@@ -180,81 +170,34 @@ class RunContext:
 
     def rest(self, within: float) -> Rest:
         """Measure the arms and hands that leaves have asked for until they stand still, at most `within` [s]."""
-        return measured_rest(self.moving(), self._measure, within)
+        return measured_rest(self.moving(), self._parts.measure, within)
 
     def moving(self) -> list[Arm | Hand]:
         """Return the arms and hands that leaves have asked for: what has to hold when the run is stopped."""
         return list(self._used.values())
 
 
-class Workers:
-    """A small pool that starts its threads, at most `limit`, when they are needed.
+def in_worker(work: Callable[[], T]) -> Operation[T]:
+    """Run `work()` in a thread of its own.
 
     Code can't be interrupted: when its operation is cancelled, the operation ends at once and stays `busy` until the
-    code returns. Its thread doesn't count any more and ends then, so that what hangs takes no place in the pool.
+    code returns.
     """
+    operation: Operation[T] = Operation()
+    operation.busy = True
 
-    def __init__(self, limit: int = 4):
-        self._limit = limit
-        self._queue: queue.SimpleQueue[tuple[Operation[Any], Callable[[], Any]]] = queue.SimpleQueue()
-        self._lock = threading.Lock()
-        self._threads = self._waiting = 0
-
-    def run(self, work: Callable[[], T]) -> Operation[T]:
-        """Run `work()` in a worker; an operation that is cancelled before it began isn't begun."""
-        operation: Operation[T] = Operation()
-        with self._lock:
-            self._queue.put((operation, work))
-            self._waiting += 1
-            self._staff()
-        return operation
-
-    def _staff(self) -> None:
-        """Start a thread when there is more work than free threads; with the lock held."""
-        if self._waiting > 0 and self._threads < self._limit:
-            self._threads += 1
-            threading.Thread(target=self._serve, name="grip_worker", daemon=True).start()
-
-    def _serve(self) -> None:
-        while True:
-            with self._lock:
-                if self._waiting == 0:
-                    self._threads -= 1
-                    return
-                operation, work = self._queue.get_nowait()
-                self._waiting -= 1
-                operation.busy = not operation.done()
-            if operation.busy and not self._do(operation, work):
-                return
-
-    def _do(self, operation: Operation[Any], work: Callable[[], object]) -> bool:
-        left_alone = threading.Event()
-        working = threading.Lock()
-        over = False
-
-        def ended_early() -> None:
-            with working:
-                if over:
-                    return
-                left_alone.set()
-            with self._lock:
-                self._threads -= 1
-                self._staff()
-
-        operation.add_done_callback(ended_early)
-        result, error = None, None
+    def serve() -> None:
         try:
             result = work()
-        except BaseException as raised:  # noqa: BLE001 - handed to the owner, who raises it
-            error = raised
-        with working:
-            over = True
-        operation.busy = False
-        if error is not None:
+        except BaseException as error:  # noqa: BLE001 - handed to the owner, who raises it
+            operation.busy = False
             operation.fail(error)
         else:
+            operation.busy = False
             operation.succeed(result)
-        return not left_alone.is_set()
+
+    threading.Thread(target=serve, name="grip_worker", daemon=True).start()
+    return operation
 
 
 _ONE = {"arm": "an arm", "hand": "a hand", "sensor": "a sensor"}

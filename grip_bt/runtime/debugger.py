@@ -124,11 +124,10 @@ class Debugger(Observer):
 
     # --- for whoever controls the run; from any thread ---
 
-    def set(self, node: str, when: str = "", outcome: str | None = None, condition: str = "") -> Breakpoint:
+    def set(
+        self, node: str, when: str = "", outcome: str | None = None, condition: str = "", once: bool = False
+    ) -> Breakpoint:
         """Set a breakpoint; see `make_breakpoint`."""
-        return self._add(node, when, outcome, condition)
-
-    def _add(self, node: str, when: str, outcome: str | None, condition: str, once: bool = False) -> Breakpoint:
         with self._lock:
             point = make_breakpoint(self._compiled, self._count + 1, node, when, outcome, condition, once)
             self._count += 1
@@ -153,7 +152,7 @@ class Debugger(Observer):
 
     def run_to(self, node: str, when: str = "") -> Breakpoint:
         """Go on, and hold at `node` when the run comes there, once."""
-        point = self._add(node, when, None, "", once=True)
+        point = self.set(node, when, once=True)
         self._pacing.resume()
         return point
 

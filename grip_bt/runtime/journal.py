@@ -27,7 +27,7 @@ import numpy as np
 
 from grip_bt.base.files import Closing
 
-from .journal_events import MOST, checksum, pack_numbers, pack_times
+from .journal_events import MOST, checksum, packed
 from .journal_rows import JournalError, prepare_to_write, process_facts
 from .value_codec import encode, preview
 
@@ -52,8 +52,6 @@ LIMIT = 2_000_000
 """Events that may wait for the writer; beyond that, whoever appends waits for it."""
 _INLINE = 512
 """Values of at most so many bytes stand in the event itself."""
-_SAME = 1e-3
-"""Where the run's clock and the wall's differ by a constant, to so much [s], wall times of events aren't written."""
 _Key = tuple[str, str, str | None, str | None]
 
 
@@ -171,20 +169,14 @@ class _RunWriter:
         count = len(paths)
         names = np.fromiter(map(self._ids.get, zip(paths, whats, strict=True), repeat(-1)), np.int64, count)
         data: dict[int, Any] = {}
-        writes = 0
         for i in np.flatnonzero(names < 0).tolist():
             names[i] = self._name(paths[i], whats[i])
             if isinstance(whats[i], DetailedEvent) and (more := self._data(whats[i])):
                 data[i] = more
-                writes += whats[i].event == "write"
-        since_epoch = time.time() - time.monotonic()
-        apart = moments - t + since_epoch
-        together = bool(np.ptp(apart) < _SAME)  # the run's clock went as the wall's
-        wall, offset = (None, float(apart[0])) if together else (pack_times(moments + since_epoch), None)
         text = json.dumps(data, default=str) if data else None
-        row = (self.last + 1, self.last + count, pack_numbers(names), pack_times(t), wall, offset, text)
-        values = (self._log.id, *row, writes, checksum(row))
-        self._database.execute("INSERT INTO blocks VALUES(?,?,?,?,?,?,?,?,?,?)", values)
+        content = packed(names, t, moments + (time.time() - time.monotonic()))
+        row = (self.last + 1, self.last + count, content, text)
+        self._database.execute("INSERT INTO blocks VALUES(?,?,?,?,?,?)", (self._log.id, *row, checksum(*row)))
         self.last += count
 
     def _name(self, path: str, what: Any) -> int:
@@ -224,6 +216,7 @@ class _RunWriter:
             type_name = (noted.data or {}).get("type")
             row = (digest, type_name, len(content), zlib.compress(content, 1))
             self._database.execute("INSERT INTO big_values VALUES(?,?,?,?)", row)
+        self._database.execute("INSERT OR IGNORE INTO uses VALUES(?,?)", (self._log.id, digest))
         return {"hash": digest, "size": len(content)}
 
 

@@ -12,61 +12,18 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-SMALLEST = 256
-"""Columns of fewer bytes aren't compressed."""
-
-_RAW, _DEFLATED = b"r", b"z"
-
-
-def pack_numbers(ids: NDArray[np.int64]) -> bytes:
-    """Return whole numbers >= 0 in the fewest of 1, 2 or 4 bytes that hold them all; the first byte says which."""
-    largest = int(ids.max(initial=0))
-    width = 1 if largest < 2**8 else 2 if largest < 2**16 else 4
-    return bytes([width]) + _squeezed(ids.astype(f"<u{width}").tobytes())
+_ROW = np.dtype([("name", "<u4"), ("t", "<f8"), ("behind", "<f8")])
+"""Of an event: the number of what it is of, its time on the run's clock, and how far the wall's is from that [s]."""
+_SAME = 1e-3
+"""Where the run's clock and the wall's differ by a constant, to so much [s], it is one constant."""
 
 
-def unpack_numbers(packed: bytes, count: int) -> NDArray[np.int64]:
-    """Undo `pack_numbers`; ValueError where these aren't `count` numbers."""
-    width = packed[0]
-    if width not in (1, 2, 4):
-        raise ValueError(f"numbers of {width} bytes")
-    return np.frombuffer(_expanded(packed[1:], width * count), f"<u{width}").astype(np.int64)
-
-
-def pack_times(times: NDArray[np.float64]) -> bytes:
-    """Return times [s], exactly; first all lowest bytes, ... last all highest, which hardly differ."""
-    planes = times.astype("<f8").view(np.uint8).reshape(-1, 8).T
-    return _squeezed(planes.tobytes())
-
-
-def unpack_times(packed: bytes, count: int) -> NDArray[np.float64]:
-    """Undo `pack_times`; ValueError where these aren't `count` times."""
-    planes = np.frombuffer(_expanded(packed, 8 * count), np.uint8).reshape(8, -1)
-    return np.ascontiguousarray(planes.T).view("<f8").reshape(-1)
-
-
-def _squeezed(content: bytes) -> bytes:
-    if len(content) >= SMALLEST:
-        smaller = zlib.compress(content, 1)
-        if len(smaller) < len(content):
-            return _DEFLATED + smaller
-    return _RAW + content
-
-
-def _expanded(packed: bytes, size: int) -> bytes:
-    content = expanded(packed[1:], size) if packed[:1] == _DEFLATED else packed[1:]
-    if len(content) != size:
-        raise ValueError(f"{len(content)} bytes in place of {size}")
-    return content
-
-
-def expanded(deflated: bytes, size: int) -> bytes:
-    """Return what was deflated, and no more of it than one byte over `size`.
-
-    Raises:
-        zlib.error: it wasn't.
-    """
-    return zlib.decompressobj().decompress(deflated, size + 1)
+def packed(names: NDArray[np.int64], times: NDArray[np.float64], walls: NDArray[np.float64]) -> bytes:
+    """Return the columns of a block, deflated: first all lowest bytes, ... last all highest, which hardly differ."""
+    rows, behind = np.empty(len(names), _ROW), walls - times
+    together = np.ptp(behind) < _SAME
+    rows["name"], rows["t"], rows["behind"] = names, times, behind[0] if together else behind
+    return zlib.compress(rows.view(np.uint8).reshape(-1, _ROW.itemsize).T.tobytes(), 1)
 
 
 MOST = 65536
@@ -78,8 +35,6 @@ Name = tuple[str, str, str | None, str | None]
 """Of an event: path, kind, outcome and code."""
 _LONGEST = 1e10
 """No time of a journal is later [s]: some 300 years."""
-_WORDS = ("variable", "type", "preview", "text", "message", "status", "state", "how", "part", "where", "traceback")
-_TABLES = ("options", "restored", "anew", "forked_from", "outcomes")
 
 
 @dataclass(frozen=True)
@@ -116,25 +71,10 @@ def is_name(path: object, kind: object, outcome: object, code: object) -> bool:
     return plain and isinstance(outcome, str | None) and isinstance(code, str | None)
 
 
-def checksum(columns: tuple[object, ...]) -> int:
-    """Return the CRC-32 of a block's columns, from `first` to `data`."""
-    total = 0
-    for column in columns:
-        content = column if isinstance(column, bytes) else repr(column).encode(errors="backslashreplace")
-        total = zlib.crc32(content, total)
-    return total
-
-
-def sound(kind: str, data: object) -> dict[str, Any]:
-    """Return an event's data with fields of the types that readers rely on; ValueError where it has no such data."""
-    if not isinstance(data, dict) or any(not isinstance(data.get(key, {}), dict) for key in _TABLES):
-        raise ValueError(f"the data of an event ({kind}) isn't what its kind has")
-    for key in _WORDS:
-        if key in data and not isinstance(data[key], str):
-            data[key] = str(data[key])
-    if kind == "write" and "variable" not in data or kind == "kept" and "part" not in data:
-        raise ValueError(f"an event ({kind}) doesn't say of what")
-    return data
+def checksum(first: int, last: int, content: object, data: object) -> int:
+    """Return the CRC-32 of a block."""
+    head = zlib.crc32(f"{first} {last} {data}".encode(errors="backslashreplace"))
+    return zlib.crc32(content if isinstance(content, bytes) else repr(content).encode(), head)
 
 
 def unpacked(
@@ -142,30 +82,27 @@ def unpacked(
 ) -> list[tuple[int, float, float, Name, dict[str, Any]]]:
     """Return what a block says of `part` of its events: index, time, wall time, what it is of, data.
 
-    The row is first, last, name, t, wall, wall_offset, data, and the checksum, if it has one.
+    The row is first, last, content, data, and the checksum.
 
     Raises:
         ValueError: it is damaged.
     """
-    *columns, total = row
-    if total is not None and total != checksum(tuple(columns)):
+    *said, total = row
+    if total != checksum(*said):
         raise ValueError("its bytes aren't those that were written")
-    first, last, packed, t, wall, offset, text = columns
-    count = last - first + 1
-    try:
-        numbers, times = unpack_numbers(packed, count), unpack_times(t, count)
-        walls = times + offset if wall is None else unpack_times(wall, count)
-        data = {int(i): more for i, more in json.loads(text).items()} if text else {}
-    except (TypeError, KeyError, IndexError, AttributeError, RecursionError, zlib.error) as error:
-        raise ValueError(f"{type(error).__name__}: {error}") from error
-    if not (abs(times) <= _LONGEST).all() or not (abs(walls) <= _LONGEST).all():
-        raise ValueError("it has times that are none")
-    wanted = range(*part.indices(count))
-    unknown = {number for number in numbers[part].tolist() if number not in names}
+    first, last, content, text = said
+    rows = (
+        np.frombuffer(zlib.decompress(content), np.uint8).reshape(_ROW.itemsize, -1).T.copy().view(_ROW).ravel()[part]
+    )
+    data = json.loads(text) if text else {}
+    unknown = {number for number in rows["name"].tolist() if number not in names}
     if unknown:
         raise ValueError(f"what its events are of isn't there (numbers {', '.join(map(str, sorted(unknown)[:3]))})")
-    rest = zip(wanted, numbers[part].tolist(), times[part].tolist(), walls[part].tolist(), strict=True)
-    return [(i, at, on, names[n], sound(names[n][1], data.get(i, {}))) for i, n, at, on in rest]
+    wanted = range(*part.indices(last - first + 1))
+    return [
+        (i, at, at + behind, names[n], data.get(str(i), {}))
+        for i, (n, at, behind) in zip(wanted, rows.tolist(), strict=True)
+    ]
 
 
 Phase = Literal["running", "ended", "interrupted", "error"]

@@ -14,7 +14,7 @@ from typing import Any
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.files import Closing
 
-from .journal_events import DAMAGED, MOST, Event, Name, checksum, expanded, is_name, is_time, unpacked
+from .journal_events import DAMAGED, MOST, Event, Name, checksum, is_name, is_time, unpacked
 from .journal_rows import JournalError, Rows, is_there
 from .value_codec import OpaqueValueError, decode
 
@@ -22,7 +22,7 @@ PAGE = 10_000
 """Events that `iterate` holds at a time."""
 _GOOD = f"typeof(first)='integer' AND typeof(last)='integer' AND last BETWEEN first AND first+{MOST - 1} AND first>0"
 """Blocks whose place among the events is known."""
-_BLOCKS = "SELECT first, last, name, t, wall, wall_offset, data, sum FROM blocks"
+_BLOCKS = "SELECT first, last, content, data, sum FROM blocks"
 _COLUMNS = "id, task_name, task_path, task_text, target, seed, started, ended, status, outcome"
 
 
@@ -104,7 +104,7 @@ class JournalReader(Closing):
         """
         after, bad = 0, 0
         for row in self._stored(run, 0):
-            spoilt = row[-1] is not None and row[-1] != checksum(row[:-1])
+            spoilt = row[-1] != checksum(*row[:-1])
             first, last = row[0], self._end_of(run, row) if spoilt else row[1]
             if last > after:
                 bad += max(0, first - after - 1) + (last - max(first, after + 1) + 1 if spoilt else 0)
@@ -161,7 +161,7 @@ class JournalReader(Closing):
         if not rows:
             raise UnknownNameError("value", str(hash), [], str(self.file))
         try:
-            content = expanded(rows[0][1], int(rows[0][0]))
+            content = zlib.decompressobj().decompress(rows[0][1], int(rows[0][0]) + 1)
         except (zlib.error, TypeError, ValueError, OverflowError, MemoryError):
             content = b""
         if hashlib.blake2b(content, digest_size=16).hexdigest() != hash:
@@ -211,8 +211,7 @@ class JournalReader(Closing):
 
     def _writes(self, run: str) -> Iterator[Event]:
         done = 0
-        some = "(writes IS NOT 0 OR instr(data, '\"variable\"'))"  # no checksum covers that number
-        sql = f"SELECT first, last FROM blocks WHERE run=? AND {some} AND {_GOOD} ORDER BY first"
+        sql = f"SELECT first, last FROM blocks WHERE run=? AND instr(data, '\"variable\"') AND {_GOOD} ORDER BY first"
         pages = (self.events(run, first - 1, last - first + 1) for first, last in self._rows.query(sql, run))
         for event in chain.from_iterable(pages):
             if event.event == "write" and done < event.seq:  # pages overlap where blocks are damaged

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 import socket
 import sqlite3
 import threading
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -42,7 +40,7 @@ def _begun(pid: int) -> int | None:
         return None
 
 
-VERSION = 2
+VERSION = 3
 """Of the tables, kept in `PRAGMA user_version`; 0 where there are none yet."""
 
 _TABLES = """
@@ -53,13 +51,15 @@ CREATE TABLE IF NOT EXISTS names(
   run TEXT, id INTEGER, path TEXT, event TEXT, outcome TEXT, code TEXT,
   PRIMARY KEY(run, id)) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS blocks(
-  run TEXT, first INTEGER, last INTEGER, name BLOB, t BLOB, wall BLOB, wall_offset REAL, data TEXT, writes INTEGER,
-  sum INTEGER,
+  run TEXT, first INTEGER, last INTEGER, content BLOB, data TEXT, sum INTEGER,
   PRIMARY KEY(run, first));
 CREATE TABLE IF NOT EXISTS processes(
   run TEXT PRIMARY KEY, pid INTEGER, since INTEGER, host TEXT);
 CREATE TABLE IF NOT EXISTS big_values(
   hash TEXT PRIMARY KEY, type TEXT, size INTEGER, content BLOB);
+CREATE TABLE IF NOT EXISTS uses(
+  run TEXT, hash TEXT,
+  PRIMARY KEY(run, hash)) WITHOUT ROWID;
 """
 
 
@@ -143,7 +143,6 @@ class Rows:
 
 ROOM = 0.9
 """Part of the limit that is left in use: a journal that has reached it isn't looked through after each run."""
-_HASH = re.compile(r'"hash": ?"([0-9a-f]{32})"')
 
 
 @dataclass(frozen=True)
@@ -195,8 +194,6 @@ def _in_use(database: sqlite3.Connection) -> int:
 
 def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], bool]) -> Iterable[str]:
     removed: list[str] = []
-    users: dict[str, set[str]] = defaultdict(set)  # hash of a big value -> runs that have written it
-    seen = _take_note(database, users, 0)
     rows = database.execute("SELECT id, status FROM runs ORDER BY started").fetchall()
     for run, status in rows[:-1]:
         if _in_use(database) <= limit * ROOM:
@@ -204,26 +201,12 @@ def _make_room(database: sqlite3.Connection, limit: int, keep: Callable[[str], b
         if status == "running" and keep(run):
             continue
         database.execute("BEGIN IMMEDIATE")
-        seen = _take_note(database, users, seen)  # what was written meanwhile
-        for table, key in (("blocks", "run"), ("names", "run"), ("processes", "run"), ("runs", "id")):
+        for table, key in (("blocks", "run"), ("names", "run"), ("processes", "run"), ("uses", "run"), ("runs", "id")):
             database.execute(f"DELETE FROM {table} WHERE {key}=?", (run,))
-        for hash, runs in list(users.items()):
-            runs.discard(run)
-            if not runs:
-                database.execute("DELETE FROM big_values WHERE hash=?", (hash,))
-                del users[hash]
+        database.execute("DELETE FROM big_values WHERE hash NOT IN (SELECT hash FROM uses)")
         database.execute("COMMIT")
         removed.append(run)
     return removed
-
-
-def _take_note(database: sqlite3.Connection, users: dict[str, set[str]], after: int) -> int:
-    rows = database.execute("SELECT rowid, run, data FROM blocks WHERE rowid > ? ORDER BY rowid", (after,))
-    for row, run, data in rows:
-        after = row
-        for hash in _HASH.findall(data or ""):
-            users[hash].add(run)
-    return after
 
 
 def _vacuum(database: sqlite3.Connection) -> None:

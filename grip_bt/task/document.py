@@ -194,18 +194,9 @@ class Document:
             return YamlEntry("", self.tree, self.tree.line, self.tree.column)
         entry: YamlEntry | None = self.tree.entries["root"]
         for name in path.split("/") if path != "/" else ():
-            entry = _child(entry, name)
+            held = next((found for key in CHILDREN if entry and (found := inner(entry.value, key))), None)
+            entry = inner(held.value, name) if held else None
         return entry
-
-
-def _child(entry: YamlEntry | None, name: str) -> YamlEntry | None:
-    if entry is None or not isinstance(entry.value, YamlMapping):
-        return None
-    for key in CHILDREN:
-        children = entry.value.entries.get(key)
-        if children is not None and isinstance(children.value, YamlMapping):
-            return children.value.entries.get(name)
-    return None
 
 
 def read(source: Path | str) -> Document:

@@ -102,7 +102,7 @@ def test_the_list_of_runs_marks_what_is_damaged(page: TestClient, project: Path,
         whole.append(1.0, "first", "exit", "success", None, {})
         whole.end("success", None)
     with closing(sqlite3.connect(file)) as database, database:
-        changed = "UPDATE blocks SET t=substr(t, 1, 3) || x'55' || substr(t, 5) WHERE run=?"
+        changed = "UPDATE blocks SET content=substr(content, 1, 3) || x'55' || substr(content, 5) WHERE run=?"
         assert database.execute(changed, (written,)).rowcount
     for _ in range(2):  # looked for, then known
         said = {run["id"]: run["damage"] for run in page.get("/api/runs").json()}

@@ -45,18 +45,18 @@ def test_a_box_bounds_the_origin_in_its_own_attitude():
 @pytest.mark.parametrize(
     ("keep", "words"),
     [
-        ({"orientaton": "now"}, "keep has no 'orientaton'; did you mean 'orientation'"),
+        ({"orientaton": "now"}, "unknown key 'orientaton' in keep; did you mean 'orientation'"),
         ({"tolerance": [1, 1, 1]}, "an `orientation`, a `box` or both"),
         ({"box": {"position": [0, 0, 0], "size": [1, 1, 1]}, "axes": "own"}, "belong to an `orientation`"),
-        ({"orientation": "here"}, "orientation is `now` or the numbers w, x, y, z, not 'here'"),
-        ({"orientation": [1, 0, 0]}, "orientation is 4 numbers"),
-        ({"orientation": "now", "tolerance": [0.1, 0.1]}, "3 angles"),
-        ({"orientation": "now", "tolerance": [0.1, 0.1, "any"]}, "tolerance is 3 numbers"),
+        ({"orientation": "here"}, "not 'here' (it is {orientation: now or [w, x, y, z]"),
+        ({"orientation": [1, 0, 0]}, "(it is {orientation: now or [w, x, y, z]"),
+        ({"orientation": "now", "tolerance": [0.1, 0.1]}, "tolerance: [3 angles"),
+        ({"orientation": "now", "tolerance": [0.1, 0.1, "any"]}, "not 'any' (it is"),
         ({"orientation": "now", "tolerance": [0.1, 0.1, 0]}, "3 positive numbers"),
-        ({"orientation": "now", "axes": "mine"}, "`world` or `own`, not 'mine'"),
-        ({"box": {"position": [0, 0, 0]}}, "its centre and edge lengths"),
+        ({"orientation": "now", "axes": "mine"}, "'world' or 'own', not 'mine'"),
+        ({"box": {"position": [0, 0, 0]}}, "the key 'size' is missing"),
         ({"box": {"position": [0, 0, 0], "size": [1, 1, -1]}}, "3 positive numbers"),
-        ({"box": {"position": [0, 0, 0], "size": [1, 1, 1], "centre": 1}}, "box has no 'centre'"),
+        ({"box": {"position": [0, 0, 0], "size": [1, 1, 1], "centre": 1}}, "unknown key 'centre' in box"),
     ],
 )
 def test_what_is_said_wrongly_is_refused_with_what_is_allowed(keep, words):

@@ -95,15 +95,15 @@ def test_what_is_written_while_runs_are_removed_is_kept(file: Path, monkeypatch:
     with Journal(file) as journal:
         old = write(journal, shared)
         write(journal, noise(8))
-        seen, newer = journal_rows._take_note, []
+        size, looks, newer = journal_rows._in_use, [], []
 
-        def note(*args: Any) -> int:
-            result = seen(*args)
-            if not newer:  # between the first look and the removal, another run writes the same value
+        def look(*args: Any) -> int:
+            looks.append(size(*args))
+            if len(looks) == 2:  # between the choice of runs and the removal, another run writes the same value
                 newer.append(write(journal, shared))
-            return result
+            return looks[-1]
 
-        monkeypatch.setattr(journal_rows, "_take_note", note)
+        monkeypatch.setattr(journal_rows, "_in_use", look)
         pruned = prune(file, 130 * KIB)
     assert pruned.runs[0] == old
     assert newer[0] not in pruned.runs

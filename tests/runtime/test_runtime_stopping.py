@@ -269,8 +269,8 @@ def test_waiting_is_no_hanging(target: Any, monkeypatch: Any) -> None:
     assert run.join().status == "success"
 
 
-def test_work_that_hangs_takes_no_place_in_the_pool() -> None:
-    context, block = RunContext(workers=1), threading.Event()
+def test_work_that_hangs_keeps_no_other_work_waiting() -> None:
+    context, block = RunContext(), threading.Event()
     hanging = context.run_in_worker(lambda: block.wait(120))
     while not hanging.busy:
         time.sleep(0.001)

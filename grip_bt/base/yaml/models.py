@@ -110,7 +110,8 @@ def diagnostic_of(tree: YamlMapping, error: ErrorDetails) -> Diagnostic:
         asked = next(words for mark, words in _PATTERNS.items() if mark in error["ctx"]["pattern"])
         message = f"{error['input']!r} isn't {asked}"
     elif error["type"] == "tuple_type" and isinstance(error["input"], str | int | float):
-        message = f"expected a list: write [{', '.join(str(error['input']).split())}], not {error['input']!r}"
+        items = ", ".join(f'"{word}"' if "{" in word else word for word in re.findall(r"[^,\s]+", str(error["input"])))
+        message = f"expected a list: write [{items}], not {error['input']!r}"
     elif error["type"] == "union_tag_not_found":
         message = "a node is a mapping with `node:` or `kind:`"
     elif error["type"] == "dict_type":

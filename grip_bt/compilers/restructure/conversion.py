@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from grip_bt.base.errors import listing
 from grip_bt.base.frozen import FrozenDict
-from grip_bt.compilers.machine_table import interrupts, lead
+from grip_bt.compilers.machine_table import interrupts, leads
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.compilers.restructure.composites import PLAIN, Composer
 from grip_bt.compilers.restructure.regions import (
@@ -257,10 +257,8 @@ def _structure(part: Part, ticker: Part | None) -> Region | _Stays:
 
 def _arcs(part: Part, index: int) -> list[Arc]:
     """Return how a child ends and where that leads; the codes of an outcome come after it."""
-    child, edges = part.children[index], part.edges if isinstance(part.node, StateMachine) else part.exits
-    result = []
-    for outcome, meaning in child.meaning.items():
-        for code in (None, *sorted(edges.codes(child.name, outcome))):
-            way = lead(part, index, outcome, code)
-            result.append(Arc(child.name, outcome, code, meaning, str(way.to or way.end)))
-    return result
+    child = part.children[index]
+    return [
+        Arc(child.name, outcome, code, child.meaning[outcome], str(way.to or way.end))
+        for outcome, code, way in leads(part, index)
+    ]

@@ -10,10 +10,10 @@ from typing import Any
 from grip_bt.base.errors import NotExpressibleError
 from grip_bt.base.frozen import FrozenDict
 from grip_bt.base.yaml.writer import WIDTH
-from grip_bt.compilers.machine_table import lead
+from grip_bt.compilers.machine_table import leads
 from grip_bt.compilers.resolve import Part
 from grip_bt.task import dumps
-from grip_bt.task.model import AnyNode, Fallback, Kind, Sequence, StateMachine, Task, join
+from grip_bt.task.model import AnyNode, Fallback, Sequence, StateMachine, Task, join
 
 Place = tuple[str, ...]
 """A node's names, from some node above it downwards."""
@@ -118,15 +118,8 @@ def successors(part: Part) -> list[str]:
 
     Without any, a container ends in the same tick as its child, whatever its kind is.
     """
-    found: dict[str, None] = {}
-    edges = part.edges if isinstance(part.node, Kind) and part.node.by_edges else part.exits
-    for index, child in enumerate(part.children):
-        for outcome in child.meaning:
-            for code in (None, *edges.codes(child.name, outcome)):
-                target = lead(part, index, outcome, code).to
-                if target is not None:
-                    found[target] = None
-    return list(found)
+    ways = [way for index in range(len(part.children)) for _, _, way in leads(part, index)]
+    return list(dict.fromkeys(way.to for way in ways if way.to is not None))
 
 
 def to_text(result: Restructured, form: str, source: str) -> str:

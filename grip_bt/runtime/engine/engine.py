@@ -10,13 +10,14 @@ from typing import Any
 from py_trees.behaviour import Behaviour
 from py_trees.composites import Composite
 
-from grip_bt.nodes.condition import Conditional
 from grip_bt.nodes.container import KindNode
+from grip_bt.nodes.node import Conditional
 
-from . import composites, containers
+from . import ours as own
+from . import theirs
 from .halting import Compiled, Stop, Tick, make_stop
 from .known import INVALID, LIFE_CYCLE, F, R, Rules, S, children_of, ours, overrides, regular, rules_of
-from .leaves import Verdict, by_generator, leaf, our_leaf
+from .theirs import Verdict
 
 _LEVELS = 150
 """What is deeper is left to py_trees, whose generators go deeper than functions that call functions."""
@@ -26,8 +27,6 @@ _VERDICTS = {
     Rules.SEQUENCE: Verdict(leave=(F, R, INVALID), onward=S),
     Rules.SELECTOR: Verdict(leave=(R, S), onward=F),
 }
-
-Visit = Callable[[Behaviour], None]
 
 
 class TickEngine:
@@ -39,16 +38,14 @@ class TickEngine:
 
     Args:
         root: any behaviour of py_trees.
-        visit: called with each node that `root.tick()` yields, which then ticks by itself; None for nobody.
         fixed: a promise that the tree isn't edited and no method of a node or of its class replaced while the engine is
             in use, which spares looking for it.
     """
 
-    def __init__(self, root: Behaviour, visit: Visit | None = None, *, fixed: bool = False):
+    def __init__(self, root: Behaviour, *, fixed: bool = False):
         self.root = root
-        self._visit, self._fixed = visit, fixed
-        if visit is None:
-            self._compile()
+        self._fixed = fixed
+        self._compile()
 
     def tick(self) -> None:
         """Do what `root.tick_once()` does.
@@ -56,10 +53,6 @@ class TickEngine:
         Raises:
             Exception: what a node raises, as it is; the tree is left as py_trees leaves it.
         """
-        if self._visit is not None:
-            for node in self.root.tick():
-                self._visit(node)
-            return
         if not self._fixed and self._changed():
             self._compile()
         self._tick()
@@ -90,13 +83,13 @@ def _compiled(node: Any, nodes: list[Behaviour], verdict: Verdict = _TO_EXHAUSTI
     nodes.append(node)
     rules = rules_of(node)
     if rules is Rules.OWN or level > _LEVELS or not regular(node, rules):
-        return Compiled(node, by_generator(node, verdict), node.stop)
+        return Compiled(node, theirs.by_generator(node, verdict), node.stop)
     below = _VERDICTS.get(rules, _TO_EXHAUSTION)
     parts = [_compiled(kid, nodes, below, level + 1) for kid in children_of(node, rules)]
     stop = make_stop(node, rules, parts)
     tick = _ticking(node, rules, parts, stop)
     if isinstance(node, Conditional):
-        tick = containers.conditional(node, tick)
+        tick = own.conditional(node, tick)
     plain = rules is Rules.LEAF and not (ours(node) or overrides(node, "initialise") or overrides(node, "terminate"))
     return Compiled(node, tick, stop, plain)
 
@@ -104,16 +97,16 @@ def _compiled(node: Any, nodes: list[Behaviour], verdict: Verdict = _TO_EXHAUSTI
 def _ticking(node: Any, rules: Rules, parts: list[Compiled], stop: Stop) -> Tick:
     match rules:
         case Rules.LEAF:
-            return our_leaf(node, stop) if ours(node) else leaf(node)
+            return own.our_leaf(node, stop) if ours(node) else theirs.leaf(node)
         case Rules.SEQUENCE:
-            return composites.sequence(node, parts, stop)
+            return theirs.sequence(node, parts, stop)
         case Rules.SELECTOR:
-            return composites.selector(node, parts, stop)
+            return theirs.selector(node, parts, stop)
         case Rules.PARALLEL:
-            return composites.parallel(node, parts, stop)
+            return theirs.parallel(node, parts, stop)
         case Rules.DECORATOR:
-            return composites.decorator(node, parts[0], stop)
-    return containers.automaton(node, parts, stop)
+            return theirs.decorator(node, parts[0], stop)
+    return own.automaton(node, parts, stop)
 
 
 def _watch(nodes: list[Any]) -> Callable[[], bool]:

@@ -13,10 +13,9 @@ from py_trees import behaviours, composites, decorators
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
-from grip_bt.nodes.condition import Conditional
 from grip_bt.nodes.container import KindNode
 from grip_bt.nodes.leaf import Leaf
-from grip_bt.nodes.node import Node
+from grip_bt.nodes.node import Conditional, Node
 
 S, F, R, INVALID = Status.SUCCESS, Status.FAILURE, Status.RUNNING, Status.INVALID
 VALID = tuple(Status)

@@ -85,10 +85,7 @@ class Start(Settings):
 
     @field_validator("command", mode="before")
     @classmethod
-    def _is_a_list_of_words(cls, value: object) -> object:
-        if isinstance(value, str):
-            words = ", ".join(f'"{word}"' if "{" in word else word for word in value.split())
-            raise ValueError(f"expected a list: write [{words}], not {value!r}")
+    def _quotes_the_python(cls, value: object) -> object:
         if isinstance(value, list) and {"python": None} in value:
             raise ValueError('{python} stands in quotation marks: write "{python}"')
         return value
@@ -231,9 +228,6 @@ class ComponentFile(Settings):
     def _number_of_outcomes(cls, value: object) -> object:
         if isinstance(value, int) and not isinstance(value, bool):
             return tuple(f"outcome_{i}" for i in range(value))
-        if isinstance(value, str):
-            words = ", ".join(re.findall(r"[^,\s]+", value))
-            raise ValueError(f"expected a list: write [{words}], not {value!r}")
         if isinstance(value, dict):
             in_order = ", ".join(map(str, sorted(value, key=value.__getitem__)))
             raise ValueError(f"they are numbered in their order: write [{in_order}], or give each a rule")

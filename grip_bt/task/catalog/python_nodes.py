@@ -24,6 +24,7 @@ from .source_code import imported
 _DECORATORS = ("grip_bt.leaf", "grip_bt.nodes.function.leaf")
 _ARGUMENTS = ("id", "doc", "outputs", "codes", "outcomes", "quick", "moves")
 _PORTS = ("Input", "Output", "Param")
+_Ports = tuple[dict[str, InputPort], dict[str, Parameter], dict[str, OutputPort]]
 _Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 
 
@@ -127,9 +128,7 @@ class _Source:
             ports[key.value] = OutputPort(type=self._type(value, key.value))
         return ports
 
-    def _ports_of_function(
-        self, item: ast.FunctionDef | ast.AsyncFunctionDef
-    ) -> tuple[dict[str, InputPort], dict[str, Parameter], dict[str, OutputPort]]:
+    def _ports_of_function(self, item: ast.FunctionDef | ast.AsyncFunctionDef) -> _Ports:
         arguments = item.args
         if arguments.vararg or arguments.kwarg:
             raise self._fault(item, f"{item.name}: a node takes a fixed number of arguments, not * or **")
@@ -144,12 +143,9 @@ class _Source:
                 parameters[argument.arg] = self._parameter(self._annotated(argument), argument.arg, default)
         return inputs, parameters, {}
 
-    def _ports_of_class(
-        self, item: ast.ClassDef
-    ) -> tuple[dict[str, InputPort], dict[str, Parameter], dict[str, OutputPort]]:
-        inputs: dict[str, InputPort] = {}
-        parameters: dict[str, Parameter] = {}
-        outputs: dict[str, OutputPort] = {}
+    def _ports_of_class(self, item: ast.ClassDef) -> _Ports:
+        made: _Ports = ({}, {}, {})
+        inputs, parameters, outputs = made
         for line in item.body:
             if not isinstance(line, ast.AnnAssign) or not isinstance(line.target, ast.Name):
                 continue
@@ -165,7 +161,7 @@ class _Source:
                 parameters[name] = self._parameter(type_, name, line.value)
             else:
                 outputs[name] = OutputPort(type=type_)
-        return inputs, parameters, outputs
+        return made
 
     def _parameter(self, type_: str, name: str, default: ast.expr | None) -> Parameter:
         if default is None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from typing_extensions import override
-
 from grip_bt.base.errors import EditError, listing, nearest
 from grip_bt.base.frozen import FrozenDict
 
@@ -30,11 +28,9 @@ class ChangeKind(BaseCommand):
     kind: str
     fields: FrozenDict[str, object] = FrozenDict()
 
-    @override
     def in_words(self) -> str:
         return f"change {path_in_words(self.path)} to {kind_in_words(self.kind)}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         node = edit.node(self.path)
         expect_kind(self.path, self.kind)
@@ -64,7 +60,6 @@ class _TakesCatalog(BaseCommand):
 
     path: str
 
-    @override
     def plan(self, edit: Edit) -> None:
         name = "extracted" if isinstance(self, Extract) else "expanded"
         what = "a conversion needs" if isinstance(self, Convert) else f"{type(self).__name__.lower()} needs"
@@ -82,7 +77,6 @@ class Convert(_TakesCatalog):
     approximate: bool = False
     """Of `sm`: reactive composites too, which then aren't the same."""
 
-    @override
     def in_words(self) -> str:
         return f"convert {path_in_words(self.path)} to {'composites' if self.to == 'bt' else 'state machines'}"
 

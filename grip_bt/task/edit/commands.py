@@ -7,7 +7,6 @@ from functools import lru_cache
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, Discriminator, TypeAdapter
-from typing_extensions import override
 
 from ..model import Task
 from .change_kind import ChangeKind, Convert, Extract, Inline
@@ -32,7 +31,6 @@ class Group(BaseCommand):
     title: str = ""
     commands: tuple[Annotated[AnyCommand, Discriminator("do")], ...]
 
-    @override
     def in_words(self) -> str:
         if self.title or not self.commands:
             return self.title or "change nothing"
@@ -68,11 +66,9 @@ class Patch(BaseCommand):
     steps: tuple[Step, ...]
     restore: Restore | None = None
 
-    @override
     def in_words(self) -> str:
         return self.title or "revert an edit"
 
-    @override
     def plan(self, edit: Edit) -> None:
         for step in self.steps:
             edit.take(step)

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from difflib import SequenceMatcher
 from typing import Literal
-
-from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.tree import YamlEntry, YamlMapping
@@ -24,23 +21,20 @@ _STRANGE = re.compile("[^ -~\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U
 
 
 @dataclass(frozen=True)
-class _NodeComment:
-    """Where the comment of an entry stands.
+class _Written:
+    """A comment without its signs, and where it stands.
 
     Attributes:
-        begin: offset of the first line above that belongs to it; of the entry's own line where there is none.
+        begin: offset of its first line above; where one would go, if there is none.
+        after: offset after the blank lines that set it off from what follows, and go with it.
         beside: begin and end of what stands at the end of the entry's line, from the `#` on; None where nothing does.
     """
 
+    text: str
     begin: int
     end: int
-    above: tuple[str, ...]
-    beside: tuple[int, int] | None
-    aside: tuple[str, ...]
-
-    @property
-    def text(self) -> str:
-        return "\n".join((*self.above, *self.aside))
+    after: int
+    beside: tuple[int, int] | None = None
 
 
 def lines_of_comment(path: str, text: str) -> list[str]:
@@ -62,7 +56,7 @@ def lines_of_comment(path: str, text: str) -> list[str]:
     return [f"# {line}".rstrip() for line in lines]
 
 
-def found_at(text: str, inside: YamlMapping, key: str) -> _NodeComment:
+def found_at(text: str, inside: YamlMapping, key: str) -> _Written:
     """Return where the comment of an entry of a tidy mapping stands."""
     keys = list(inside.entries)
     index, entry = keys.index(key), inside.entries[key]
@@ -76,8 +70,8 @@ def found_at(text: str, inside: YamlMapping, key: str) -> _NodeComment:
         above.insert(0, _uncommented(line))
         begin = line_start(text, begin - 1)
     beside = _beside(text, entry)
-    aside = (_uncommented(text[slice(*beside)]),) if beside else ()
-    return _NodeComment(begin, end, tuple(above), beside, aside)
+    aside = [_uncommented(text[slice(*beside)])] if beside else []
+    return _Written("\n".join([*above, *aside]), begin, end, end, beside)
 
 
 def _beside(text: str, entry: YamlEntry) -> tuple[int, int] | None:
@@ -102,34 +96,16 @@ _HEAD = re.compile(r"^[ \t]*#[^\n]*\n?([ \t]*(#[^\n]*)?\r?\n)*", re.MULTILINE)
 """Lines of comments, with blank ones between and below them."""
 
 
-@dataclass(frozen=True)
-class _FileComment:
-    """Where the comment at the top of a file stands.
-
-    Attributes:
-        begin: offset of its first line; where one would go, if there is none.
-        after: offset after the blank lines that set it off from what follows.
-    """
-
-    begin: int
-    end: int
-    after: int
-    spelled: tuple[str, ...] = ()
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        return tuple(_uncommented(line.strip()) for line in self.spelled)
-
-
-def head_at(text: str, tree: YamlMapping) -> _FileComment:
+def head_at(text: str, tree: YamlMapping) -> _Written:
     """Return where the comment at the top of a file stands, given its syntax; `---` may stand before it or after it."""
     end, at = _end(text, tree), len(_MARK) if text.startswith(_MARK) else 0
     found = _HEAD.search(text[at:end])
     if found is None:
-        return _FileComment(end, end, end)
+        return _Written("", end, end, end)
     begin = at + found.start()
     last = line_end(text, begin + len(found.group().rstrip()))
-    return _FileComment(begin, last, at + found.end(), tuple(text[begin:last].splitlines(keepends=True)))
+    lines = [_uncommented(line.strip()) for line in text[begin:last].splitlines()]
+    return _Written("\n".join(lines), begin, last, at + found.end())
 
 
 def _end(text: str, tree: YamlMapping) -> int:
@@ -141,17 +117,6 @@ def _end(text: str, tree: YamlMapping) -> int:
     return max(line_start(text, first), len(_MARK) if text.startswith(_MARK) else 0)
 
 
-def rewritten(head: _FileComment, comment: str, newline: str) -> tuple[int, int, str]:
-    """Return what to put where so that a head says something else; lines that stay keep their spelling."""
-    lines = lines_of_comment("", comment)
-    if not lines:
-        return head.begin, head.after, ""
-    wanted, written = [_uncommented(line) for line in lines], list[str]()
-    for what, begin, end, first, last in SequenceMatcher(None, head.lines, wanted, autojunk=False).get_opcodes():
-        written += head.spelled[begin:end] if what == "equal" else [line + newline for line in lines[first:last]]
-    return head.begin, head.end, "".join(written)
-
-
 class Comment(BaseCommand):
     """A node has another comment in its file; in place of the lines right above it and of the end of its first line."""
 
@@ -161,7 +126,6 @@ class Comment(BaseCommand):
     text: str
     """Its lines without `#`; empty for none."""
 
-    @override
     def in_words(self) -> str:
         return (
             f"comment on {path_in_words(self.path)}"
@@ -169,7 +133,6 @@ class Comment(BaseCommand):
             else f"no comment on {path_in_words(self.path)}"
         )
 
-    @override
     def plan(self, edit: Edit) -> None:
         place: Place = edit.place(self.path) or (FILE_COMMENT,)
         lines_of_comment(self.path, self.text)
@@ -183,7 +146,7 @@ def comment_of(document: Document, path: str) -> str:
         EditError: there is no such node.
     """
     if path == "":
-        return "\n".join(head_at(document.text, document.tree).lines)
+        return head_at(document.text, document.tree).text
     *above, key = Edit(document.task).place(path)
     inside = document.tree
     for step in above:

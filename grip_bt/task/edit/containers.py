@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 from pydantic import Field
-from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing
 from grip_bt.base.frozen import FrozenDict
@@ -15,6 +14,7 @@ from grip_bt.task.model import KINDS
 from ..model import AnyNode, Leaf, Meaning, Name, StateMachine, Subtask, Task, children_of, outcomes_of
 from .change_kind import STANDARD, chain, edges_of, expect_kind
 from .editing import BaseCommand, Edit, expect_free, kind_in_words, path_in_words, slot, slot_of
+from .paste import fresh_name
 from .steps import Place
 
 _SHOWN = 3
@@ -37,13 +37,11 @@ class Wrap(BaseCommand):
     fields: FrozenDict[str, object] = FrozenDict()
     """Keys of the container that it needs or that differ from defaults: `{times: 3}`."""
 
-    @override
     def in_words(self) -> str:
         shown = ", ".join(path_in_words(path) for path in self.paths[:_SHOWN])
         more = f" and {len(self.paths) - _SHOWN} more" if len(self.paths) > _SHOWN else ""
         return f"wrap {shown}{more} in {kind_in_words(self.kind)}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         expect_kind(self.paths[0], self.kind)
         if not slot_of(KINDS[self.kind]):
@@ -74,7 +72,6 @@ class Unwrap(BaseCommand):
     words: ClassVar[str] = "unwrap {path}"
     path: str
 
-    @override
     def plan(self, edit: Edit) -> None:
         node = edit.container(self.path)
         names = list(children_of(node))
@@ -96,9 +93,7 @@ class Unwrap(BaseCommand):
         inner = (*place, slot(node))
         index = list(children_of(container)).index(name)
         if name in names:
-            aside = name
-            while aside in names or aside in children_of(container):
-                aside += "_"
+            aside = fresh_name(name, {*names, *children_of(container)})
             edit.rekey(at, name, aside)
             name, inner = aside, (*at, aside, slot(node))
         for position, child in enumerate(names):
@@ -145,9 +140,7 @@ def _wrap_root(edit: Edit, shell: _Shell) -> None:
     shell.initial = name
     if root.on or shell.machine:
         _pass_edges(edit, shell, ("root",), name, root, edit.task)
-    aside = "x-aside"
-    while aside in edit.draft.mapping(()):
-        aside += "-"
+    aside = fresh_name("x-aside", {*edit.draft.mapping(())})
     inner = ("root", slot_of(KINDS[shell.kind]))
     edit.rekey((), "root", aside)
     edit.put((), "root", shell.record())
@@ -257,9 +250,7 @@ def _unwrap_root(edit: Edit, node: AnyNode, names: list[str]) -> None:
         if label not in names and node.on.get(label, label) in edit.task.outcomes
     }
     _set_on(edit, record, on if node.on or isinstance(node, StateMachine) else {})
-    aside = "x-aside"
-    while aside in edit.draft.mapping(()) or aside in names:
-        aside += "-"
+    aside = fresh_name("x-aside", {*edit.draft.mapping(()), *names})
     edit.rekey(inner, names[0], aside)
     edit.shift(inner, aside, ())
     edit.drop((), "root")

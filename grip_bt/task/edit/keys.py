@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from pydantic import Field
-from typing_extensions import override
 
 from grip_bt.base.errors import EditError, listing, nearest
 
@@ -39,13 +38,11 @@ class Set(BaseCommand):
     key: tuple[str, ...] = Field(min_length=1)
     value: object
 
-    @override
     def in_words(self) -> str:
         if self.key[0] in _PORTS and len(self.key) == 2:
             return f"{self.key[1]} of {path_in_words(self.path)} {_PORTS[self.key[0]]} {self.value}"
         return f"set {_key(self.path, self.key)}{_value(self.value)}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         place, *inner = _keys(edit, self.path, self.key)
         *above, last = inner
@@ -67,13 +64,11 @@ class Unset(BaseCommand):
     path: str
     key: tuple[str, ...] = Field(min_length=1)
 
-    @override
     def in_words(self) -> str:
         if self.key[0] in _PORTS and len(self.key) == 2:
             return f"{self.key[1]} of {path_in_words(self.path)} {_PORTS[self.key[0]]} no variable"
         return f"unset {_key(self.path, self.key)}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         place, *inner = _keys(edit, self.path, self.key)
         *above, last = inner
@@ -101,7 +96,6 @@ class Connect(BaseCommand):
     """An outcome, or `outcome.code`."""
     target: str
 
-    @override
     def plan(self, edit: Edit) -> None:
         record, field, key = _edge(edit, self.path, self.outcome)
         allowed = list(edit.task.outcomes)
@@ -124,7 +118,6 @@ class Disconnect(BaseCommand):
     path: str
     outcome: str
 
-    @override
     def plan(self, edit: Edit) -> None:
         record, field, key = _edge(edit, self.path, self.outcome)
         there = edit.entries(record, field)
@@ -142,11 +135,9 @@ class SetMeaning(BaseCommand):
     outcome: str
     meaning: Meaning | None
 
-    @override
     def in_words(self) -> str:
         return f"{self.outcome} of {path_in_words(self.path)} means {self.meaning or 'what its manifest says'}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         place = edit.place(self.path)
         holder = edit.task if self.path == "" else edit.node(self.path)

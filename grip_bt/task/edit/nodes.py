@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import ClassVar, Literal
 
 from pydantic import Field
-from typing_extensions import override
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.frozen import FrozenDict
@@ -28,7 +27,6 @@ class Add(BaseCommand):
     index: int | None = Field(default=None, ge=0)
     """Position among the children; None: after the last."""
 
-    @override
     def plan(self, edit: Edit) -> None:
         container = edit.container(self.parent)
         expect_room(container, self.parent)
@@ -47,7 +45,6 @@ class Remove(BaseCommand):
     words: ClassVar[str] = "remove {path}"
     path: str
 
-    @override
     def plan(self, edit: Edit) -> None:
         parent, name, container = edit.parent(self.path, "can't be removed; remove its children, or set another root")
         expect_others(container, parent)
@@ -69,13 +66,11 @@ class Move(BaseCommand):
     name: Name | None = None
     """Another name, where the new parent has a child of the old one."""
 
-    @override
     def in_words(self) -> str:
         if (self.path.rpartition("/")[0] or "/") == self.parent:
             return f"reorder {self.path}"
         return f"move {self.path} into {path_in_words(self.parent)}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         parent, name, container = edit.parent(self.path, "can't be moved; wrap it in a container instead")
         target = edit.container(self.parent)
@@ -107,7 +102,6 @@ class Rename(BaseCommand):
     path: str
     name: Name
 
-    @override
     def plan(self, edit: Edit) -> None:
         parent, name, container = edit.parent(self.path, "has no name; the task has one: set the task's `name`")
         if self.name == name:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar, Literal
 
-from typing_extensions import override
-
 from grip_bt.base.errors import EditError, listing, nearest
 
 from ..canonical import file_data
@@ -29,7 +27,6 @@ class RenameOutcome(BaseCommand):
     outcome: str
     to: Name
 
-    @override
     def plan(self, edit: Edit) -> None:
         _expect_declared(edit, self)
         if self.to != self.outcome:

@@ -7,7 +7,6 @@ from itertools import count
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
-from typing_extensions import override
 
 from grip_bt.base.frozen import FrozenDict
 
@@ -48,11 +47,9 @@ class Paste(BaseCommand):
     variables: Literal["share", "fresh"] = "share"
     """`fresh`: its own variables, even where there are ones of their names and types."""
 
-    @override
     def in_words(self) -> str:
         return f"paste {self.name or self.clip.name} into {path_in_words(self.parent)}"
 
-    @override
     def plan(self, edit: Edit) -> None:
         parent, clip = edit.container(self.parent), self.clip
         expect_room(parent, self.parent)

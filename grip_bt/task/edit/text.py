@@ -4,28 +4,34 @@ from __future__ import annotations
 
 from grip_bt.base.errors import EditError
 from grip_bt.base.yaml.scalars import write_scalar
-from grip_bt.base.yaml.tree import YamlEntry, YamlMapping, YamlScalar, YamlValue, from_data, inner, parse, to_data
-from grip_bt.base.yaml.writer import in_braces
+from grip_bt.base.yaml.tree import (
+    YamlEntry,
+    YamlMapping,
+    YamlScalar,
+    YamlValue,
+    entries_of,
+    from_data,
+    inner,
+    parse,
+    to_data,
+)
+from grip_bt.base.yaml.writer import WIDTH, in_braces
 
 from ..canonical import lines_of
 from .commands import Splice
-from .comment import found_at, head_at, lines_of_comment, rewritten
+from .comment import found_at, head_at, lines_of_comment
 from .steps import Assign, Drop, Place, Put, Rekey, Remark, Step, is_head, path_of, position_of
 from .text_places import (
     NOT_EDITABLE,
     content_end,
     dedented,
     expand,
-    fits,
-    has_comments_inside,
     indented,
     line_end,
     line_start,
     one_entry_a_line,
     region_end,
     region_start,
-    with_another,
-    without,
 )
 
 
@@ -55,9 +61,6 @@ class Text:
             self._put(step.at, step.key, step.value, step.index, step.source)
             return None
         if isinstance(step, Drop):
-            inside = self._mapping(step.at)
-            if not inside.flow or has_comments_inside(self.text, inside):
-                self._make_tidy(step.at)
             return self._drop(step.at, step.key)
         value = to_data(self._entry(step.at, step.key).value)
         self._make_tidy(step.at)
@@ -144,12 +147,9 @@ class Text:
         entry = self._entry(step.at, step.key)
         inside = self._mapping(step.at)
         taken = self._taken(step.at, entry)
-        if inside.flow:
-            inline = in_braces(from_data(step.value))
-            begin, end = entry.value.span
-            if inline is not None and begin != end and fits(self.text, inside, len(inline) - (end - begin)):
-                self._splice(begin, end, inline)
-                return taken
+        new = YamlEntry(step.key, from_data(step.value))
+        if self._rewrite(inside, [new if each is entry else each for each in entries_of(inside)]):
+            return taken
         self._make_tidy(step.at)
         entry = self._entry(step.at, step.key)
         begin, end = line_start(self.text, entry.start), region_end(self.text, entry)
@@ -170,37 +170,36 @@ class Text:
         return taken
 
     def _remark(self, step: Remark) -> str:
+        column, lines = 1, lines_of_comment("/".join(step.at), step.text)
         if is_head(step):
-            head = head_at(self.text, self.tree)
-            said = "\n".join(head.lines)
-            if said != step.text:
-                self._splice(*rewritten(head, step.text, self._newline))
-            return said
-        lines = lines_of_comment("/".join(step.at), step.text)
-        if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
-            return ""
-        self._make_tidy(step.at)
-        if not one_entry_a_line(self.text, self._mapping(step.at)):
-            raise EditError("/".join(step.at), NOT_EDITABLE)
-        found = found_at(self.text, self._mapping(step.at), step.key)
+            found = head_at(self.text, self.tree)
+        else:
+            if not lines and not one_entry_a_line(self.text, self._mapping(step.at)):
+                return ""
+            self._make_tidy(step.at)
+            if not one_entry_a_line(self.text, self._mapping(step.at)):
+                raise EditError("/".join(step.at), NOT_EDITABLE)
+            found = found_at(self.text, self._mapping(step.at), step.key)
+            column = self._entry(step.at, step.key).column
         if found.text == step.text:
             return found.text
-        column = self._entry(step.at, step.key).column
-        if found.beside and not found.above and len(lines) == 1:
+        if found.beside and found.begin == found.end and len(lines) == 1:
             self._splice(*found.beside, lines[0])
             return found.text
         if found.beside:
             begin, end = found.beside
             self._splice(len(self.text[:begin].rstrip(" ")), end, "")
-        self._splice(found.begin, found.end, "".join(line + self._newline for line in indented(lines, column)))
+        above = "".join(line + self._newline for line in indented(lines, column))
+        self._splice(found.begin, found.end if lines else found.after, above)
         return found.text
 
     def _drop(self, at: Place, key: str) -> str:
         inside, entry = self._mapping(at), self._entry(at, key)
-        keys = list(inside.entries)
-        if inside.flow:
-            self._splice(*without(inside, entry))
+        if self._rewrite(inside, [each for each in entries_of(inside) if each is not entry]):
             return "\n".join(lines_of(entry.key, to_data(entry.value), False)) + "\n"
+        self._make_tidy(at)
+        inside, entry = self._mapping(at), self._entry(at, key)
+        keys = list(inside.entries)
         if not one_entry_a_line(self.text, inside):
             raise EditError("/".join(at), NOT_EDITABLE)
         begin = region_start(self.text, inside, keys.index(key), at == ())
@@ -218,10 +217,10 @@ class Text:
     def _put(self, at: Place, key: str, value: object, index: int | None, source: str | None) -> None:
         is_node = path_of((*at, key)) is not None
         inside = self._mapping(at)
-        if inside.flow and (source is None or "#" not in source):
-            among = with_another(self.text, inside, at, key, value, index)
-            if among is not None:
-                self._splice(*among)
+        if not is_node and (source is None or "#" not in source):
+            entries = entries_of(inside)
+            entries.insert(position_of(at, [*inside.entries], key, index), YamlEntry(key, from_data(value)))
+            if self._rewrite(inside, entries):
                 return
         self._make_tidy(at, but_last=not inside.entries)
         inside = self._mapping(at)
@@ -262,6 +261,19 @@ class Text:
         """Return lines as text; without a final newline where they replace a last line that has none."""
         text = self._newline.join(lines)
         return text if self.text[end - 1 : end] != "\n" else text + self._newline
+
+    def _rewrite(self, inside: YamlMapping, entries: list[YamlEntry]) -> bool:
+        """Give a mapping in braces other entries, where it is and stays on one line; tell whether that was done."""
+        begin, end = inside.span
+        inline = in_braces(YamlMapping({entry.key: entry for entry in entries}))
+        if not inside.flow or inline is None or not {"#", "\n"}.isdisjoint(self.text[begin:end]):
+            return False
+        line = self.text[line_start(self.text, begin) : line_end(self.text, end)].partition("#")[0].rstrip()
+        more = len(inline) - (end - begin)
+        if more > 0 and len(line) + more > WIDTH:
+            return False
+        self._splice(begin, end, inline)
+        return True
 
     def _make_tidy(self, at: Place, but_last: bool = False) -> None:
         """Write what holds this mapping, and is in braces, with one entry a line."""

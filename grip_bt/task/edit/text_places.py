@@ -1,13 +1,13 @@
-"""Where entries stand in a text, and in mappings in braces on one line."""
+"""Where entries stand in a text."""
 
 from __future__ import annotations
 
 from grip_bt.base.errors import EditError
-from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, entries_of, from_data, parse
-from grip_bt.base.yaml.writer import WIDTH, in_braces, write
+from grip_bt.base.yaml.tree import YamlEntry, YamlList, YamlMapping, YamlScalar, YamlValue, entries_of, parse
+from grip_bt.base.yaml.writer import write
 from grip_bt.task.comments import attach_comments
 
-from .steps import Place, path_of, position_of
+from .steps import Place
 
 NOT_EDITABLE = "this formatting can't be edited in place; run `grip fmt` first"
 """What is said where a text is refused."""
@@ -96,61 +96,6 @@ def indented(lines: list[str], column: int) -> list[str]:
 
 def _indent(line: str) -> int:
     return len(line) - len(line.lstrip(" "))
-
-
-_Splice = tuple[int, int, str]
-
-
-def fits(text: str, inside: YamlMapping, more: int) -> bool:
-    """Tell whether a mapping in braces stays within its line when it has so many characters more."""
-    begin, end = inside.span
-    line = text[line_start(text, end - 1) : line_end(text, end - 1)].partition("#")[0]
-    return len(line.rstrip()) + more <= WIDTH and "\n" not in text[begin:end]
-
-
-def has_comments_inside(text: str, inside: YamlMapping) -> bool:
-    """Tell whether a mapping in braces has comments, or entries without a value."""
-    begin, end = inside.span
-    empty = any(isinstance(e.value, YamlScalar) and e.value.span[0] == e.value.span[1] for e in entries_of(inside))
-    return empty or "#" in text[begin:end]
-
-
-def without(inside: YamlMapping, entry: YamlEntry) -> _Splice:
-    """Return how an entry of a mapping in braces is taken out."""
-    entries = entries_of(inside)
-    index = list(inside.entries).index(entry.key)
-    if len(entries) == 1:
-        return *inside.span, "{}"
-    if index + 1 < len(entries):
-        return entry.start, entries[index + 1].start, ""
-    return _end(entries[index - 1]), _end(entry), ""
-
-
-def with_another(
-    text: str, inside: YamlMapping, at: Place, key: str, value: object, index: int | None
-) -> _Splice | None:
-    """Return how a new entry is written into a mapping in braces; None where it is to have lines of its own."""
-    if path_of((*at, key)) is not None:
-        if not isinstance(value, dict) or "kind" in value or at[-1:] == ("child",) or not inside.entries:
-            return None
-    inline = in_braces(from_data({key: value}))
-    if inline is None or has_comments_inside(text, inside):
-        return None
-    pair = inline[1:-1]
-    if not fits(text, inside, len(pair) + 2):
-        return None
-    entries, keys = entries_of(inside), list(inside.entries)
-    if not entries:
-        return *inside.span, f"{{{pair}}}"
-    before = position_of(at, keys, key, index)
-    if before < len(keys):
-        return entries[before].start, entries[before].start, f"{pair}, "
-    end = _end(entries[-1])
-    return end, end, f", {pair}"
-
-
-def _end(entry: YamlEntry) -> int:
-    return max(entry.value.span[1], entry.key_end)
 
 
 def expand(text: str, at: Place, depth: int) -> tuple[int, int, list[str]]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from pydantic import Field
-from typing_extensions import override
 
 from grip_bt.base.errors import EditError, ExpressionError, listing, nearest
 from grip_bt.base.expression import parse_expression
@@ -35,7 +34,6 @@ class Declare(BaseCommand):
     variable: Variable | str
     index: int | None = Field(default=None, ge=0)
 
-    @override
     def plan(self, edit: Edit) -> None:
         holder = _holder(edit, self.path)
         if self.name in declared_by(holder):
@@ -56,7 +54,6 @@ class Undeclare(BaseCommand):
     path: str
     name: str
 
-    @override
     def plan(self, edit: Edit) -> None:
         _declared(edit, self.path, self.name)
         users = [viewer.path for viewer in _users(edit, self.path, self.name)]
@@ -80,7 +77,6 @@ class RenameVariable(BaseCommand):
     name: str
     to: Name
 
-    @override
     def plan(self, edit: Edit) -> None:
         holder = _declared(edit, self.path, self.name)
         if self.to == self.name:

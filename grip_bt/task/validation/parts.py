@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -28,76 +27,44 @@ _NOT_YET = "not-taught-yet"
 BY_TAUGHT, BY_STATE = "go there by `arm/move_to_taught`", "go there by `arm/move_to`"
 
 
-@dataclass(frozen=True, slots=True)
-class _TaughtName:
-    """One name that a task gives.
-
-    Attributes:
-        part: which arm or hand, as the task names it; empty for the only one.
-        pose: whether it is a pose of the hand, and no joint state.
-    """
-
-    side: str
-    part: str
-    name: str
-    pose: bool
+_TaughtName = tuple[str, str, str]
+"""`arm` or `hand`, which of them, and a name that a task gives to where it is."""
 
 
 class TaughtNames:
     """What tasks of a project teach."""
 
     def __init__(self, analysis: TaskAnalysis, parts: ProjectParts):
-        self._analysis, self._files, self._parts = analysis, analysis.catalog.tasks, parts
+        self._analysis, self._files = analysis, analysis.catalog.tasks
+        self._parts = {"arm": parts.arms or {}, "hand": parts.hands or {}}
 
-    def problem(self, kind: str, part: str, name: str, taught: Collection[str]) -> Problem | None | Literal[False]:
+    def problem(self, kind: str, part: str, name: str) -> Problem | None | Literal[False]:
         """Return what is to be said of a name that isn't there yet.
 
         Args:
             kind: `state` (looked up before a run), `posture` or `taught` (looked up when they are reached).
-            taught: what was taught to it so far, as states or poses.
 
         Returns:
             What is wrong; None where the task gives the name itself, in time; False where nothing is known of it.
         """
-        side = "hand" if kind == "posture" else "arm"
-        own = [taught_name for taught_name in self._own if self._fits(taught_name, side, part, name)]
-        if own and kind != "state":
-            return None
-        if kind == "state" and (name in taught or (own and all(taught_name.pose for taught_name in own))):
-            return Problem("unknown-state", f"{name!r} is taught as a pose, and is no named state", BY_TAUGHT)
-        if own:
+        wanted = ("hand" if kind == "posture" else "arm", part, name)
+        if wanted in self._own:
             said = f"{name!r} is taught only while this task runs, and named states are looked up before it begins"
-            return Problem(_NOT_YET, said, f"{BY_TAUGHT}, or teach it by another task first")
-        return self._elsewhere(kind, side, part, name)
-
-    def _elsewhere(self, kind: str, side: str, part: str, name: str) -> Problem | Literal[False]:
-        """Return which other tasks of the project give a name; False where none does."""
-        found = {
-            file: taught_name.pose
-            for file, taught_names in self._others.items()
-            for taught_name in taught_names
-            if self._fits(taught_name, side, part, name)
-        }
-        files = [file for file, pose in found.items() if not (pose and kind == "state")]
-        if files:
-            verb = "teaches" if len(files) == 1 else "teach"
-            said = f"{name!r} hasn't been taught to {part} yet; {listing(files)} {verb} it"
-            return Problem(_NOT_YET, said, f"run {files[0]} first")
-        if found:
-            said = f"{name!r} is taught as a pose, by {listing(found)}, and is no named state"
-            return Problem("unknown-state", said, BY_TAUGHT)
-        return False
-
-    def _fits(self, taught_name: _TaughtName, side: str, part: str, name: str) -> bool:
-        parts = (self._parts.hands if side == "hand" else self._parts.arms) or {}
-        return (taught_name.side, taught_name.name) == (side, name) and only_if_empty(taught_name.part, parts) == part
+            fix = f"{BY_TAUGHT}, or teach it by another task first"
+            return Problem(_NOT_YET, said, fix) if kind == "state" else None
+        files = [file for file, taught_names in self._others.items() if wanted in taught_names]
+        if not files:
+            return False
+        verb = "teaches" if len(files) == 1 else "teach"
+        said = f"{name!r} hasn't been taught to {part} yet; {listing(files)} {verb} it"
+        return Problem(_NOT_YET, said, f"run {files[0]} first")
 
     @cached_property
-    def _own(self) -> list[_TaughtName]:
-        found, seen, tasks = list[_TaughtName](), set[str](), [self._analysis.task]
+    def _own(self) -> set[_TaughtName]:
+        found, seen, tasks = set[_TaughtName](), set[str](), [self._analysis.task]
         while tasks:
             task = tasks.pop()
-            found += _taught_in(task)
+            found.update(self._taught_in(task))
             for _, node in walk(task.root):
                 if isinstance(node, Subtask) and node.task not in seen:
                     seen.add(node.task)
@@ -105,9 +72,9 @@ class TaughtNames:
         return found
 
     @cached_property
-    def _others(self) -> dict[str, list[_TaughtName]]:
+    def _others(self) -> dict[str, set[_TaughtName]]:
         files = self._files.mentioning("/teach")
-        return {file: [each for task in self._read(file) for each in _taught_in(task)] for file in files}
+        return {file: {each for task in self._read(file) for each in self._taught_in(task)} for file in files}
 
     def _read(self, file: str) -> list[Task]:
         try:
@@ -115,17 +82,16 @@ class TaughtNames:
         except SubtaskError:
             return []  # no task, or one that its own check tells about
 
+    def _taught_in(self, task: Task) -> Iterator[_TaughtName]:
+        for leaf in (node for _, node in walk(task.root) if isinstance(node, Leaf)):
+            side, name = _TEACHERS.get(leaf.node), leaf.with_.get("name")
+            if side is not None and isinstance(name, str):
+                yield side, only_if_empty(leaf.with_.get(side, ""), self._parts[side]), name
+
 
 def only_if_empty(name: object, parts: Collection[str]) -> str:
     """Return the arm or hand that a name means: an empty one means the only one; none of several is empty."""
     return next(iter(parts)) if name == "" and len(parts) == 1 else str(name)
-
-
-def _taught_in(task: Task) -> Iterator[_TaughtName]:
-    for leaf in (node for _, node in walk(task.root) if isinstance(node, Leaf)):
-        side, name = _TEACHERS.get(leaf.node), leaf.with_.get("name")
-        if side is not None and isinstance(name, str):
-            yield _TaughtName(side, str(leaf.with_.get(side, "")), name, leaf.with_.get("pose") is True)
 
 
 _WORDS = {
@@ -215,11 +181,11 @@ def _of_part(side: str, value: object, parts: ProjectParts) -> Iterator[Problem]
 def _of_names(kind: str, value: object, part: str, there: PartNames, taught_names: TaughtNames) -> Iterator[Problem]:
     if kind not in there.known:
         return
-    known, taught = there.known[kind], there.known.get("taught", ())
+    known = there.known[kind]
     for name in value if isinstance(value, Mapping | list | tuple) else [value]:
         if not isinstance(name, str) or not name or name in known:
             continue
-        said = taught_names.problem(kind, part, name, taught) if kind in _LEARNT else False
+        said = taught_names.problem(kind, part, name) if kind in _LEARNT else False
         if isinstance(said, Problem):
             yield said
         elif said is False:
@@ -229,7 +195,7 @@ def _of_names(kind: str, value: object, part: str, there: PartNames, taught_name
 def _unknown(kind: str, name: str, part: str, there: PartNames) -> Problem:
     (code, word), known = _WORDS[kind], there.known[kind]
     hint = nearest(name, known)
-    otherwise = "name one of these"
+    otherwise = BY_TAUGHT if kind == "state" and name in there.known.get("taught", ()) else "name one of these"
     if kind == "taught":
         named = name in there.known.get("state", ())
         otherwise = f"it is a named state: {BY_STATE}" if named else f"teach it first: `grip teach {name} --arm {part}`"

@@ -51,27 +51,14 @@ def state(root: Behaviour) -> list[tuple[Any, ...]]:
 class Pair:
     """Twin trees from one seed."""
 
-    def __init__(self, seed: int, *, calm: bool = False, wild: bool = True, watched: bool = False, **engine: Any):
+    def __init__(self, seed: int, *, calm: bool = False, wild: bool = True, **engine: Any):
         self.logs = Log("one"), Log("other")
         self.trees = [Maker(seed, log, calm=calm, wild=wild).tree(3 if seed % 3 else 4) for log in self.logs]
-        self.visits = Log(), Log()
-        self.watched = watched
-        self.engine = TickEngine(self.trees[1], self._visitor(1) if watched else None, **engine)
-
-    def _visitor(self, i: int) -> Any:
-        return lambda node: self.visits[i].append((node.name, node.status))
-
-    def _theirs(self) -> None:
-        if self.watched:
-            see = self._visitor(0)
-            for node in self.trees[0].tick():
-                see(node)
-        else:
-            self.trees[0].tick_once()
+        self.engine = TickEngine(self.trees[1], **engine)
 
     def tick(self) -> str | None:
         """Tick both; return how they differ."""
-        return self._both(self._theirs, self.engine.tick)
+        return self._both(self.trees[0].tick_once, self.engine.tick)
 
     def halt(self) -> str | None:
         """Stop both; return how they differ."""
@@ -90,13 +77,12 @@ class Pair:
         found = {
             "raised": raised,
             "callbacks": self.logs,
-            "visits": self.visits,
             "state": [state(tree) for tree in self.trees],
         }
         for what, (left, right) in found.items():
             if left != right:
                 return f"{what} differ\n  py_trees: {_tail(left, right)}\n  engine:   {_tail(right, left)}"
-        for log in (*self.logs, *self.visits):
+        for log in self.logs:
             log.clear()
         return None
 

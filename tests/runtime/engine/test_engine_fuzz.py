@@ -16,7 +16,6 @@ QUICK = 2
 
 WAYS: list[dict[str, Any]] = [
     {},
-    {"watched": True},
     {"fixed": True},
     {"wild": False},
 ]

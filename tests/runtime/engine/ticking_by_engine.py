@@ -33,12 +33,10 @@ def tick(self: Any, pre_tick_handler: Any = None, post_tick_handler: Any = None)
     for visitor in self.visitors:
         visitor.initialise()
 
-    def visit(node: Behaviour) -> None:
+    for node in self.root.tick():  # whoever visits nodes as they are ticked has py_trees tick
         for visitor in self.visitors:
             if not visitor.full:
                 node.visit(visitor)
-
-    TickEngine(self.root, visit).tick()
     for node in self.root.iterate():
         for visitor in self.visitors:
             if visitor.full:
@@ -54,17 +52,13 @@ def tick(self: Any, pre_tick_handler: Any = None, post_tick_handler: Any = None)
 
 def tick_tree(root: Behaviour, from_tick: int, to_tick: int, *, visitors: Any = None, **shown: Any) -> None:
     """`py_trees.tests.tick_tree`, by one engine."""
-
-    def visit(node: Behaviour) -> None:
-        for visitor in visitors or []:
-            node.visit(visitor)
-
-    engine = TickEngine(root, visit)
     for _ in range(from_tick, to_tick + 1):
         used["tick_tree"] += 1
         for visitor in visitors or []:
             visitor.initialise()
-        engine.tick()
+        for node in root.tick():
+            for visitor in visitors or []:
+                node.visit(visitor)
 
 
 Behaviour.tick_once = tick_once  # type: ignore[method-assign]

@@ -1,15 +1,65 @@
-"""Ticks of compiled composites and decorators of py_trees, line by line what their generators do."""
+"""Ticks of py_trees' own leaves, composites and decorators, line by line what their generators do."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from py_trees.behaviour import Behaviour
 from py_trees.common import ParallelPolicy, Status
 
 from .halting import Compiled, Stop, Tick, halt_all
-from .known import F, R, S, overrides
-from .leaves import checked
+from .known import INVALID, VALID, F, R, S, overrides
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a parent makes of a child that yields, which matters for children that are ticked by their own generator.
+
+    At a status in `leave` the parent leaves the child's generator for good; one that was never left has said `onward`.
+    """
+
+    leave: tuple[Status, ...] = ()
+    onward: Status = S
+
+
+def by_generator(node: Behaviour, verdict: Verdict) -> Tick:
+    """Tick by the node's own generator."""
+
+    def tick() -> Status:
+        for yielded in node.tick():
+            if yielded is node and node.status in verdict.leave:
+                return node.status
+        return verdict.onward if verdict.leave else node.status
+
+    return tick
+
+
+def checked(node: Behaviour, status: Any) -> Status:
+    """Return what `update` returned; INVALID with a complaint, as py_trees does, of what isn't a status."""
+    if status is S or status is F or status is R or status in VALID:
+        return status
+    node.logger.error(f"A behaviour returned an invalid status, setting to INVALID [{status}][{node.name}]")
+    return INVALID
+
+
+def leaf(node: Any) -> Tick:
+    """`Behaviour.tick`."""
+    initialises, terminates = overrides(node, "initialise"), overrides(node, "terminate")
+
+    def tick() -> Status:
+        if initialises and node.status is not R:
+            node.initialise()
+        status: Status = node.update()
+        if status is not S and status is not F and status is not R:
+            status = checked(node, status)
+        if terminates and status is not R:
+            node.terminate(status)
+        node.status = status
+        return status
+
+    return tick
 
 
 def sequence(node: Any, parts: Sequence[Compiled], stop: Stop) -> Tick:

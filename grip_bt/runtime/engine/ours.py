@@ -1,4 +1,4 @@
-"""Ticks of compiled containers of ours: one for every kind, which is asked what follows what."""
+"""Ticks of our own nodes: leaves with their errors, preconditions, and one for every kind of container."""
 
 from __future__ import annotations
 
@@ -12,7 +12,33 @@ from grip_bt.base.errors import NodeError
 from grip_bt.task.kinds.base import Run
 
 from .halting import Compiled, Stop, Tick, halt_all
-from .known import F, R
+from .known import INVALID, F, R, overrides
+from .theirs import checked
+
+
+def our_leaf(node: Any, stop: Stop) -> Tick:
+    """`Leaf.tick`: an activation is reported, and what `update` raises becomes a NodeError."""
+    initialises = overrides(node, "initialise")
+
+    def tick() -> Status:
+        try:
+            if node.status is not R:
+                node.inputs_read = {}
+                node.begin()
+                if initialises:
+                    node.initialise()
+            status = checked(node, node.update())
+            if status is not R:
+                stop(status)
+            node.status = status
+            if status is INVALID:
+                raise TypeError("update() has to return SUCCESS, FAILURE or RUNNING")
+        except Exception as error:
+            node._abandon(error)
+            raise NodeError(node.path, error) from error
+        return status
+
+    return tick
 
 
 def conditional(node: Any, inner: Tick) -> Tick:
