@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 
-from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, parts_lost, unreadable
+from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, unreadable
 from grip_bt.base.errors import ResumeError, UnknownNameError
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.runtime import Event, JournalReader, Recording, RunRecord
@@ -86,7 +86,6 @@ def _questions(
     events: Sequence[Event],
     resume: ResumeRequest,
     options: RunOptions,
-    stays: str,
     anew: Mapping[str, str],
 ) -> list[str]:
     """Return what a person has to agree to; `anew` has why parts beside the task can't be brought back."""
@@ -97,10 +96,6 @@ def _questions(
         if path not in resume.results and policy_of(leaves[path]) == "ask":
             again = f"it is started again (or say how it ended: --set-outcome {path}=success)"
             found.append(f"{path}: {leaves[path].id} was under way, and its progress is unknown; {again}")
-    if resume.at is None:
-        nodes = {path: manifest.id for path, manifest in leaves.items()}
-        lost = parts_lost(nodes, events, options.robot, stays)
-        found += [f"the world: {each}; the run continues anyway" for each in lost]
     found += [f"{WORDS[part]}: {why}; {ANEW}" for part, why in anew.items()]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
     if foreign:
@@ -205,7 +200,7 @@ def plan_resume(
         with JournalReader(journal) as reader:
             lost = unreadable(reader, happened, options.robot, stays)
     request = ResumeRequest(record.id, until, _read_results(parts, outcomes), values, agreed=agreed or bool(lost))
-    asked = _questions(parts, happened, request, options, stays, lost)
+    asked = _questions(parts, happened, request, options, lost)
     notes = [f"{file} has changed since; the run continues with the recorded task"] if changed else []
     return ResumePlan(file, replace(options, resume=request), asked, notes)
 
