@@ -47,6 +47,8 @@ from .resume import ResumeRequest, policy_of, start_resumed
 _log = logging.getLogger(__name__)
 Target = Literal["bt", "sm"]
 MOST_SEED = 2**32 - 1
+WATCHDOG = 10.0
+"""How long a tick, or the whole process, may hang before a run is ended, unless it is said otherwise [s]."""
 
 
 @dataclass(frozen=True)

@@ -73,8 +73,6 @@ def _add_graph(api: APIRouter, window: RosClientProcess) -> None:
     async def deed(request: wire.MessageRequest) -> wire.Done:
         words = {"delete": {"store", "name"}, "reset": {"store"}}
         found = await asked(request.do, **request.model_dump(include=words.get(request.do, set())))
-        if not found.get("error") and request.do in ("serve", "end"):
-            window.kept = request.do == "serve"
         kept = f"{found['count']} kept for later runs of the server" if "count" in found else ""
         return wire.Done(error=found.get("error", ""), said=kept)
 

@@ -15,7 +15,7 @@ from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.pages import Presence
-from grip_gui.runs.session import STOP, Launch, Session
+from grip_gui.runs.session import Launch, Session
 from grip_gui.wire.runs import Breakpoint, Control, RunOptions, SessionView, SharedState
 
 log = logging.getLogger(__name__)
@@ -83,22 +83,22 @@ class RunControl:
         Raises:
             ControlTakenError: another page holds control.
             BusyError: another one is under way.
-            OSError: its process can't be started.
+            GripError: its process can't be started.
         """
         self.presence.require(page)
         if self._starting or (self.session and not self.session.over):
             raise BusyError("a run is under way; stop it before starting another one")
         self._starting = True
+        session = Session(SessionView(state="starting", task=task, **options.model_dump()), self.notify)
         try:
-            process = await self._launch(task_file, self._journal, options)
+            await session.start(self._launch, task_file, self._journal, options)
         finally:
             self._starting = False
-        view = SessionView(state="starting", task=task, **options.model_dump())
-        self.session = Session(process, view, self.notify, self._source)
+        self.session = session
         # The process keeps what comes before there is a run, so that no breakpoint is set too late.
-        await self.session.hold_at(self._breakpoints.get(task, []))
+        session.hold_at(self._breakpoints.get(task, []))
         if run_to:
-            await self.session.command({"command": "run_to", "node": run_to})
+            session.send({"command": "run_to", "node": run_to})
         self.notify()
         return self.session.view
 
@@ -106,9 +106,11 @@ class RunControl:
         """Pass a command to the run under way; `stop` returns when its process has ended, and is anybody's."""
         if self.session is None:
             raise BusyError("no run was started")
-        if request.command != "stop":
+        if request.command == "stop":
+            await self.session.stop()
+        else:
             self.presence.require(request.page)
-        await self.session.command(request.fields())
+            self.session.send(request.fields())
         return self.session.view
 
     def follow_edit(self, task: str, steps: Sequence[Step]) -> None:
@@ -124,19 +126,19 @@ class RunControl:
             except OSError as error:
                 log.warning("the breakpoints of %s aren't kept: %s", task, error)
 
-    async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> SharedState:
+    def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> SharedState:
         """Replace the breakpoints of a task, also in the run under way."""
         self.presence.require(page)
         self._set_breakpoints(task, points)
         if self.session is not None and not self.session.over and self.session.view.task == task:
-            await self.session.hold_at(self._breakpoints.get(task, []))
+            self.session.hold_at(self._breakpoints.get(task, []))
         self.notify()
         return self.shared_state
 
     async def close(self) -> None:
         """Stop the run under way; afterwards no process of it is left."""
         if self.session is not None:
-            await self.session.command(STOP)
+            await self.session.stop()
 
     def notify(self) -> None:
         """Wake all viewers."""
