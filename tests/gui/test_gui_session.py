@@ -393,27 +393,6 @@ def test_control_is_free_again_when_its_page_has_gone_and_not_before(
         until(watcher, held_by(None))
 
 
-def test_a_page_that_was_away_for_long_holds_control_again_unless_another_has_had_it(
-    page: TestClient, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(pages_module, "GRACE", 0.0)
-    with page.websocket_connect(SOCKET + "?page=watcher") as watcher:
-        with page.websocket_connect(SOCKET + "?page=one"):
-            page.post("/api/lease", json={"page": "one"})
-            until(watcher, held_by("one"))
-        until(watcher, held_by(None))
-        with page.websocket_connect(SOCKET + "?page=one") as back:
-            until(back, held_by("one"))
-            until(watcher, held_by("one"))
-        until(watcher, held_by(None))
-        page.post("/api/lease", json={"page": "watcher"})
-        until(watcher, held_by("watcher"))
-        page.post("/api/lease", json={"page": "watcher", "take": False})
-        until(watcher, held_by(None))
-        with page.websocket_connect(SOCKET + "?page=one") as back:
-            assert until(back, lambda f: f["type"] == "desk")["desk"]["holder"] is None
-
-
 def test_control_can_be_given_back(page: TestClient) -> None:
     page.post("/api/lease", json={"page": "one"})
     assert page.post("/api/lease", json={"page": "one", "take": False}).json()["holder"] is None
