@@ -38,43 +38,28 @@ _ONE, _PROJECT = ("btcpp", "pytrees"), ("grip",)
 
 def add_import(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument(
-        "path",
-        type=Path,
-        metavar="PATH",
-        help="smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"
+    add = parser.add_argument
+    path = (
+        "smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"
         " file.py:function or file.py, a program; btcpp: an XML file of version 4, several, or a folder; grip: a task"
-        " or configuration of the first GRIP (.ini, .yaml), or a folder",
+        " or configuration of the first GRIP (.ini, .yaml), or a folder"
     )
-    parser.add_argument("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
-    parser.add_argument("--from", dest="source", required=True, choices=sorted(_PACKAGES), help="format of the source")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="OUT",
-        help="a .yaml file for one task, a folder for several, of grip a project folder; without it, smach and grip"
-        " write nothing, and the others write to stdout",
+    add("path", type=Path, metavar="PATH", help=path)
+    add("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
+    add("--from", dest="source", required=True, choices=sorted(_PACKAGES), help="format of the source")
+    out = (
+        "a .yaml file for one task, a folder for several, of grip a project folder; without it, smach and grip write"
+        " nothing, and the others write to stdout"
     )
-    parser.add_argument("--machine", metavar="NAME", help="only this one of several machines or trees")
-    parser.add_argument(
-        "--execute",
-        action="store_true",
-        help="also run the code, in a process of its own, to see what it builds: only for code that you trust",
-    )
-    parser.add_argument(
-        "--arguments",
-        type=Path,
-        metavar="FILE",
-        help="for --execute of smach, YAML or JSON: parameter -> value, or class or function -> parameter -> value",
-    )
-    parser.add_argument(
-        "--success",
-        action="append",
-        metavar="OUTCOME",
-        help="smach: an outcome that means success, whatever it is called",
-    )
-    parser.add_argument("--report", action="store_true", help="print the report only; write nothing")
+    add("-o", "--output", type=Path, metavar="OUT", help=out)
+    add("--machine", metavar="NAME", help="only this one of several machines or trees")
+    code = "also run the code, in a process of its own, to see what it builds: only for code that you trust"
+    add("--execute", action="store_true", help=code)
+    given = "--execute of smach, YAML or JSON: parameter -> value, or class or function -> parameter -> value"
+    add("--arguments", type=Path, metavar="FILE", help=given)
+    outcome = "smach: an outcome that means success, whatever it is called"
+    add("--success", action="append", metavar="OUTCOME", help=outcome)
+    add("--report", action="store_true", help="print the report only; write nothing")
     add_no_code(parser)
     parser.set_defaults(run=run)
 

@@ -32,8 +32,7 @@ from grip_gui.project import OutsideProjectError, ProjectFolder
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.pages import ControlTakenError
 from grip_gui.runs.routes import make_router
-from grip_gui.runs.run_control import BusyError, RunControl
-from grip_gui.runs.session import Launch, start_run
+from grip_gui.runs.run_control import BusyError, Launch, RunControl, start_run
 from grip_gui.security import HOST, Gate, listen
 from grip_gui.setup.routes import make_setup_router
 from grip_gui.wire.runs import RunOptions
