@@ -131,9 +131,10 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
     def mesh(file: str, scale: tuple[float, ...]) -> int | None:
         """Return the number of a mesh, None of one that can't be read."""
         try:
-            points, triangles = coarse(load_mesh(file.removeprefix("file://"), scale, hollow=True))  # type: ignore[arg-type]
+            found = load_mesh(file.removeprefix("file://"), scale, hollow=True)  # type: ignore[arg-type]
         except GripError:  # `Check the robot` tells of it; the rest is drawn
             return None
+        points, triangles = coarse(found.points, found.triangles)
         meshes.append({"points": _coded(points.astype("<f4")), "triangles": _coded(triangles.astype("<u4"))})
         return len(meshes) - 1
 
