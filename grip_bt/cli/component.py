@@ -16,14 +16,13 @@ from grip_bt.app.project.components import Wish, components_folder, from_file, f
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
+from grip_bt.cli.parser import add_actions, add_no_code
+from grip_bt.cli.terminal import tell
 from grip_bt.codegen import outdated, render, write_package
 from grip_bt.codegen.scaffold import make_repository
 from grip_bt.ros.interfaces import build_interfaces, read_interface
 from grip_bt.ros.interfaces.definition import fields_within, interface_file
 from grip_bt.task.catalog.component_file import FILE_NAME, load_component
-
-from .parser import add_actions, add_no_code
-from .terminal import tell
 
 _NODE_FOLDER = "node"
 _MOST = 6

@@ -12,13 +12,12 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.terminal import put
 from grip_bt.compilers import restructure
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.task import dumps, fmt, read_text
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
-
-from .terminal import put
 
 FORMATS = {
     "svg": "grip_bt.formats.draw:to_svg",

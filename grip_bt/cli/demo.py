@@ -24,15 +24,14 @@ from grip_bt.app.runs.execute import open_session
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.base.errors import MissingPartError, NotWritableError
 from grip_bt.base.values import Failure, Grasp
+from grip_bt.cli.run import add_run_options, exit_status, options_of, sentence
+from grip_bt.cli.terminal import on_hang_up, on_stop
 from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd, result_facts
 from grip_bt.task import walk
 from grip_sim.referee import ObjectTruth
-
-from .run import add_run_options, exit_status, options_of, sentence
-from .terminal import on_hang_up, on_stop
 
 _UNWANTED = frozenset({".grip", "__pycache__"})
 ATTEMPT = "next_object/attempt"

@@ -16,10 +16,9 @@ from typing import Literal
 
 from grip_bt.base.errors import libraries_of
 from grip_bt.base.interpreter import python_command
+from grip_bt.cli.terminal import tell
 from grip_bt.ros.environment import environment
 from grip_sim.cameras import render_support
-
-from .terminal import tell
 
 _INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 

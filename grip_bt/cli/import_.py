@@ -15,14 +15,13 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
+from grip_bt.cli.parser import add_no_code
+from grip_bt.cli.terminal import put
 from grip_bt.formats.imported import Imported, Request, generated_by, write_generated
 from grip_bt.nodes.tree_code import is_tree_code
 from grip_bt.task import Task, dumps
 from grip_bt.task.document import read
 from grip_bt.task.validation import validate
-
-from .parser import add_no_code
-from .terminal import put
 
 _PACKAGES = {"btcpp": "btcpp", "grip": "first_grip", "pytrees": "pytrees", "smach": "smach"}
 _OPTIONS = {

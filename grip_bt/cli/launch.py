@@ -16,13 +16,12 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.app.project.launching import launch_file_of, project_members
 from grip_bt.app.wiring.parts import load_part
 from grip_bt.base.errors import GripError
+from grip_bt.cli import NODE_ERROR, STOPPED
+from grip_bt.cli.parser import add_no_code, number
+from grip_bt.cli.terminal import complain, on_stop, progress, tell
 from grip_bt.ros.launch import read_arguments
 from grip_bt.ros.launch.group import Member, ProcessGroup
 from grip_bt.ros.launch.interpreter import is_launch_file, members_of_file
-
-from . import NODE_ERROR, STOPPED
-from .parser import add_no_code, number
-from .terminal import complain, on_stop, progress, tell
 
 if TYPE_CHECKING:
     from grip_bt.app.wiring.ros_simulation import Served

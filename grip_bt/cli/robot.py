@@ -12,6 +12,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from grip_bt.base.errors import GripError
+from grip_bt.cli.parser import add_actions
+from grip_bt.cli.terminal import counted, tell
 from grip_bt.commanders.description.files import Finding
 from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.moveit_package import MoveItPackage
@@ -19,9 +21,6 @@ from grip_bt.commanders.description.packages import ROBOTS
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import Joint, Tree
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
-
-from .parser import add_actions
-from .terminal import counted, tell
 
 WHAT = (
     "a ready-made robot, a .urdf, .xacro or .xml (MJCF) file, a .yaml file with what `robot:` may hold, a MoveIt "

@@ -19,13 +19,12 @@ from grip_bt.app.runs.resume_plan import ResumePlan, agree, plan_resume
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
+from grip_bt.cli import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
+from grip_bt.cli.debug_prompt import Prompt, breakpoint_of
+from grip_bt.cli.parser import add_no_code, number, whole
+from grip_bt.cli.terminal import on_stop, progress, tell
 from grip_bt.runtime import JournalReader, RunResult, serve_control
 from grip_bt.runtime.control import RunEnd, result_facts
-
-from . import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
-from .debug_prompt import Prompt, breakpoint_of
-from .parser import add_no_code, number, whole
-from .terminal import on_stop, progress, tell
 
 _EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
 

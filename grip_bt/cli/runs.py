@@ -28,11 +28,10 @@ from grip_bt.app.runs.replay import (
     timings,
 )
 from grip_bt.base.errors import UnknownNameError
+from grip_bt.cli.parser import number
+from grip_bt.cli.terminal import tell
 from grip_bt.runtime import Event, JournalReader, RunSnapshot
 from grip_bt.runtime.journal_rows import JournalError
-
-from .parser import number
-from .terminal import tell
 
 
 def add_runs(parser: argparse.ArgumentParser) -> None:

@@ -16,12 +16,11 @@ from grip_bt.base.errors import DocumentError, EditError, GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.terminal import counted, put, tell
 from grip_bt.task import fmt, read, read_text, schema
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.validation import validate
-
-from .terminal import counted, put, tell
 
 if TYPE_CHECKING:
     from grip_bt.task.edit import Edited

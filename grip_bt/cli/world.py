@@ -13,13 +13,12 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.worlds import checked_world
 from grip_bt.base.errors import GripError
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.parser import add_actions
+from grip_bt.cli.terminal import tell
 from grip_sim import objects
 from grip_sim.simulation import start_simulation
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.worlds import BUILTIN, load_world, read_world, world_files
-
-from .parser import add_actions
-from .terminal import tell
 
 if TYPE_CHECKING:
     from grip_sim.objects.body import ObjectModel

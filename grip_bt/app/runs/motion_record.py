@@ -19,13 +19,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
-
-from ..wiring.parts import Resources
 
 FOLDER = "motion"
 PERIOD = 0.1

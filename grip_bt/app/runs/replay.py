@@ -10,14 +10,13 @@ from os.path import commonprefix
 from pathlib import Path, PurePosixPath
 from statistics import median
 
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import check_task
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
 from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import Event, JournalReader, RunRecord, RunSnapshot
 from grip_bt.runtime.debugger import node_path
-
-from ..project.catalogue import catalogue_of
-from ..project.folder import find_project
-from .execute import check_task
 
 POLL = 0.05
 """How often [s] the journal is asked about a run that is under way."""

@@ -8,7 +8,11 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 
-from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, unreadable
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.runs.execute import RunOptions, Target, check_task
+from grip_bt.app.runs.mocks import apply_mocks
+from grip_bt.app.runs.replay import Until, find_run
+from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, ResumeRequest, policy_of, unreadable
 from grip_bt.base.errors import ResumeError, UnknownNameError
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.runtime import Event, JournalReader, Recording, RunRecord
@@ -16,12 +20,6 @@ from grip_bt.runtime.debugger import node_path
 from grip_bt.runtime.journal_events import DAMAGED
 from grip_bt.runtime.observers import KEPT
 from grip_bt.task import model
-
-from ..project.catalogue import catalogue_of
-from .execute import RunOptions, Target, check_task
-from .mocks import apply_mocks
-from .replay import Until, find_run
-from .resume import ResumeRequest, policy_of
 
 _CLOSING = 10.0
 """How long [s] the process of a run that was cut off may take to close its parts."""

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.app.project.faults import TAUGHT, check, common_states, faults_of_fields, faults_of_parts, field_of
 from grip_bt.app.project.folder import ArmConfig, Project
+from grip_bt.app.wiring.parts import Opening, Resources, load_part
 from grip_bt.base.errors import GripError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
@@ -40,16 +42,12 @@ from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
-from ..project.faults import TAUGHT, check, common_states, faults_of_fields, faults_of_parts, field_of
-from .parts import Opening, Resources, load_part
-
 if TYPE_CHECKING:
     from grip_bt.ros.client.bus import Bus
+from grip_bt.app.project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
+from grip_bt.app.project.worlds import regions_of, room_of, world_of
 from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_sim.simulation import start_simulation
-
-from ..project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
-from ..project.worlds import regions_of, room_of, world_of
 
 
 @dataclass(frozen=True)

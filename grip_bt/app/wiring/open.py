@@ -9,17 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 
 from grip_bt.app.project.catalogue import catalogue_of
-from grip_bt.app.project.folder import ARCHIVE, MESSAGES
-from grip_bt.app.wiring.parts import Progress, silent
+from grip_bt.app.project.folder import ARCHIVE, MESSAGES, Project, find_project
+from grip_bt.app.wiring.fake import FakeMessages, fake_components, fake_ros
+from grip_bt.app.wiring.parts import FakeState, Opening, OpenRobot, Progress, Resources, RobotKind, load_part, silent
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.message_store import LocalMessages, MessageLibrary, load, save
 from grip_bt.base.ports import Messages
 from grip_bt.runtime import TreeRun
 from grip_bt.runtime.value_codec import decode, encode
-
-from ..project.folder import Project, find_project
-from .fake import FakeMessages, fake_components, fake_ros
-from .parts import FakeState, Opening, OpenRobot, Resources, RobotKind, load_part
 
 BACKENDS = {
     "fake": ("fake", "open_fakes", "motion"),

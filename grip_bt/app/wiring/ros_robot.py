@@ -7,8 +7,12 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 
+from grip_bt.app.project.faults import jerks_of_arms
+from grip_bt.app.project.folder import Project
 from grip_bt.app.project.needs import robot_frames
-from grip_bt.app.wiring.parts import Progress, report_if_slow
+from grip_bt.app.wiring.commanders import PlannedRobot, commanded, with_move_group
+from grip_bt.app.wiring.parts import Opening, Progress, Resources, report_if_slow
+from grip_bt.app.wiring.ros import provide_frames
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
@@ -30,12 +34,6 @@ from grip_bt.ros.moveit import MoveGroupExecutor
 from grip_bt.ros.sensing import RosCamera, unnamed_camera
 from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.ros_config import RosRobotConfig
-
-from ..project.faults import jerks_of_arms
-from ..project.folder import Project
-from .commanders import PlannedRobot, commanded, with_move_group
-from .parts import Opening, Resources
-from .ros import provide_frames
 
 
 def open_controllers(opening: Opening, stack: ExitStack) -> Resources:

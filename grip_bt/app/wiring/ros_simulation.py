@@ -9,6 +9,9 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
+from grip_bt.app.project.faults import check, faults_of_cameras, jerks_of_arms
+from grip_bt.app.project.folder import Project
+from grip_bt.app.project.worlds import room_of, world_of
 from grip_bt.app.wiring.parts import Progress
 from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.base.operation import Operation
@@ -26,10 +29,6 @@ from grip_bt.ros.served import (
 )
 from grip_sim.simulation import Simulation, start_simulation
 from grip_sim.specs import CameraSpec
-
-from ..project.faults import check, faults_of_cameras, jerks_of_arms
-from ..project.folder import Project
-from ..project.worlds import room_of, world_of
 
 JOINT_STATES = "/joint_states"
 SOON = 0.1

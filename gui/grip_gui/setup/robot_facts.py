@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.packages import ROBOTS
+from grip_bt.commanders.description.tree import Joint, Tree
 from grip_bt.commanders.description.xml import origin_of
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
@@ -123,6 +125,7 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
     source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
     description = load_robot(source, folder)
     urdf = fromstring(description.urdf)
+    tree = Tree(urdf)
     colors = {m.get("name"): c.get("rgba") for m in urdf.findall("material") if (c := m.find("color")) is not None}
     meshes: list[dict[str, str]] = []
     grasp = {}
@@ -144,7 +147,7 @@ def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[st
     return {
         "name": description.name,
         "links": {link.get("name"): list(_shapes(link, mesh, colors)) for link in urdf.iter("link")},
-        "joints": [_joint(joint) for joint in urdf.findall("joint")],
+        "joints": [_drawn_joint(joint, tree.joints[joint.get("name", "")]) for joint in urdf.findall("joint")],
         "meshes": meshes,
         "rest": description.at_rest,
         "grasp": grasp,
@@ -182,22 +185,13 @@ def _shape(body: Element, mesh: _FindMesh) -> dict[str, Any] | None:
     return None
 
 
-def _joint(joint: Element) -> dict[str, Any]:
-    has: dict[str, Mapping[str, str]] = {part.tag: part.attrib for part in joint}
-    mimic = has.get("mimic")
+def _drawn_joint(element: Element, joint: Joint) -> dict[str, Any]:
+    axis = element.find("axis")
     return {
-        "name": joint.get("name"),
-        "type": joint.get("type"),
-        "parent": has.get("parent", {}).get("link", ""),
-        "child": has.get("child", {}).get("link", ""),
-        "at": _origin(joint),
-        "axis": _floats(has.get("axis", {}).get("xyz"), (1.0, 0.0, 0.0)),
-        "mimic": mimic
-        and {
-            "joint": mimic.get("joint"),
-            "multiplier": float(mimic.get("multiplier", 1.0)),
-            "offset": float(mimic.get("offset", 0.0)),
-        },
+        **{key: getattr(joint, key) for key in ("name", "type", "parent", "child")},
+        "at": _origin(element),
+        "axis": _floats(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0)),
+        "mimic": None if joint.mimic is None else asdict(joint.mimic),
     }
 
 
