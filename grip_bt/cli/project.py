@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from grip_bt.app.project.folder import FILE_NAME, find_project, make_project
+from grip_bt.app.project.folder import FILE_NAME, find_project, make_project, ros_files
 from grip_bt.app.project.foreign_code import refuse
-from grip_bt.app.project.ros_package import ros_files
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
 from grip_bt.cli.parser import add_no_code

@@ -20,8 +20,8 @@ from grip_bt.ros.environment import own_domain
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.live.recorded import form_of, source_of
 from grip_gui.live.ros_client import RosClientProcess
+from grip_gui.live.routes import form_of, source_of
 
 COMPONENT = """\
 name: switcher

@@ -23,9 +23,8 @@ from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.live.recorded import last_state, motion_of
 from grip_gui.live.ros_client import RosClientProcess
-from grip_gui.live.routes import make_live_router
+from grip_gui.live.routes import last_state, make_live_router, motion_of
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.robot_facts import geometry

@@ -65,11 +65,7 @@ def _only_forked(record: RunRecord, why: str, at: int) -> ResumeError:
 
 def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
     """Return the event up to which a run is to happen again, of a number, `NODE`, or `NODE:OUTCOME`."""
-    until = Until(text)
-    at = next((event.seq for event in events if until.reached(event)), None)
-    if at is None:
-        there = {e.path for e in events if e.event in _NODES} if not text.isdigit() else [f"1 to {len(events)}"]
-        raise UnknownNameError("place in the run", text, there, f"run {record.id}")
+    at = Until(text).place(events, record.id)
     if at > (last := _last_task_event(events)):
         while last > 0 and events[last - 1].event not in _NODES:
             last -= 1
