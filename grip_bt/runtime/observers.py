@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 from grip_bt.base.errors import NodeError
+from grip_bt.base.ports import Clock
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime.journal import ENTER, ENTRIES, INTERRUPTED, LIMIT, DetailedEvent, Journal, RunLog
@@ -19,8 +20,8 @@ from grip_bt.runtime.value_codec import snapshot
 class Recorder(Observer):
     """The observer that writes a journal; blocks the threads that tick only where the writer is far behind."""
 
-    def __init__(self, log: RunLog, now: Callable[[], float]):
-        self._append, self._note, self._now, self._log = log.append, log.note, now, log
+    def __init__(self, log: RunLog, clock: Clock):
+        self._append, self._note, self._now, self._log = log.append, log.note, clock.now, log
         self._extend = log.buffer.extend
 
     def say(self, event: str, path: str = "/", /, **data: object) -> None:

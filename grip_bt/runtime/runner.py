@@ -129,7 +129,7 @@ class Runner:
         if journal is not None:
             if log is None:
                 log = journal.begin(compiled.task.name, task_path, task_text, compiled.target, seed)
-            self.run_id, self._recorder = log.id, Recorder(log, context.clock.now)
+            self.run_id, self._recorder = log.id, Recorder(log, context.clock)
         self._observers: list[Observer] = [] if self._recorder is None else [self._recorder]
         self._debugged = self._stale = False
         self._watchdog = Watchdog(self.pacing, compiled.leaves, watchdog, self._hung) if watchdog else None

@@ -102,7 +102,7 @@ def file(tmp_path: Path) -> Path:
 def write(file: Path, *values: Any, **options: Any) -> str:
     with Journal(file, **options) as journal:
         log = journal.begin("values")
-        recorder = Recorder(log, ManualClock().now)
+        recorder = Recorder(log, ManualClock())
         for n, value in enumerate(values):
             recorder.entered("a")
             recorder.wrote("a", f"v{n % 2}", "Any", value)
@@ -112,7 +112,7 @@ def write(file: Path, *values: Any, **options: Any) -> str:
 
 def test_what_a_node_changes_after_it_wrote_it_is_not_changed_in_the_journal(file: Path) -> None:
     with Journal(file) as journal:
-        recorder = Recorder(log := journal.begin("values"), ManualClock().now)
+        recorder = Recorder(log := journal.begin("values"), ManualClock())
         mutable = {"list": [1], "array": np.zeros(3)}
         recorder.wrote("a", "x", "Any", mutable)
         mutable["list"].append(2)  # type: ignore[union-attr]
@@ -226,7 +226,7 @@ def test_a_journal_that_cannot_be_written_is_waited_for_once() -> None:
 
 def test_a_run_that_was_cut_off_says_why_at_its_end(file: Path) -> None:
     with Journal(file) as journal:
-        recorder = Recorder(log := journal.begin("values"), ManualClock().now)
+        recorder = Recorder(log := journal.begin("values"), ManualClock())
         recorder.entered("a")
         recorder.lost("nobody is there")
         recorder.lost("still nobody")
@@ -243,7 +243,7 @@ def test_a_run_that_was_cut_off_says_why_at_its_end(file: Path) -> None:
 
 def test_what_happens_after_a_cut_is_in_no_journal_however_late_it_is(file: Path) -> None:
     with Journal(file) as journal:
-        recorder = Recorder(log := journal.begin("values"), ManualClock().now)
+        recorder = Recorder(log := journal.begin("values"), ManualClock())
         recorder.entered("a")
         recorder.lost("nobody is there")
         while log.id in journal._logs:  # until the writer has written that and turned to other runs

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from grip_bt.base.errors import EditError, GripError, InvalidTaskError, NodeError
 from grip_bt.compilers.restructure import compare, moved, play, to_state_machines, to_trees
@@ -80,6 +81,10 @@ def _outline(task: Task, path: str) -> list[str]:
     return lines
 
 
+class _PlayClock(NamedTuple):
+    now: Callable[[], float]
+
+
 def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> CounterexampleView:
     """Return how one form goes, in a journal of its own that nobody else sees."""
     recorders: list[Recorder] = []
@@ -88,7 +93,7 @@ def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> C
             log = journal.begin(task.name, file, "", "bt", 0)
 
             def observe(now: Callable[[], float]) -> Recorder:
-                recorders.append(Recorder(log, now))
+                recorders.append(Recorder(log, _PlayClock(now)))
                 return recorders[-1]
 
             end = play(task, catalog, script, observe)
