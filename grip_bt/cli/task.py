@@ -8,8 +8,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError
-
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, EditError, GripError
@@ -140,12 +138,7 @@ def _applied(data: object, document: Document, catalog: Catalog, files: dict[str
     from grip_bt.compilers.restructure import expanded, extracted  # for this verb alone: `check` is to answer at once
     from grip_bt.task.edit import Extract, apply_to_document, command_of
 
-    try:
-        command = command_of(data)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise DocumentError(f"no command: {place}: {first['msg']}; docs/editing.md lists them", "<command>") from None
+    command = command_of(data)
     if isinstance(command, Extract):
         part = extracted(command, document, catalog)
         files[part.file] = part.text

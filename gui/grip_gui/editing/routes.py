@@ -7,10 +7,9 @@ from collections.abc import Callable
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import ValidationError
 
 from grip_bt.base.errors import EditError
-from grip_bt.task.edit import AnyCommand, command_of
+from grip_bt.task.edit import command_of
 from grip_gui.editing.conversion import conversion_view, forms_view
 from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import StaleEditError
@@ -103,7 +102,7 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
 
     @api.post("/document/edit")
     async def edit(request: wire.EditRequest, since: int | None = None) -> Response:
-        command = understood(request.command)
+        command = command_of(request.command)
         return await change(request.path, lambda opened: opened.do(command, request.base, desk.meant), since)
 
     @api.post("/document/text")
@@ -145,15 +144,3 @@ def _step(opened: OpenDocument, request: wire.StepRequest) -> None:
         raise EditError("", "name the state to go to")
     else:
         opened.go(request.number)
-
-
-def understood(command: object) -> AnyCommand:
-    """Return the command that a page has sent."""
-    try:
-        return command_of(command)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise EditError("", f"not a command: {where}: {first['msg']}") from None
-    except RecursionError:
-        raise EditError("", "not a command: nested too deeply") from None
