@@ -197,13 +197,11 @@ def add_interfaces(parser: argparse.ArgumentParser) -> None:
     what = {"build": (_run_interfaces, "build the .msg, .srv and .action packages in a folder, once per content")}
     (build,) = add_actions(parser, what)
     build.add_argument("folder", type=Path, help="an interface package, or a folder with some")
-    build.add_argument("--cache", type=Path, help="where built packages are kept (default: the user's cache)")
-    build.add_argument("--overlay", type=Path, action="append", default=[], help="a prefix with packages they need")
     build.add_argument("--json", action="store_true", help="print one JSON list")
 
 
 def _run_interfaces(args: argparse.Namespace) -> None:
-    built = build_interfaces(args.folder, args.cache, args.overlay)
+    built = build_interfaces(args.folder)
     rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]
     lines = (f"{b.package:<28} {'cached' if b.cached else f'{b.seconds:5.1f} s'}  {b.prefix}" for b in built)
     tell(args.json, rows, lines)

@@ -12,8 +12,8 @@ from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.task.model import KINDS
-from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.projection import kind_views
+from grip_gui.editing.routes import DocumentStore
 from grip_gui.editing.views import view_of_text
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.journal import JournalRuns, cloud_view
