@@ -13,8 +13,7 @@ from xml.etree import ElementTree
 import pytest
 from test_packaging import PACKAGES, PROJECT, ROOT
 
-from grip_bt.app.project.folder import make_project
-from grip_bt.app.project.ros_package import ros_files
+from grip_bt.app.project.folder import make_project, ros_files
 from grip_bt.app.runs.execute import run
 
 OTHER_KEYS = {"pyyaml": "python3-yaml", "py_trees": "py_trees"}

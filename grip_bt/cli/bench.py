@@ -13,10 +13,9 @@ from grip_bt.app.campaign.report import as_csv, as_text, reason, summary
 from grip_bt.app.campaign.trials import Trials, check
 from grip_bt.app.project.folder import Project, find_project
 from grip_bt.base.errors import NotWritableError
-
-from . import STOPPED
-from .parser import add_no_code, whole
-from .terminal import on_stop
+from grip_bt.cli import STOPPED
+from grip_bt.cli.parser import add_no_code, whole
+from grip_bt.cli.terminal import on_stop
 
 
 def add_bench(parser: argparse.ArgumentParser) -> None:

@@ -16,14 +16,13 @@ from grip_bt.app.project.components import Wish, components_folder, from_file, f
 from grip_bt.app.project.folder import find_project
 from grip_bt.app.project.foreign_code import of_component, refuse
 from grip_bt.base.errors import GripError, listing, nearest
+from grip_bt.cli.parser import add_actions, add_no_code
+from grip_bt.cli.terminal import tell
 from grip_bt.codegen import outdated, render, write_package
 from grip_bt.codegen.scaffold import make_repository
 from grip_bt.ros.interfaces import build_interfaces, read_interface
 from grip_bt.ros.interfaces.definition import fields_within, interface_file
 from grip_bt.task.catalog.component_file import FILE_NAME, load_component
-
-from .parser import add_actions, add_no_code
-from .terminal import tell
 
 _NODE_FOLDER = "node"
 _MOST = 6
@@ -198,13 +197,11 @@ def add_interfaces(parser: argparse.ArgumentParser) -> None:
     what = {"build": (_run_interfaces, "build the .msg, .srv and .action packages in a folder, once per content")}
     (build,) = add_actions(parser, what)
     build.add_argument("folder", type=Path, help="an interface package, or a folder with some")
-    build.add_argument("--cache", type=Path, help="where built packages are kept (default: the user's cache)")
-    build.add_argument("--overlay", type=Path, action="append", default=[], help="a prefix with packages they need")
     build.add_argument("--json", action="store_true", help="print one JSON list")
 
 
 def _run_interfaces(args: argparse.Namespace) -> None:
-    built = build_interfaces(args.folder, args.cache, args.overlay)
+    built = build_interfaces(args.folder)
     rows = [{"package": b.package, "prefix": str(b.prefix), "seconds": round(b.seconds, 2)} for b in built]
     lines = (f"{b.package:<28} {'cached' if b.cached else f'{b.seconds:5.1f} s'}  {b.prefix}" for b in built)
     tell(args.json, rows, lines)

@@ -12,13 +12,12 @@ from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.terminal import put
 from grip_bt.compilers import restructure
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.task import dumps, fmt, read_text
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
-
-from .terminal import put
 
 FORMATS = {
     "svg": "grip_bt.formats.draw:to_svg",
@@ -66,32 +65,20 @@ def _restructured(document: Document, catalog: Catalog, args: argparse.Namespace
 
 def add_convert(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument("task", metavar="TASK", help="a task file")
-    parser.add_argument(
-        "--to",
-        required=True,
-        choices=sorted(FORMS),
-        help="the form; bt and sm: the task itself, made of composites or of state machines;"
-        " pytrees-py: a stand-alone Python file; smach-py: Python source of SMACH; pytrees-xml: py_trees' XML;"
-        " btcpp: BehaviorTree.CPP 4's XML",
+    add = parser.add_argument
+    add("task", metavar="TASK", help="a task file")
+    form = (
+        "the form; bt and sm: the task itself, made of composites or of state machines; pytrees-py: a stand-alone"
+        " Python file; smach-py: Python source of SMACH; pytrees-xml: py_trees' XML; btcpp: BehaviorTree.CPP 4's XML"
     )
-    parser.add_argument(
-        "--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart"
-    )
-    parser.add_argument(
-        "--strict", action="store_true", help="for bt and sm: refuse a task that has no exact equivalent in that form"
-    )
-    parser.add_argument(
-        "--approximate",
-        action="store_true",
-        help="for sm: approximate reactive composites by machines; the differences are shown",
-    )
-    parser.add_argument(
-        "--execute",
-        action="store_true",
-        help="TASK is code that makes a tree of py_trees, as `grip run` takes it: run it to draw the tree",
-    )
-    parser.add_argument("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
+    add("--to", required=True, choices=sorted(FORMS), help=form)
+    add("--view", choices=("tree", "flow"), default="tree", help="of a picture: tree (default) or flow chart")
+    add("--strict", action="store_true", help="bt and sm: refuse a task that has no exact equivalent in that form")
+    inexact = "sm: approximate reactive composites by machines; the differences are shown"
+    add("--approximate", action="store_true", help=inexact)
+    code = "TASK is code that makes a tree of py_trees, as `grip run` takes it: run it to draw the tree"
+    add("--execute", action="store_true", help=code)
+    add("-o", "--output", metavar="OUT", default="-", help="file to write; default: stdout")
     parser.set_defaults(run=run)
 
 

@@ -11,7 +11,7 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -21,18 +21,17 @@ import numpy as np
 
 import grip_bt
 from grip_bt.app.runs.execute import open_session
-from grip_bt.app.runs.verdict import Verdict
+from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.base.errors import MissingPartError, NotWritableError
 from grip_bt.base.values import Failure, Grasp
+from grip_bt.cli.run import add_run_options, exit_status, options_of, sentence
+from grip_bt.cli.terminal import on_hang_up, on_stop
 from grip_bt.compilers.binding import parts_of
 from grip_bt.nodes.node import Observer
 from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd, result_facts
 from grip_bt.task import walk
 from grip_sim.referee import ObjectTruth
-
-from .run import add_run_options, exit_status, options_of, sentence
-from .terminal import on_hang_up, on_stop
 
 _UNWANTED = frozenset({".grip", "__pycache__"})
 ATTEMPT = "next_object/attempt"
@@ -104,15 +103,13 @@ def run_demo(args: argparse.Namespace) -> int:
         verdict = Verdict(session)
         result = session.runner.run()
         end: RunEnd = {**result_facts(result), **verdict.facts(result)}
-        truth = referee.truth() if referee is not None else {}
         run_id, journal = session.runner.run_id, session.journal
-    wall = time.monotonic() - began
-    placed = sum(state.status == "placed" for state in truth.values())
+    wall, truth = time.monotonic() - began, end.get("truth", {})
+    placed = sum(state == "placed" for state in truth.values())
     if args.json:
         print(json.dumps(_summary(result, recorder.attempts, placed, len(truth), wall)))
     else:
-        print("", *object_table(truth, recorder.attempts), "", sep="\n")
-        print(f"{sentence(end)}. The referee: {placed} of {len(truth)} objects lie in the crate.")
+        print(f"\n{sentence(end)}. The referee: {placed} of {len(truth)} objects lie in the crate ({words(truth)}).")
         print(f"{result.duration:.1f} s on the run's clock, {wall:.1f} s in all; run {run_id} in {journal}")
     return exit_status(end)
 
@@ -285,16 +282,3 @@ def attempt_line(attempt: Attempt) -> str:
     else:
         how = attempt.outcome.replace("_", " ")
     return f"attempt {attempt.number:<2} {attempt.duration:6.1f} s  {what:<12} {how}"
-
-
-def object_table(truth: Mapping[str, ObjectTruth], attempts: Sequence[Attempt]) -> list[str]:
-    """Return a line per object: attempts, why they failed, and what the referee says."""
-    rows = [("object", "attempts", "held", "placed", "time [s]", "why attempts failed")]
-    for name, state in truth.items():
-        mine = [a for a in attempts if a.target == name]
-        why = "; ".join(f"{a.where}: {a.failure.code}" for a in mine if a.failure is not None) or "-"
-        held = "yes" if any(name in a.held for a in mine) else "no"
-        placed = "yes" if state.status == "placed" else f"no ({state.status})"
-        rows.append((name, str(len(mine)), held, placed, f"{sum(a.duration for a in mine):.1f}", why))
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
-    return ["  ".join([*(c.ljust(w) for c, w in zip(row[:-1], widths, strict=True)), row[-1]]) for row in rows]

@@ -16,10 +16,9 @@ from typing import Literal
 
 from grip_bt.base.errors import libraries_of
 from grip_bt.base.interpreter import python_command
+from grip_bt.cli.terminal import tell
 from grip_bt.ros.environment import environment
 from grip_sim.cameras import render_support
-
-from .terminal import tell
 
 _INSTALL = "make demo (sets up .venv), or: pip install 'grip-bt[{extra}]'"
 
@@ -41,15 +40,15 @@ def _python() -> Finding:
     return Finding("python", "ok" if fits else "broken", found, "use Python 3.11 or 3.12: make PYTHON=python3.12")
 
 
-def _imports(part: str, extra: str, modules: dict[str, str], needed: bool = True) -> Finding:
+def _imports(part: str, extra: str, modules: dict[str, str]) -> Finding:
     """Import in a fresh interpreter, so that a library that crashes is a finding and not the end of us."""
     code = "import " + ", ".join(modules)
     done = subprocess.run(python_command("-W", "ignore", "-c", code), capture_output=True, text=True, timeout=120)
     if done.returncode == 0:
-        return Finding(part, "ok", ", ".join(f"{d} {_version(d)}" for d in modules.values()), needed=needed)
+        return Finding(part, "ok", ", ".join(f"{d} {_version(d)}" for d in modules.values()))
     reason = (done.stderr.strip().splitlines() or [f"ended with status {done.returncode}"])[-1]
     state: Literal["missing", "broken"] = "missing" if "ModuleNotFoundError" in reason else "broken"
-    return Finding(part, state, reason, libraries_of(reason) or _INSTALL.format(extra=extra), needed)
+    return Finding(part, state, reason, libraries_of(reason) or _INSTALL.format(extra=extra))
 
 
 def _version(distribution: str) -> str:

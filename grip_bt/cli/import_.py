@@ -15,14 +15,13 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.base.errors import GripError, listing
 from grip_bt.base.yaml.tree import parse, read_file, to_data
+from grip_bt.cli.parser import add_no_code
+from grip_bt.cli.terminal import put
 from grip_bt.formats.imported import Imported, Request, generated_by, write_generated
 from grip_bt.nodes.tree_code import is_tree_code
 from grip_bt.task import Task, dumps
 from grip_bt.task.document import read
 from grip_bt.task.validation import validate
-
-from .parser import add_no_code
-from .terminal import put
 
 _PACKAGES = {"btcpp": "btcpp", "grip": "first_grip", "pytrees": "pytrees", "smach": "smach"}
 _OPTIONS = {
@@ -38,43 +37,28 @@ _ONE, _PROJECT = ("btcpp", "pytrees"), ("grip",)
 
 def add_import(parser: argparse.ArgumentParser) -> None:
     """Add the verb's options."""
-    parser.add_argument(
-        "path",
-        type=Path,
-        metavar="PATH",
-        help="smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"
+    add = parser.add_argument
+    path = (
+        "smach: a Python file, or a folder of them; pytrees: an XML file, or with --execute module:function,"
         " file.py:function or file.py, a program; btcpp: an XML file of version 4, several, or a folder; grip: a task"
-        " or configuration of the first GRIP (.ini, .yaml), or a folder",
+        " or configuration of the first GRIP (.ini, .yaml), or a folder"
     )
-    parser.add_argument("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
-    parser.add_argument("--from", dest="source", required=True, choices=sorted(_PACKAGES), help="format of the source")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="OUT",
-        help="a .yaml file for one task, a folder for several, of grip a project folder; without it, smach and grip"
-        " write nothing, and the others write to stdout",
+    add("path", type=Path, metavar="PATH", help=path)
+    add("more", type=Path, nargs="*", metavar="MORE", help="btcpp: further files of the same project")
+    add("--from", dest="source", required=True, choices=sorted(_PACKAGES), help="format of the source")
+    out = (
+        "a .yaml file for one task, a folder for several, of grip a project folder; without it, smach and grip write"
+        " nothing, and the others write to stdout"
     )
-    parser.add_argument("--machine", metavar="NAME", help="only this one of several machines or trees")
-    parser.add_argument(
-        "--execute",
-        action="store_true",
-        help="also run the code, in a process of its own, to see what it builds: only for code that you trust",
-    )
-    parser.add_argument(
-        "--arguments",
-        type=Path,
-        metavar="FILE",
-        help="for --execute of smach, YAML or JSON: parameter -> value, or class or function -> parameter -> value",
-    )
-    parser.add_argument(
-        "--success",
-        action="append",
-        metavar="OUTCOME",
-        help="smach: an outcome that means success, whatever it is called",
-    )
-    parser.add_argument("--report", action="store_true", help="print the report only; write nothing")
+    add("-o", "--output", type=Path, metavar="OUT", help=out)
+    add("--machine", metavar="NAME", help="only this one of several machines or trees")
+    code = "also run the code, in a process of its own, to see what it builds: only for code that you trust"
+    add("--execute", action="store_true", help=code)
+    given = "--execute of smach, YAML or JSON: parameter -> value, or class or function -> parameter -> value"
+    add("--arguments", type=Path, metavar="FILE", help=given)
+    outcome = "smach: an outcome that means success, whatever it is called"
+    add("--success", action="append", metavar="OUTCOME", help=outcome)
+    add("--report", action="store_true", help="print the report only; write nothing")
     add_no_code(parser)
     parser.set_defaults(run=run)
 

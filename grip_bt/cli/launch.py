@@ -9,23 +9,18 @@ import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from grip_bt.app.project.folder import FILE_NAME, Project, find_project
 from grip_bt.app.project.foreign_code import refuse
 from grip_bt.app.project.launching import launch_file_of, project_members
 from grip_bt.app.wiring.parts import load_part
 from grip_bt.base.errors import GripError
+from grip_bt.cli import NODE_ERROR, STOPPED
+from grip_bt.cli.parser import add_no_code, number
+from grip_bt.cli.terminal import complain, on_stop, progress, tell
 from grip_bt.ros.launch import read_arguments
 from grip_bt.ros.launch.group import Member, ProcessGroup
 from grip_bt.ros.launch.interpreter import is_launch_file, members_of_file
-
-from . import NODE_ERROR, STOPPED
-from .parser import add_no_code, number
-from .terminal import complain, on_stop, progress, tell
-
-if TYPE_CHECKING:
-    from grip_bt.app.wiring.ros_simulation import Served
 
 
 def add_launch(parser: argparse.ArgumentParser) -> None:
@@ -135,7 +130,9 @@ def run_sim(args: argparse.Namespace) -> int:
             args.setup.write_text(served.setup)
         if args.room is not None:
             args.room.write_text(served.room)
-        print(_settings(served, args.room), flush=True)
+        print("\nserving; press Ctrl-C to stop. For `grip run TASK --robot ros`, put this into grip.yaml:\n")
+        tell(False, ({} if args.room is None else {"scene": str(args.room)}) | served.settings)
+        sys.stdout.flush()
         while not over.wait(0.5):
             try:
                 served.simulation.referee.fingerprint()
@@ -144,17 +141,3 @@ def run_sim(args: argparse.Namespace) -> int:
         for name, truth in served.simulation.referee.truth().items():
             print(f"{name}: {truth.status}")
     return 0
-
-
-def _settings(served: Served, room: Path | None) -> str:
-    """Return what `grip.yaml` says to reach it."""
-    lines = ["", "serving; press Ctrl-C to stop. For `grip run TASK --robot ros`, put this into grip.yaml:", ""]
-    lines += [f"scene: {room}"] if room is not None else []
-    lines += ["ros:", f"  joint_states: {served.joints}", "  controllers:"]
-    lines += [f"    {name}: {{trajectory: {action}}}" for name, action in served.controllers.items()]
-    lines += ["  cameras:"] if served.cameras else []
-    for name, topics in served.cameras.items():
-        lines += [f"    {name}:", *(f"      {part}: {topics[part]}" for part in ("image", "depth", "info"))]
-        mount = ", ".join(f"{key}: {value}" for key, value in served.mounts[name].items())
-        lines.append(f"      mount: {{{mount}}}")
-    return "\n".join([*lines, ""])

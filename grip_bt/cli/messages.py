@@ -21,6 +21,8 @@ from grip_bt.base.failures import ServerLostError, ServerTimeOutError
 from grip_bt.base.message_store.files import plain_of, text_of
 from grip_bt.base.operation import Operation
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.parser import add_actions
+from grip_bt.cli.terminal import on_stop, tell
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.types import type_name
 from grip_bt.ros.messages.service import MessageServer, RosMessages
@@ -33,9 +35,6 @@ from grip_bt.ros.messages.wire import (
     unpack,
     value_from_text,
 )
-
-from .parser import add_actions
-from .terminal import on_stop, tell
 
 T = TypeVar("T")
 ARCHIVE = "messages.sqlite"

@@ -10,18 +10,16 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from grip_bt.app.project.folder import FILE_NAME, find_project, make_project
+from grip_bt.app.project.folder import FILE_NAME, find_project, make_project, ros_files
 from grip_bt.app.project.foreign_code import refuse
-from grip_bt.app.project.ros_package import ros_files
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.files import replace_text
+from grip_bt.cli.parser import add_no_code
+from grip_bt.cli.terminal import on_hang_up
 from grip_bt.formats.pytrees import import_from_code
 from grip_bt.nodes.tree_code import is_tree_code, place_of
 from grip_bt.task import dumps, fmt
 from grip_bt.task.validation.parts import DRAWN
-
-from .parser import add_no_code
-from .terminal import on_hang_up
 
 
 def add_new(parser: argparse.ArgumentParser) -> None:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from grip_bt.base.errors import GripError
+from grip_bt.cli.parser import add_actions
+from grip_bt.cli.terminal import counted, tell
 from grip_bt.commanders.description.files import Finding
 from grip_bt.commanders.description.from_files import Inspected
 from grip_bt.commanders.description.moveit_package import MoveItPackage
@@ -21,8 +22,6 @@ from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.tree import Tree
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 
-from .terminal import counted
-
 WHAT = (
     "a ready-made robot, a .urdf, .xacro or .xml (MJCF) file, a .yaml file with what `robot:` may hold, a MoveIt "
     "configuration package's folder, or a project's folder"
@@ -30,10 +29,14 @@ WHAT = (
 
 
 def add_robot(parser: argparse.ArgumentParser) -> None:
-    """Add the verb's options."""
-    verbs = parser.add_subparsers(title="what to do", metavar="WHAT", required=True)
-    check = verbs.add_parser("check", help="everything that is wrong with robots' files; exit status 1 for errors")
-    show = verbs.add_parser("show", help="groups, joints, limits, end effectors, states, solvers, planners")
+    check, show, listed = add_actions(
+        parser,
+        {
+            "check": (_run_check, "everything that is wrong with robots' files; exit status 1 for errors"),
+            "show": (_run_show, "groups, joints, limits, end effectors, states, solvers, planners"),
+            "list": (_run_list, "the ready-made robots"),
+        },
+    )
     for each in (check, show):
         each.add_argument("robot", metavar="FILE|NAME|FOLDER", help=WHAT)
         each.add_argument("--srdf", metavar="FILE", help="the SRDF of a URDF or xacro file")
@@ -53,11 +56,7 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         help="move it, too: its named states, a pose, a line and its hands, as the first task of `grip new --robot`",
     )
     check.add_argument("--keep", metavar="DIR", type=Path, help="with --run: keep the project that is made for it")
-    check.set_defaults(run=_run_check, usage_error=check.error)
-    show.set_defaults(run=_run_show, usage_error=show.error)
-    listed = verbs.add_parser("list", help="the ready-made robots")
     listed.add_argument("--json", action="store_true", help="print one JSON list")
-    listed.set_defaults(run=_run_list)
 
 
 def _run_check(args: argparse.Namespace) -> int:
@@ -66,15 +65,13 @@ def _run_check(args: argparse.Namespace) -> int:
     wrong = sum(finding.severity == "error" for finding in findings)
     runs = [] if wrong or not args.on else _tried(args)
     wrong += sum(run["status"] != "success" for run in runs)
-    if args.json:
-        found = {"robot": args.robot, "findings": [f.as_dict() for f in findings], "runs": runs}
-        print(json.dumps(found, indent=2))
-        return int(wrong > 0)
-    for finding in findings:
-        print(finding)
+    lines = [*map(str, findings)]
     for run in runs:
-        print(f"{run['on']}: {run['status']}{': ' if run['said'] else ''}{run['said']}; {', '.join(run['nodes'])}")
-    print(f"{args.robot}: {counted(wrong, len(findings) - sum(f.severity == 'error' for f in findings))}")
+        lines.append(
+            f"{run['on']}: {run['status']}{': ' if run['said'] else ''}{run['said']}; {', '.join(run['nodes'])}"
+        )
+    lines.append(f"{args.robot}: {counted(wrong, len(findings) - sum(f.severity == 'error' for f in findings))}")
+    tell(args.json, {"robot": args.robot, "findings": [f.as_dict() for f in findings], "runs": runs}, lines)
     return int(wrong > 0)
 
 
@@ -106,14 +103,12 @@ def _run_show(args: argparse.Namespace) -> int:
         for finding in inspected.findings:
             print(finding, file=sys.stderr)
         return 1
-    known = _facts(inspected.description, inspected.packages)
-    print(json.dumps(known, indent=2) if args.json else "\n".join(_lines(known)))
+    tell(args.json, _facts(inspected.description, inspected.packages))
     return 0
 
 
-def _run_list(args: argparse.Namespace) -> int:
-    print(json.dumps(list(ROBOTS)) if args.json else "\n".join(ROBOTS))
-    return 0
+def _run_list(args: argparse.Namespace) -> None:
+    tell(args.json, list(ROBOTS), ROBOTS)
 
 
 def _inspected(args: argparse.Namespace) -> Inspected:
@@ -188,61 +183,3 @@ def _facts(robot: RobotDescription, packages: Sequence[MoveItPackage]) -> dict[s
         },
         "moveit": [asdict(package) | {"folder": str(package.folder)} for package in packages],
     }
-
-
-def _lines(known: dict[str, Any]) -> Iterator[str]:
-    yield f"{known['name']}, standing on {known['base_link']}"
-    for group, joints in known["groups"].items():
-        frame = known["grasp_frames"].get(group)
-        plural = "" if len(joints) == 1 else "s"
-        yield f"\ngroup {group}: {len(joints)} joint{plural}{', grasp frame on ' + frame if frame else ''}"
-        for name in joints:
-            joint = known["joints"][name]
-            unit = "m" if joint["type"] == "prismatic" else "rad"
-            yield (
-                f"  {name}: {joint['lower']:.4g} ... {joint['upper']:.4g} {unit}, {joint['velocity']:.4g} {unit}/s, "
-                f"{joint['acceleration']:.4g} {unit}/s^2"
-            )
-        for name, state in known["states"].get(group, {}).items():
-            yield f"  state {name}: {', '.join(f'{q:g}' for q in state.values())}"
-    yield ""
-    for end in known["end_effectors"]:
-        yield f"end effector {end['name']}: {end['group'] or 'a tool'} on {end['parent_link']} of {end['parent_group']}"
-    for finger, links in known["fingers"].items():
-        yield f"finger {finger}: {', '.join(links)}"
-    grouped = {joint for joints in known["groups"].values() for joint in joints}
-    for name, joint in known["joints"].items():
-        if joint["follows"]:
-            yield f"joint {name} follows {joint['follows']}"
-        elif name not in grouped:
-            yield f"joint {name} belongs to no group"
-    yield f"solvers: {', '.join(known['solvers'])}"
-    yield f"planners: {', '.join(known['planners'])}"
-    for group, fields in known["preferences"].items():
-        words = [_preferred(field, preference) for field, preference in fields.items()]
-        yield f"in force for {group}, unless grip.yaml says otherwise: {'; '.join(words)}"
-    for package in known["moveit"]:
-        yield from _moveit(package)
-
-
-def _preferred(field: str, preference: dict[str, Any]) -> str:
-    source = preference["source"]
-    if preference["value"] is None:
-        return f"{field} as usual ({source} asks for {preference['unknown']}, which isn't here)"
-    return f"{field} {preference['value']} (from {source})"
-
-
-def _moveit(package: dict[str, Any]) -> Iterator[str]:
-    yield f"\nMoveIt configuration: {package['folder']}"
-    for joint, limits in package["limits"].items():
-        said = ", ".join(f"{name} {value:g}" for name, value in limits.items() if value is not None)
-        yield f"  limits of {joint}, in place of the URDF's: {said or 'none'}"
-    if package["initial_positions"]:
-        at = ", ".join(f"{joint} {position:g}" for joint, position in package["initial_positions"].items())
-        yield f"  at rest: {at} (initial_positions.yaml)"
-    for group, plugin in package["kinematics"].items():
-        yield f"  kinematics of {group}: {plugin}"
-    for group, planner in package["planners"].items():
-        yield f"  planner of {group}: {planner}{'' if planner in PLANNERS else ' (not here)'}"
-    for sensor in package["sensors"]:
-        yield f"  sensor {sensor['name']}: {sensor['plugin']} on {sensor['topic']}"

@@ -12,23 +12,21 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from grip_bt.app.runs.execute import MOST_SEED, RunOptions, open_session
+from grip_bt.app.runs.execute import MOST_SEED, WATCHDOG, RunOptions, open_session
 from grip_bt.app.runs.mocks import read_faults, read_mocks
 from grip_bt.app.runs.replay import failures, journal_of
 from grip_bt.app.runs.resume_plan import ResumePlan, agree, plan_resume
 from grip_bt.app.runs.supervisor import Supervisor
 from grip_bt.app.runs.verdict import Verdict, words
 from grip_bt.app.wiring.parts import silent
+from grip_bt.cli import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
+from grip_bt.cli.debug_prompt import Prompt, breakpoint_of
+from grip_bt.cli.parser import add_no_code, number, whole
+from grip_bt.cli.terminal import on_stop, progress, tell
 from grip_bt.runtime import JournalReader, RunResult, serve_control
 from grip_bt.runtime.control import RunEnd, result_facts
 
-from . import DONE, FAILURE, INVALID, NODE_ERROR, STOPPED
-from .debug_prompt import Prompt, breakpoint_of
-from .parser import add_no_code, number, whole
-from .terminal import on_stop, progress, tell
-
 _EXIT_STATUS = {"success": DONE, "failure": FAILURE, "error": NODE_ERROR, "died": NODE_ERROR, "stopped": STOPPED}
-_WATCHDOG = 10.0
 
 
 class _Given(argparse.Action):
@@ -54,11 +52,9 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     add("--json", action="store_true", help="print the result as one JSON object")
     add("--rate", type=number(above=0), action=_Given, metavar="HZ", help="tick rate (default: tick on events)")
     add("--ticks", type=whole(1, 10**9), metavar="N", help="tick a py_trees tree N times (default: until it ends)")
-    seconds, doc = (
-        number(what="a number of seconds"),
-        f"end a run whose node hangs for S seconds (default: {_WATCHDOG:g}",
-    )
-    add("--watchdog", type=seconds, action=_Given, default=_WATCHDOG, metavar="S", help=f"{doc}; 0: never)")
+    seconds = number(what="a number of seconds")
+    doc = f"end a run whose node hangs for S seconds (default: {WATCHDOG:g}; 0: never)"
+    add("--watchdog", type=seconds, action=_Given, default=WATCHDOG, metavar="S", help=doc)
     add("--stand-ins", action="store_true", help="dry run of an imported SMACH task: what is missing is stood in for")
     group = parser.add_argument_group("mocks")
     add = group.add_argument

@@ -6,7 +6,6 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -28,11 +27,10 @@ from grip_bt.app.runs.replay import (
     timings,
 )
 from grip_bt.base.errors import UnknownNameError
+from grip_bt.cli.parser import number
+from grip_bt.cli.terminal import tell
 from grip_bt.runtime import Event, JournalReader, RunSnapshot
 from grip_bt.runtime.journal_rows import JournalError
-
-from .parser import number
-from .terminal import tell
 
 
 def add_runs(parser: argparse.ArgumentParser) -> None:
@@ -126,12 +124,10 @@ def _timing(reader: JournalReader, run: str, as_json: bool) -> None:
 
 def _coverage(reader: JournalReader, task: Path, as_json: bool) -> None:
     found = coverage(reader, str(task))
-    seen, there = found.counts
-    codes = [{"node": n, "outcome": o, "codes": c} for (n, o), c in found.codes.items()]
-    facts = {"runs": found.runs, "seen": found.seen, "missing": found.missing, "codes": codes}
-    lines = [f"{seen} of {there} outcomes seen in {found.runs} run{'s' if found.runs != 1 else ''} of {task}"]
-    lines += [f"  never seen: {path}: {', '.join(outcomes)}" for path, outcomes in found.missing.items()]
-    tell(as_json, {"outcomes_seen": seen, "outcomes": there, **facts}, lines)
+    runs = f"{found['runs']} run{'s' if found['runs'] != 1 else ''}"
+    lines = [f"{found['outcomes_seen']} of {found['outcomes']} outcomes seen in {runs} of {task}"]
+    lines += [f"  never seen: {path}: {', '.join(outcomes)}" for path, outcomes in found["missing"].items()]
+    tell(as_json, found, lines)
 
 
 def _list(reader: JournalReader, as_json: bool, only: str | None = None) -> None:
@@ -168,7 +164,7 @@ def run_replay(args: argparse.Namespace) -> int:
             return serve(folder, show_run=found, journal=file, open_browser=not args.no_browser)
         until = Until(args.until) if args.until else None
         if until is not None and reader.run(found).status != "running":
-            _check_place(reader, found, until)
+            until.place(list(reader.iterate(found)), found)  # refused before its events are shown
         speed = args.speed if args.speed is not None else float(sys.stdout.isatty())
 
         def show(event: Event, moment: RunSnapshot) -> None:
@@ -181,25 +177,12 @@ def run_replay(args: argparse.Namespace) -> int:
             moment, reached = replay(events_of(reader, found), show, None if args.step else speed or None, until)
         except EOFError:
             return 0
-        if not reached:
-            raise _unknown_place(args.until, found, moment.nodes, moment.seq)
+        if until is not None and not reached:
+            until.place(list(reader.iterate(found)), found)
         if not args.json:
             print("\n".join(moment_lines(moment, None if until else reader.run(found))))
         reader.raise_if_damaged()
     return 0
-
-
-def _check_place(reader: JournalReader, run: str, until: Until) -> None:
-    """Refuse a place that a run which is over never came to, before its events are shown."""
-    node, events = until.text.partition(":")[0], list(reader.iterate(run))
-    if not any(map(until.reached, events)):
-        ends = {f"{node}:{event.outcome}" for event in events if event.path == node and event.outcome is not None}
-        raise _unknown_place(until.text, run, ends or {event.path for event in events}, events[-1].seq if events else 0)
-
-
-def _unknown_place(place: str, run: str, paths: Iterable[str], last: int) -> UnknownNameError:
-    there = [f"1 to {last}"] if place.isdecimal() else sorted(paths)
-    return UnknownNameError("place in the run", place, there, f"run {run}")
 
 
 def add_capsule(parser: argparse.ArgumentParser) -> None:

@@ -11,10 +11,9 @@ from importlib import import_module
 
 from grip_bt import __version__
 from grip_bt.base.errors import GripError, MissingPartError, NodeError, remedy_of
-
-from . import INVALID, NODE_ERROR
-from .parser import Parser
-from .terminal import complain, give_up, ready
+from grip_bt.cli import INVALID, NODE_ERROR
+from grip_bt.cli.parser import Parser
+from grip_bt.cli.terminal import complain, give_up, ready
 
 VERBS = {
     "demo": "run a packaged demonstration in simulation",

@@ -8,20 +8,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError
-
 from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, EditError, GripError
 from grip_bt.base.files import replace_text
 from grip_bt.base.issue import Issue
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.terminal import counted, put, tell
 from grip_bt.task import fmt, read, read_text, schema
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.document import Document
 from grip_bt.task.validation import validate
-
-from .terminal import counted, put, tell
 
 if TYPE_CHECKING:
     from grip_bt.task.edit import Edited
@@ -141,12 +138,7 @@ def _applied(data: object, document: Document, catalog: Catalog, files: dict[str
     from grip_bt.compilers.restructure import expanded, extracted  # for this verb alone: `check` is to answer at once
     from grip_bt.task.edit import Extract, apply_to_document, command_of
 
-    try:
-        command = command_of(data)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise DocumentError(f"no command: {place}: {first['msg']}; docs/editing.md lists them", "<command>") from None
+    command = command_of(data)
     if isinstance(command, Extract):
         part = extracted(command, document, catalog)
         files[part.file] = part.text

@@ -14,9 +14,8 @@ from grip_bt.app.wiring.parts import Opening, Resources
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.values import JointState, Pose
+from grip_bt.cli.terminal import tell
 from grip_bt.commanders.taught import TaughtStates
-
-from .terminal import tell
 
 T = TypeVar("T")
 

@@ -8,7 +8,9 @@ import signal
 import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
-from typing import TextIO
+from typing import Any, TextIO
+
+import yaml
 
 from . import INVALID
 
@@ -36,10 +38,23 @@ def put(document: str) -> None:
     sys.stdout.buffer.write(document.encode())
 
 
-def tell(as_json: bool, data: object, lines: Iterable[str]) -> None:
-    """Print data as JSON, or else what people are told of them, line by line."""
-    for line in [json.dumps(data)] if as_json else lines:
+def tell(as_json: bool, data: object, lines: Iterable[str] | None = None) -> None:
+    """Print data as JSON, or else what people are told of them, line by line: without `lines` the data, in YAML."""
+    for line in [json.dumps(data)] if as_json else [_yaml_of(data)] if lines is None else lines:
         print(line)
+
+
+def _yaml_of(data: object) -> str:
+    """Return data in YAML, for people: numbers of six digits, and nothing of what is empty."""
+    plain = json.loads(json.dumps(data), parse_float=lambda word: float(f"{float(word):.6g}"))
+    text = yaml.safe_dump(_filled(plain), default_flow_style=None, sort_keys=False, width=120, allow_unicode=True)
+    return str(text).rstrip()
+
+
+def _filled(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _filled(value) for key, value in data.items() if value not in (None, "", [], {})}
+    return [_filled(value) for value in data] if isinstance(data, list) else data
 
 
 def give_up() -> None:

@@ -13,13 +13,12 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.worlds import checked_world
 from grip_bt.base.errors import GripError
 from grip_bt.base.yaml.tree import read_file
+from grip_bt.cli.parser import add_actions
+from grip_bt.cli.terminal import tell
 from grip_sim import objects
 from grip_sim.simulation import start_simulation
 from grip_sim.specs import CameraSpec, ObjectSpec, WorldSpec
 from grip_sim.worlds import BUILTIN, load_world, read_world, world_files
-
-from .parser import add_actions
-from .terminal import tell
 
 if TYPE_CHECKING:
     from grip_sim.objects.body import ObjectModel
@@ -140,8 +139,8 @@ def _faults_of_object(name: str, project: Project) -> Iterator[GripError]:
         yield error
 
 
-def _show(args: argparse.Namespace, data: object, lines: Iterator[str], spec: WorldSpec, camera: str) -> None:
-    tell(args.json, data, lines)
+def _show(args: argparse.Namespace, data: object, spec: WorldSpec, camera: str) -> None:
+    tell(args.json, data)
     if args.picture is not None:
         take_picture(spec, camera, args.picture)
         print(f"{args.picture}: written", file=sys.stderr)
@@ -150,26 +149,7 @@ def _show(args: argparse.Namespace, data: object, lines: Iterator[str], spec: Wo
 def _show_world(args: argparse.Namespace) -> None:
     project = _here()
     spec = load_world(args.world, args.seed, project.folder, "" if project.file.robot is None else project.robot_source)
-    _show(args, spec.to_json(), _lines_of_world(spec), spec, args.camera)
-
-
-def _lines_of_world(spec: WorldSpec) -> Iterator[str]:
-    yield f"robot: {spec.robot}"
-    for thing in spec.objects:
-        size = f"radius {thing.radius:.3f} m" + ("" if thing.shape == "sphere" else f", height {thing.height:.3f} m")
-        size = f"{Path(thing.model).stem}, {size}" if thing.model else size
-        place = ", ".join(f"{each:.3f}" for each in thing.position)
-        yield f"object {thing.name}: {size}, {thing.mass:.3f} kg, friction {thing.friction:g}, centre at {place}"
-    yield from (f"fixture {name}" for name in (*(b.name for b in spec.boxes), *(m.name for m in spec.meshes)))
-    for name, said in spec.articulated.items():
-        yield f"articulated {name}: {said.kind}, {', '.join(said.measures(name))}"
-    for region in spec.regions:
-        size = " x ".join(f"{each:g}" for each in region.size)
-        yield f"region {region.name}: {size} m" + (", a target" if region.target else "")
-    yield from (f"camera {camera.name}: {camera.width} x {camera.height} px" for camera in spec.cameras)
-    yield from (f"judge {name}: {condition}" for name, condition in spec.judge.items())
-    for name, fault in spec.faults.items():
-        yield f"fault {name}: {fault.fault}" + (f" of {fault.of}" if fault.of else "")
+    _show(args, spec.to_json(), spec, args.camera)
 
 
 def take_picture(spec: WorldSpec, camera: str, file: Path) -> None:
@@ -218,20 +198,17 @@ def _size(model: ObjectModel) -> str:
 def _show_object(args: argparse.Namespace) -> None:
     file = objects.object_file(args.object, _here().folder)
     model = objects.load_object(file)
+    _show(args, _facts(model), _on_a_table(model, file), "close")
+
+
+def _facts(model: ObjectModel) -> dict[str, object]:
+    """Return an object's size [m], mass [kg], centre [m] and inertia about it [kg m^2], and so on."""
     data = {key: getattr(model, key) for key in ("name", "doc", "size", "mass", "friction")}
-    data |= {"centre_of_mass": model.centre.tolist(), "inertia": model.inertia.tolist(), "parts": len(model.parts)}
-    _show(args, data, _lines_of_object(model), _on_a_table(model, file), "close")
-
-
-def _lines_of_object(model: ObjectModel) -> Iterator[str]:
-    yield f"{model.name}: {model.doc or 'no doc'}"
-    yield f"size: {_size(model)}"
-    yield f"mass: {model.mass:g} kg, friction {model.friction:g}"
-    centre = ", ".join(f"{1e3 * each:.1f}" for each in model.centre)
-    yield f"centre of mass: {centre} mm from the middle of its bounding box"
-    rows = "; ".join(", ".join(f"{1e6 * each:.4g}" for each in row) for row in model.inertia)
-    yield f"inertia about it: {rows} kg mm^2"
-    yield f"convex parts: {len(model.parts)}"
+    return data | {
+        "centre_of_mass": model.centre.tolist(),
+        "inertia": model.inertia.tolist(),
+        "parts": len(model.parts),
+    }
 
 
 def _on_a_table(model: ObjectModel, file: Path) -> WorldSpec:
@@ -259,6 +236,7 @@ def _add(args: argparse.Namespace) -> None:
     file = write_object(name, found, checked, own, mass=args.mass, friction=args.friction, source=source)
     model = objects.load_object(file)
     hidden = " (it hides the library's)" if name in objects.BUILTIN else ""
-    print(*(f"{name}: {remark}" for remark in checked.remarks), *_lines_of_object(model), sep="\n")
+    print(*(f"{name}: {remark}" for remark in checked.remarks), sep="\n")
+    tell(False, _facts(model))
     print(f"{file}: written{hidden}; `model: {name}` in a world's file uses it")
     print(f"next: grip object show {name} --picture {name}.png")

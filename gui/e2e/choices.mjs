@@ -51,6 +51,7 @@ await onPage(url, async (page, { button, choose, fileIs, item, pick }) => {
   await remove("first.success");
   await why.getByRole("button", { name: /Make short a state machine/ }).click();
   await kindIs("short", "state machine");
+  await page.locator('.flow .stored[data-id="first.success"]').waitFor({ state: "attached" }); // the machine is drawn, too
   await remove("first.success");
   await edge("first.success").waitFor({ state: "detached" });
   await button("Undo").click();

@@ -14,9 +14,9 @@ await onPage(url, async (first, one) => {
   await second.bringToFront();
   await two.nodeIs("one", "running");
   console.log("RUNNING");
-  await two.runIs("died");
+  await two.runIs("error");
   await first.bringToFront();
-  await one.runIs("died");
+  await one.runIs("error");
   await one.nodeIs("one", "interrupted");
   await first.getByRole("alert").getByText(/ended by SIGKILL/).waitFor();
 }, { reducedMotion: "reduce" });

@@ -8,8 +8,7 @@ import os
 import signal
 import sys
 import time
-from collections import deque
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from secrets import token_hex
@@ -20,11 +19,10 @@ from grip_bt.base.failures import ExpectedError
 from grip_bt.base.interpreter import python_command
 from grip_gui.wire.setup import CommandResult
 
-MARK = "GRIP_RUN_MARK"  # environment variable that all processes of one run share
+MARK = "GRIP_RUN_MARK"  # environment variable that a process shares with all that it starts
 GRACE = 1.0  # how long a left-over process may take to end after SIGTERM [s]
 POLL = 0.02  # how often it is looked whether a process has ended [s]
-LINES_KEPT = 40  # how many of the last lines of output are kept, to say why a process died
-LONGEST_LINE = 1 << 20
+LONGEST_LINE = 1 << 26
 
 
 def marked(mark: str) -> list[int]:
@@ -58,9 +56,7 @@ def _signal(pids: list[int], number: signal.Signals) -> None:
             os.kill(pid, number)
 
 
-async def _spawned(
-    words: Sequence[str], stderr: int, folder: Path | None, longest: int = LONGEST_LINE
-) -> tuple[asyncio.subprocess.Process, str]:
+async def spawned(words: Sequence[str], stderr: int, folder: Path) -> tuple[asyncio.subprocess.Process, str]:
     """Start a module of this Python in a process group of its own; return it, and the mark of all that it starts."""
     mark = token_hex(8)
     process = await asyncio.create_subprocess_exec(
@@ -69,82 +65,11 @@ async def _spawned(
         stdout=asyncio.subprocess.PIPE,
         stderr=stderr,
         cwd=folder,
-        limit=longest,
+        limit=LONGEST_LINE,
         env={**os.environ, MARK: mark, "PYTHONUNBUFFERED": "1"},
         start_new_session=True,
     )
     return process, mark
-
-
-class ChildProcess:
-    """A process that talks in lines of JSON, objects with an `event` or an `id`; all else that it prints is a log."""
-
-    def __init__(self, process: asyncio.subprocess.Process, mark: str):
-        self._process, self._mark = process, mark
-        self._tail: deque[str] = deque(maxlen=LINES_KEPT)
-
-    @classmethod
-    async def start(cls, *words: str, folder: Path | None = None, longest: int = LONGEST_LINE) -> ChildProcess:
-        """Start a module with its arguments in a folder; a line of more than `longest` bytes is left out."""
-        return cls(*await _spawned(words, asyncio.subprocess.PIPE, folder, longest))
-
-    async def follow(self, heard: Callable[[dict[str, Any]], Awaitable[None]]) -> None:
-        """Pass on what it says, and `{"event": "log", "text": ...}` for the rest, until its output ends."""
-
-        async def read(stream: asyncio.StreamReader | None) -> None:
-            assert stream is not None
-            while line := await _line(stream):
-                await heard(self._parsed(line.decode(errors="replace").rstrip(), stream is self._process.stdout))
-
-        await asyncio.gather(read(self._process.stdout), read(self._process.stderr))
-
-    def _parsed(self, text: str, told: bool) -> dict[str, Any]:
-        if told and text.startswith("{"):
-            with suppress(ValueError):
-                message = json.loads(text)
-                if isinstance(message, dict) and message.keys() & {"event", "id"}:
-                    return message
-        self._tail.append(text)
-        return {"event": "log", "text": text}
-
-    async def send(self, message: Mapping[str, Any]) -> None:
-        """Send it an object; nothing happens when the process is gone."""
-        stdin = self._process.stdin
-        if stdin is not None and not stdin.is_closing():
-            with suppress(BrokenPipeError, ConnectionResetError):
-                stdin.write(json.dumps(dict(message)).encode() + b"\n")
-                await stdin.drain()
-
-    async def wait(self) -> int:
-        """Wait for the end, end what it left behind, return the exit status; negative is the signal that ended it."""
-        # Not `Process.wait`: in Python 3.11 that waits for what holds the pipes too, which may be what was left behind.
-        while self._process.returncode is None:
-            await asyncio.sleep(POLL)
-        await end_marked(self._mark)
-        return self._process.returncode
-
-    def say_no_more(self) -> None:
-        """Close its standard input, at which it is expected to end."""
-        if self._process.stdin is not None:
-            self._process.stdin.close()
-
-    async def kill(self) -> None:
-        """End the process and everything that it started, now. Idempotent."""
-        await end_marked(self._mark, group=self._process.pid if self._process.returncode is None else None)
-        while self._process.returncode is None:
-            await asyncio.sleep(POLL)
-
-    def tail(self) -> str:
-        """Return the last lines that weren't part of what it says."""
-        return "\n".join(self._tail)
-
-
-async def _line(stream: asyncio.StreamReader) -> bytes:
-    """Return the next line; of one that is longer than the limit, nothing but a note."""
-    try:
-        return await stream.readline()
-    except ValueError:
-        return b"(a line that was too long was left out)\n"
 
 
 PATIENCE = 120.0  # how long a try may take; building interfaces the first time takes most of it [s]
@@ -178,7 +103,7 @@ class CommandRunner:
         if self._busy.locked():
             raise GripError("another command is running; wait for it to end")
         async with self._busy:
-            process, mark = await _spawned((module, *words), asyncio.subprocess.STDOUT, self._folder)
+            process, mark = await spawned((module, *words), asyncio.subprocess.STDOUT, self._folder)
             try:
                 async with asyncio.timeout(PATIENCE):
                     said, _ = await process.communicate(given.encode())

@@ -22,9 +22,8 @@ from starlette.exceptions import HTTPException
 
 from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError, HandoverError, MissingPartError, UnknownNameError
-from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError
-from grip_gui.editing.routes import make_edit_router
+from grip_gui.editing.routes import DocumentStore, make_edit_router
 from grip_gui.live.ros_client import RosClientProcess
 from grip_gui.live.routes import make_live_router
 from grip_gui.processes import CommandRunner
@@ -32,8 +31,7 @@ from grip_gui.project import OutsideProjectError, ProjectFolder
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.pages import ControlTakenError
 from grip_gui.runs.routes import make_router
-from grip_gui.runs.run_control import BusyError, RunControl
-from grip_gui.runs.session import Launch, start_run
+from grip_gui.runs.run_control import BusyError, Launch, RunControl, start_run
 from grip_gui.security import HOST, Gate, listen
 from grip_gui.setup.routes import make_setup_router
 from grip_gui.wire.runs import RunOptions

@@ -60,7 +60,7 @@ def test_a_dry_run_prints_the_text_and_changes_nothing(task, capsys):
     ("words", "says"),
     [
         ("{", "no JSON"),
-        ('{"do": "burn"}', "no command"),
+        ('{"do": "burn"}', "not a command"),
         ('{"do": "rename", "path": "nobody", "name": "x"}', "nobody"),
         ('[{"do": "remove", "path": "first"}, {"do": "remove", "path": "first"}]', "first"),
     ],

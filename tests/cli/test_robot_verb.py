@@ -55,10 +55,10 @@ def test_a_ready_made_robot_is_ok_and_shown_with_groups_limits_states_solvers_an
     assert capsys.readouterr().out == "ur3: ok\n"
     assert main(["robot", "show", "ur3"]) == 0
     shown = capsys.readouterr().out
-    assert "group arm: 6 joints, grasp frame on tool0" in shown
-    assert "elbow_joint: -3.142 ... 3.142 rad, 3.15 rad/s, 4 rad/s^2" in shown
-    assert "state home: 0, -1.57, 1.57" in shown
-    assert "solvers: damped_least_squares, trac_ik" in shown
+    assert "grasp_frames: {arm: tool0}" in shown
+    assert "elbow_joint: {type: revolute, lower: -3.14159, upper: 3.14159, velocity: 3.15," in shown
+    assert "home: {shoulder_pan_joint: 0.0, shoulder_lift_joint: -1.57, elbow_joint: 1.57," in shown
+    assert "solvers: [damped_least_squares, trac_ik]" in shown
     assert "BiTRRT" in shown
 
 

@@ -31,8 +31,8 @@ def test_a_new_world_is_a_copy_that_is_listed_checked_and_shown(project, capsys)
     assert "1 worlds checked on 20 seeds: 0 errors" in capsys.readouterr().out
     assert main(["world", "show", "mine", "--seed", "3"]) == 0
     shown = capsys.readouterr().out
-    assert "region upper: 0.28 x 0.38 x 0.28 m, a target" in shown
-    assert "judge stored: in_upper == objects" in shown
+    assert "- name: upper\n  size: [0.28, 0.38, 0.28]\n" in shown
+    assert "judge: {stored: in_upper == objects," in shown
     assert main(["world", "show", "mine", "--seed", "3", "--json"]) == 0
     spec = json.loads(capsys.readouterr().out)
     assert spec["robot"] == "panda_allegro"

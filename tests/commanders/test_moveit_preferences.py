@@ -6,6 +6,7 @@ import json
 import pickle
 
 import pytest
+import yaml
 from robot_files import description_package, moveit_package
 
 from grip_bt.app.project.folder import ArmConfig, find_project
@@ -105,10 +106,10 @@ def test_a_factor_that_is_none_is_an_error_with_its_file(tmp_path):
 def test_show_prints_what_is_in_force_and_where_it_comes_from(tmp_path, capsys):
     folder = package(tmp_path, plugin="bio_ik/BioIKKinematicsPlugin")
     assert main(["robot", "show", str(folder)]) == 0
-    (line,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("in force for manipulator")]
-    assert "planner PRM (from ompl_planning.yaml)" in line
-    assert "kinematics as usual (kinematics.yaml asks for bio_ik/BioIKKinematicsPlugin, which isn't here)" in line
-    assert "speed 0.2 (from joint_limits.yaml)" in line
+    told = yaml.safe_load(capsys.readouterr().out)["preferences"]["manipulator"]
+    assert (told["planner"]["value"], told["planner"]["source"]) == ("PRM", "ompl_planning.yaml")
+    assert told["kinematics"] == {"source": "kinematics.yaml", "unknown": "bio_ik/BioIKKinematicsPlugin"}
+    assert told["speed"] == {"value": 0.2, "source": "joint_limits.yaml"}
     assert main(["robot", "show", str(folder), "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)["preferences"]["manipulator"]
     assert shown["planner"] == {

@@ -31,7 +31,7 @@ def test_it_gives_every_arm_hand_and_camera_and_can_be_started_again(tmp_path, r
     project, backend = write(tmp_path, PROJECT), backend_of(robot)
     for _ in range(2 if robot == "fake" else 1):
         with ExitStack() as stack:
-            parts = backend.open(Opening(project), stack)
+            parts = backend(Opening(project), stack)
             assert (list(parts.arms), list(parts.hands), list(parts.cameras)) == (["right"], ["right_hand"], ["head"])
             assert parts.scene is not None
             assert parts.arms["right"].state().names
@@ -44,7 +44,7 @@ def test_a_group_that_is_not_there_is_refused_before_a_robot_is_started(tmp_path
     project = write(tmp_path, PROJECT.replace("group: arm", "group: amr"))
     told: list[str] = []
     with ExitStack() as stack, pytest.raises(UnknownNameError, match="group 'amr'"):
-        backend_of(robot).open(Opening(project, progress=lambda part, words: told.append(part)), stack)
+        backend_of(robot)(Opening(project, progress=lambda part, words: told.append(part)), stack)
     assert not {"simulator", "planner", "robot"} & set(told)
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
+import threading
 import warnings
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from grip_bt.runtime import Journal, RunLog
-from grip_gui.processes import ChildProcess
 from grip_gui.wire.runs import RunOptions
 
 with warnings.catch_warnings():
@@ -75,56 +74,49 @@ def write(log: RunLog, events: list[Any]) -> None:
 
 
 @dataclass
-class PlayedRun(ChildProcess):
-    """A run process that writes recorded events to the journal and obeys commands, unless it is deaf or dies."""
+class PlayedRun:
+    """Plays a `Supervisor`: writes recorded events to the journal and obeys commands, unless it dies."""
 
     journal: Path
-    deaf: bool = False
+    told: Callable[[Mapping[str, Any]], None]
     dies: bool = False
     contradicted: str = ""
     rest: Mapping[str, Any] = field(default_factory=dict)
     said: list[str] = field(default_factory=list)
     heard: list[dict[str, Any]] = field(default_factory=list)
-    killed: bool = False
 
     def __post_init__(self) -> None:
         self.points = 0
-        self.messages: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
-        self.ended: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+        self.ended = threading.Event()
+        self.end: dict[str, Any] = {}
         self.file = Journal(self.journal)
         self.log = self.file.begin("tiny", "tasks/tiny.yaml", TASK, "bt", 7)
         write(self.log, EVENTS)
         self.file.flush()
-        self.tell(event="log", text="the world starts")
+        self.tell(event="progress", part="simulator", detail="the world starts")
         self.tell(event="started", run=self.log.id, journal=str(self.journal))
         self.tell(event="committed", seq=len(EVENTS))
         self.tell(event="state", state="running")
         if self.dies:
-            self.end(70)
+            self.log.end("error", None)
+            self.over(status="error", message="first: the run's process ended with exit status 70; at File count.py")
         if self.contradicted:
-            told = f"the simulator's referee disagrees: {self.contradicted}"
-            self.tell(event="ended", status="success", outcome="done", contradiction=self.contradicted, message=told)
-            self.end(3)
+            message = f"the simulator's referee disagrees: {self.contradicted}"
+            self.over(status="success", outcome="done", contradiction=self.contradicted, message=message)
 
     def tell(self, **message: Any) -> None:
-        self.messages.put_nowait(message)
+        self.told(message)
 
-    def end(self, status: int) -> None:
-        if not self.ended.done():
+    def over(self, **end: Any) -> None:
+        if not self.ended.is_set():
             self.file.close()
-            self.messages.put_nowait(None)
-            self.ended.set_result(status)
+            self.end = {"event": "ended", "outcome": None, **end}
+            self.ended.set()
 
-    async def follow(self, heard: Callable[[dict[str, Any]], Awaitable[None]]) -> None:
-        while (message := await self.messages.get()) is not None:
-            await heard(message)
-
-    async def send(self, fields: Mapping[str, Any]) -> None:
+    def send(self, fields: Mapping[str, Any]) -> None:
         command = fields["command"]
         self.said.append(command)
         self.heard.append(dict(fields))
-        if self.deaf:
-            return
         if command == "break":
             self.points += 1
             self.tell(event="breakpoint", id=self.points, **{key: fields.get(key) for key in POINT})
@@ -136,37 +128,32 @@ class PlayedRun(ChildProcess):
             self.tell(event="state", state="paused")
         elif command in {"pause", "resume"}:
             self.tell(event="state", state="paused" if command == "pause" else "running")
-        elif command == "stop":
+
+    def stop(self) -> None:
+        if not self.ended.is_set():
+            self.said.append("stop")
             self.tell(event="state", state="stopping")
             write(self.log, [("/", "run_ended", None, {"status": "stopped"})])
             self.log.end("stopped", None)
             self.file.flush()
-            self.tell(event="ended", status="stopped", outcome=None, **self.rest)
-            self.end(130)
+            self.over(status="stopped", **self.rest)
 
-    async def wait(self) -> int:
-        return await asyncio.shield(self.ended)
-
-    async def kill(self) -> None:
-        self.killed = True
-        self.end(-9)
-
-    def tail(self) -> str:
-        return "Traceback: something broke" if self.dies else ""
+    def wait(self) -> dict[str, Any]:
+        self.ended.wait()
+        return self.end
 
 
 @dataclass
 class PlayedLauncher:
     """Makes `PlayedRun`s."""
 
-    deaf: bool = False
     dies: bool = False
     contradicted: str = ""
     rest: Mapping[str, Any] = field(default_factory=dict)
     started: list[tuple[Path, RunOptions]] = field(default_factory=list)
     last: PlayedRun | None = None
 
-    async def __call__(self, task_file: Path, journal: Path, options: RunOptions) -> PlayedRun:
+    def __call__(self, task_file: Path, journal: Path, options: RunOptions, told: Any) -> Any:
         self.started.append((task_file, options))
-        self.last = PlayedRun(journal, self.deaf, self.dies, self.contradicted, self.rest)
+        self.last = PlayedRun(journal, told, self.dies, self.contradicted, self.rest)
         return self.last

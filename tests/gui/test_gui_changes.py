@@ -58,17 +58,19 @@ def test_what_is_wrong_with_a_text_that_is_no_task_is_said_at_once(follower: Fol
 def test_where_an_edit_moves_nodes_is_said(follower: Follower) -> None:
     assert follower.edit(do="add", parent="/", name="coffee", node={"node": "flow/succeed"})["moved"] == {}
     wrapped = follower.edit(do="wrap", paths=["machine"], kind="timeout", name="late", fields={"seconds": 9})
-    assert wrapped["moved"] == {"machine": "late/machine"}  # and what is below it
+    below = {f"machine{name}": f"late/machine{name}" for name in ("", "/a", "/b")}
+    assert wrapped["moved"] == below
     group = [{"do": "rename", "path": "late", "name": "l"}, {"do": "move", "path": "late/machine/b", "parent": "/"}]
     moved = follower.edit(do="group", commands=[group[1], group[0]])["moved"]
-    assert moved == {"late": "l", "late/machine/b": "b"}
+    inside = {f"late{name}": f"l{name}" for name in ("", "/machine", "/machine/a")}
+    assert moved == {**inside, "late/machine/b": "b"}
     assert follower.edit(do="remove", path="b")["moved"] == {}
     assert follower.step("undo")["moved"] == {}
-    assert follower.step("undo")["moved"] == {"l": "late", "b": "late/machine/b"}
+    assert follower.step("undo")["moved"] == {**{new: old for old, new in inside.items()}, "b": "late/machine/b"}
 
 
 def test_a_page_that_is_late_is_told_of_all_moves_since(follower: Follower, page: TestClient) -> None:
     late = Follower(page)
     follower.edit(do="rename", path="machine/a", name="x")
     follower.edit(do="rename", path="machine", name="m")
-    assert late.post("save")["moved"] == {"machine": "m", "machine/a": "m/x"}
+    assert late.post("save")["moved"] == {"machine": "m", "machine/a": "m/x", "machine/b": "m/b"}

@@ -106,16 +106,17 @@ def editing(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
             raise
 
 
-def run_processes(folder: Path) -> list[int]:
-    """Return the ids of processes that execute a task of the folder."""
+def run_processes(server: subprocess.Popen[str]) -> list[int]:
+    """Return the ids of processes that execute a task for a server."""
     found = []
     for entry in Path("/proc").iterdir():
         try:
             words = (entry / "cmdline").read_bytes().split(b"\0") if entry.name.isdigit() else []
+            if b"grip_bt.app.runs.process" in words:
+                parent = (entry / "stat").read_text().rpartition(")")[2].split()[1]
+                found += [int(entry.name)] if int(parent) == server.pid else []
         except OSError:
             continue
-        if b"--control" in words and any(word.startswith(bytes(folder)) for word in words):
-            found.append(int(entry.name))
     return found
 
 
@@ -155,10 +156,10 @@ def browser(script: str, url: str, *more: str) -> list[str]:
     ],
 )
 def test_the_page_in_a_browser(folder: Path, script: str) -> None:
-    with editing(folder) as (_, url):
+    with editing(folder) as (server, url):
         done = subprocess.run(browser(script, url), capture_output=True, text=True, timeout=SCENARIO)
         assert done.returncode == 0, done.stdout + done.stderr
-        wait_for(lambda: not run_processes(folder))
+        wait_for(lambda: not run_processes(server))
 
 
 @pytest.mark.e2e
@@ -189,13 +190,13 @@ def test_tasks_are_edited_in_a_browser(folder: Path, script: str) -> None:
 @pytest.mark.e2e
 @pytest.mark.slow
 def test_every_page_sees_a_run_and_its_sudden_death(folder: Path) -> None:
-    with editing(folder) as (_, url):
+    with editing(folder) as (server, url):
         pages = subprocess.Popen(
             browser("two_pages.mjs", url), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
         assert pages.stdout is not None
         if pages.stdout.readline().strip() == "RUNNING":
-            (process,) = run_processes(folder)
+            (process,) = run_processes(server)
             os.kill(process, signal.SIGKILL)
         out, err = pages.communicate(timeout=SCENARIO)
         assert pages.returncode == 0, out + err
@@ -237,12 +238,13 @@ def test_ctrl_c_ends_the_editor_and_the_run_that_it_started(folder: Path) -> Non
         body = b'{"task": "tasks/long.yaml", "robot": "fake", "target": "bt", "seed": 0, "pace": 1}'
         headers = {"origin": origin, "content-type": "application/json"}
         opener.open(Request(f"{origin}/api/session", body, headers)).close()
-        wait_for(lambda: run_processes(folder))
+        wait_for(lambda: run_processes(server))
+        (process,) = run_processes(server)
         server.send_signal(signal.SIGINT)
         _, err = server.communicate(timeout=600)
         assert server.returncode == 0, err
         assert "Traceback" not in err
-        assert not run_processes(folder)
+        assert not Path(f"/proc/{process}").exists()
 
 
 @pytest.mark.e2e

@@ -476,7 +476,7 @@ def test_a_counterexample_comes_as_two_runs_that_can_be_played(page: TestClient,
     looks = [sum((e["event"], e["path"]) == ("exit", "look") for e in play["events"]) for play in (now, then)]
     assert looks[0] > looks[1] == 1
     for play in (now, then):
-        assert [event["seq"] for event in play["events"]] == list(range(len(play["events"])))
+        assert [event["seq"] for event in play["events"]] == list(range(1, len(play["events"]) + 1))
         last = play["events"][-1]
         assert (last["event"], last["outcome"], last["data"]) == ("run_ended", "success", {"status": "success"})
         times = [event["t"] for event in play["events"]]

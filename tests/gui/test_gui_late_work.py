@@ -10,7 +10,7 @@ from grip_bt.compilers.restructure import to_trees
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.edit import command_of
 from grip_gui.editing.conversion import forms_view
-from grip_gui.editing.document_store import DocumentStore
+from grip_gui.editing.routes import DocumentStore
 from grip_gui.project import ProjectFolder
 
 TINY = "tasks/tiny.yaml"

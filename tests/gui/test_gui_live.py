@@ -20,8 +20,8 @@ from grip_bt.ros.environment import own_domain
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.live.recorded import form_of, source_of
 from grip_gui.live.ros_client import RosClientProcess
+from grip_gui.live.routes import form_of, source_of
 
 COMPONENT = """\
 name: switcher
@@ -224,15 +224,18 @@ def test_what_runs_beside_the_editor_is_seen_in_a_browser(project: Path, switche
         assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_process_that_looks_at_ros_ends_when_nobody_asks_and_comes_back(project: Path, domain: str) -> None:
+def test_the_process_that_looks_at_ros_comes_back_when_it_has_died_and_ends_with_the_editor(
+    project: Path, domain: str
+) -> None:
     async def asked_twice() -> None:
-        window = RosClientProcess(project, idle=0.5)
+        window = RosClientProcess(project)
         for _ in range(2):
             with pytest.raises(GripError, match=r"no_such_question|ROS"):
                 await window.ask("no_such_question")
+            assert window._process is not None
+            window._process.kill()
             while window._process is not None:
                 await asyncio.sleep(0.01)
-        await window.close()  # also where it is just ending by itself
-        assert not window._lives
+        await window.close()
 
     asyncio.run(asyncio.wait_for(asked_twice(), 120))

@@ -17,8 +17,8 @@ from grip_bt.base.errors import DocumentError, EditError
 from grip_bt.task import read_text
 from grip_bt.task.edit import command_of
 from grip_bt.task.edit.history import LIMIT
-from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.files import ChangedOnDiskError, StaleEditError, UnfinishedTextError
+from grip_gui.editing.routes import DocumentStore
 from grip_gui.project import ProjectFolder
 
 PATH = "tasks/tiny.yaml"

@@ -23,9 +23,8 @@ from grip_bt.commanders.kinematics.model import RobotModel
 from grip_bt.runtime import Journal
 from grip_bt.runtime.journal import DetailedEvent
 from grip_bt.runtime.value_codec import snapshot
-from grip_gui.live.recorded import last_state, motion_of
 from grip_gui.live.ros_client import RosClientProcess
-from grip_gui.live.routes import make_live_router
+from grip_gui.live.routes import last_state, make_live_router, motion_of
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.setup.robot_facts import geometry
@@ -105,7 +104,7 @@ def test_a_coarse_mesh_is_where_the_fine_one_is() -> None:
     above = number[1:]
     triangles = np.stack([here, right, above], axis=-1).reshape(-1, 3)
     assert len(triangles) > FINE
-    fewer, kept = coarse(Mesh(points, triangles))
+    fewer, kept = coarse(points, triangles)
     assert 0 < len(kept) < len(triangles) / 2
     assert np.abs(np.hypot(fewer[:, 0], fewer[:, 1]) - 1).max() < 0.01
     assert np.allclose(np.ptp(fewer, axis=0), np.ptp(points, axis=0), atol=0.06)

@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from grip_bt.app.project.folder import find_project
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
@@ -23,8 +24,6 @@ from grip_bt.ros.interfaces import read_interface, read_package
 from grip_bt.ros.interfaces.definition import fields_within, interface_file
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile
 from grip_bt.task.catalog.ros_config import InterfaceSpec
-
-from .folder import find_project
 
 
 @dataclass(frozen=True)

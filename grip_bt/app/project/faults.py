@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from grip_bt.app.project.folder import ArmConfig
+from grip_bt.app.project.folder import ArmConfig, Project
+from grip_bt.app.project.worlds import checked_world
 from grip_bt.base.errors import DocumentError, GripError, UnknownNameError
 from grip_bt.base.values import JointState
 from grip_bt.commanders.description.files import FileCache, note
@@ -19,9 +20,6 @@ from grip_bt.task.catalog.ros_config import MOVE_GROUP
 from grip_sim.faults import check_faults
 from grip_sim.specs import WorldSpec
 from grip_sim.worlds import world_files
-
-from .folder import Project
-from .worlds import checked_world
 
 TAUGHT = "taught.yaml"
 """File of a project in which taught states and poses are kept."""

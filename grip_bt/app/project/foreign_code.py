@@ -7,14 +7,13 @@ import shlex
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
+from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import GripError, UntrustedCodeError
 from grip_bt.compilers.resolve import resolve
 from grip_bt.task import Task
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.catalog.component_file import load_component
 from grip_bt.task.model import Foreign
-
-from .folder import Project
 
 VARIABLE = "GRIP_NO_CODE"
 """Set in a process, and so in those that it starts, where nobody's code but GRIP's may run."""

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
+from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.ros.launch.group import Member
 from grip_bt.ros.process import child_environment, command_of, text_of
 from grip_bt.task.catalog.component_file import ProcessConfig, Start, load_component
-
-from .folder import Project
 
 
 def project_members(project: Project, names: Sequence[str] = ()) -> list[Member]:

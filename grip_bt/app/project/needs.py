@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache, partial
-from itertools import takewhile
 from pathlib import Path
 
 from grip_bt.app.project.folder import Project
@@ -72,7 +70,7 @@ def nodes_in_need(
         found[f"sensor/{name}"] = problems = _lacking(types, packages, where, True)
         problems += _unstartable(sensor.driver, packages, where)
         if fixed and sensor.topics and sensor.given_in is not None:
-            problems += _unknown(f"{where}/given_in", sensor.given_in, fixed | _published(project), by_tf=True)
+            problems += _unknown(f"{where}/given_in", sensor.given_in, fixed, by_tf=True)
     for name, folder in project.component_folders().items():
         where = f"components/{name}/component.yaml"
         try:
@@ -124,47 +122,18 @@ def _name_in(manifest: Path) -> str:
 
 
 ROOT = "world"
-_PUBLISHER = "static_transform_publisher"
-_SAID = re.compile(r"--(?:child-)?frame-id[\s\"',]+([A-Za-z_/][\w/.-]*)")
-"""A frame of a static publisher, in a command or in the text of a launch file, in any of its three languages."""
-_POSITIONAL = (8, 9)
-"""How many words its older form has: a position, angles or a quaternion, and then the two frames."""
-_LARGEST = 1_000_000
-"""Of a launch file's text that is looked through."""
 
 
 def _unknown(where: str, frame: str | None, known: Collection[str], by_tf: bool) -> list[Problem]:
-    """Return that a frame isn't known; with `by_tf` there may be more of them when the task runs."""
+    """Return that a frame isn't known; with `by_tf`, TF may have it, unless it looks like a known one misspelled."""
     if frame is None or frame in known:
         return []
+    near = nearest(frame, tuple(sorted(known)))
+    if by_tf and not near:
+        return []
     doubt = "; only TF could provide it at run time" if by_tf else "; TF is not used for a component's frames"
-    otherwise = "name one of these, or make sure that TF publishes it" if by_tf else "name one of these"
-    fix = suggestion(nearest(frame, tuple(sorted(known))), otherwise)
+    fix = suggestion(near, "name one of these")
     return [Problem(UNFIT_PROJECT, f"{UnknownNameError('frame', frame, known, where)}{doubt}", fix)]
-
-
-def _published(project: Project) -> set[str]:
-    """Return the frames that static publishers among the project's processes have, as far as they can be read."""
-    found: set[str] = set()
-    for process in project.file.processes.values():
-        if process.launch is not None and process.package is None:
-            found.update(_SAID.findall(_text_of(project.folder / process.launch)))
-            continue
-        words = [process.executable or "", *process.command, *process.args]
-        if _PUBLISHER in words:
-            own = list(takewhile("--ros-args".__ne__, words[words.index(_PUBLISHER) + 1 :]))
-            found.update(_SAID.findall(" ".join(own)) or (own[-2:] if len(own) in _POSITIONAL else ()))
-    return {frame.lstrip("/") for frame in found}
-
-
-def _text_of(launch: Path) -> str:
-    """Return what a launch file says that has static publishers; empty for others, and where it isn't there."""
-    try:
-        with launch.open(encoding="utf-8", errors="replace") as file:
-            text = file.read(_LARGEST)
-    except OSError:
-        return ""  # a run says so
-    return text if _PUBLISHER in text else ""
 
 
 def robot_frames(project: Project) -> FrameTree:

@@ -13,6 +13,7 @@ from typing import Any
 
 import yaml
 
+from grip_bt.app.project.first_motions import FirstMotions, MotionFinder
 from grip_bt.base.errors import DocumentError, InvalidRobotError, UnknownNameError
 from grip_bt.commanders.description.config import RobotConfig
 from grip_bt.commanders.description.configurations import Configurations, configured_packages, is_configured
@@ -22,8 +23,6 @@ from grip_bt.commanders.description.load import PROJECT, config_of, inspect_robo
 from grip_bt.commanders.description.packages import MANIFEST, ROBOTS, Packages, name_of_package, package_around
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.commanders.description.roles import arms_of
-
-from .first_motions import FirstMotions, MotionFinder
 
 FILES = ("urdf", "xacro", "mjcf", "srdf", "moveit")
 """Keys of `robot:` that name a file or a folder."""

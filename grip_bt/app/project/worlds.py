@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import partial
 from typing import get_args
 
+from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, GripError, nearest
 from grip_bt.base.evaluation import condition_of
 from grip_bt.base.expression import parse_expression
@@ -22,8 +23,6 @@ from grip_bt.commanders.scene_state import SceneObject
 from grip_sim.referee import ObjectTruth, Status
 from grip_sim.specs import WorldSpec
 from grip_sim.worlds import load_world
-
-from .folder import Project
 
 _worlds: FileCache[tuple[str, str], WorldSpec | GripError] = FileCache()
 

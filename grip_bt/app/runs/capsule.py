@@ -18,14 +18,13 @@ from pathlib import Path
 from typing import Any
 
 from grip_bt import __version__
+from grip_bt.app.project.catalogue import project_catalog
 from grip_bt.base.errors import DocumentError
 from grip_bt.formats.draw import View, to_svg
 from grip_bt.formats.draw.views import describe
 from grip_bt.runtime import Event, JournalReader, RunRecord
 from grip_bt.task import Leaf, Task, loads, outcomes_of, walk
 from grip_bt.task.catalog import Catalog
-
-from ..project.catalogue import project_catalog
 
 MOST_TEXT = 900_000
 """Most bytes, deflated, of what events say beyond their kind; where there is more, some of it is left out."""

@@ -16,8 +16,13 @@ from pydantic import TypeAdapter
 
 from grip_bt.app.building import catalogue_for, project_of
 from grip_bt.app.project.catalogue import catalogue_of
-from grip_bt.app.runs.resume import Restored, changes, kept_parts
-from grip_bt.app.wiring.parts import Progress, load_part, silent
+from grip_bt.app.project.folder import Project, find_project
+from grip_bt.app.project.foreign_code import of_task, refuse
+from grip_bt.app.runs.mocks import apply_mocks, check_nodes, injected
+from grip_bt.app.runs.resume import Restored, ResumeRequest, changes, kept_parts, policy_of, start_resumed
+from grip_bt.app.wiring.open import open_resources
+from grip_bt.app.wiring.parts import Opening, Progress, Resources, RobotKind, load_part, silent
+from grip_bt.app.world import World, in_world
 from grip_bt.base.errors import GripError, InvalidTaskError
 from grip_bt.base.issue import Issue, Report
 from grip_bt.compilers import CompiledMachine, CompiledTree, to_machine, to_tree
@@ -36,17 +41,11 @@ from grip_bt.task.validation import validate
 from grip_bt.task.validation.parts import DRAWN
 from grip_sim.faults import Fault
 
-from ..project.folder import Project, find_project
-from ..project.foreign_code import of_task, refuse
-from ..wiring.open import open_resources
-from ..wiring.parts import Opening, Resources, RobotKind
-from ..world import World, in_world
-from .mocks import apply_mocks, check_nodes, injected
-from .resume import ResumeRequest, policy_of, start_resumed
-
 _log = logging.getLogger(__name__)
 Target = Literal["bt", "sm"]
 MOST_SEED = 2**32 - 1
+WATCHDOG = 10.0
+"""How long a tick, or the whole process, may hang before a run is ended, unless it is said otherwise [s]."""
 
 
 @dataclass(frozen=True)

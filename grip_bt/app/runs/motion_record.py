@@ -19,13 +19,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.app.wiring.parts import Resources
 from grip_bt.base.errors import GripError
 from grip_bt.base.ports import Arm, Clock, Hand
 from grip_bt.base.values import Pose
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.scene_state import SceneObject, SceneSnapshot
-
-from ..wiring.parts import Resources
 
 FOLDER = "motion"
 PERIOD = 0.1
@@ -133,12 +132,12 @@ MOST_CELLS = 4000
 """Maps with more cells get cells of twice the size, until they are few enough."""
 
 
-def coarse(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return points and triangles of a mesh; of a fine one, the points of each cell as one (vertex clustering).
+def coarse(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return points and triangles of a surface; of a fine one, the points of each cell as one (vertex clustering).
 
     Source: Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993.
     """
-    points, triangles = np.asarray(mesh.points), np.asarray(mesh.triangles, dtype=np.int64)
+    triangles = np.asarray(triangles, dtype=np.int64)
     if len(triangles) <= FINE:
         return points, triangles
     cell = max(float(np.ptp(points, axis=0).max()) / CUTS, 1e-6)
@@ -171,7 +170,9 @@ class Bodies:
         if isinstance(shape, CellMap):
             few = few_cells(shape)
             return {"kind": "cells", "size": [few.resolution], "body": self._name(few.middles(), None)}
-        points, triangles = _surface(shape)
+        from grip_bt.commanders.kinematics.shapes import surface_of  # a second that only a scene with a mesh needs
+
+        points, triangles = coarse(*surface_of(shape))
         size = [round(side, 5) for side in shape.extents()]
         return {"kind": "mesh", "size": size, "body": self._name(points, triangles)}
 
@@ -191,20 +192,3 @@ class Bodies:
             self._told.add(name)
             self._new[name] = {"points": b64encode(rows).decode(), "triangles": b64encode(corners).decode()}
         return name
-
-
-def _surface(mesh: Mesh) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return points and triangles of a mesh; of a hull, those of its surface, grown by its margin from the middle."""
-    if mesh.hollow:
-        return coarse(mesh)
-    from scipy.spatial import ConvexHull  # half a second that only a scene with a mesh needs
-
-    hull = ConvexHull(mesh.points)
-    kept = hull.vertices
-    number = np.zeros(len(mesh.points), dtype=np.int64)
-    number[kept] = np.arange(len(kept))
-    points = mesh.points[kept]
-    if mesh.margin:
-        middle, sides = np.asarray(mesh.centre()), np.asarray(mesh.extents())
-        points = middle + (points - middle) * sides / np.maximum(sides - 2 * mesh.margin, 1e-9)
-    return coarse(Mesh(points, number[hull.simplices].astype(np.int32)))

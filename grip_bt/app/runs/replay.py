@@ -9,15 +9,15 @@ from dataclasses import dataclass
 from os.path import commonprefix
 from pathlib import Path, PurePosixPath
 from statistics import median
+from typing import Any
 
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.project.folder import find_project
+from grip_bt.app.runs.execute import check_task
 from grip_bt.base.errors import AmbiguousNameError, UnknownNameError
 from grip_bt.compilers.resolve import resolve
 from grip_bt.runtime import Event, JournalReader, RunRecord, RunSnapshot
 from grip_bt.runtime.debugger import node_path
-
-from ..project.catalogue import catalogue_of
-from ..project.folder import find_project
-from .execute import check_task
 
 POLL = 0.05
 """How often [s] the journal is asked about a run that is under way."""
@@ -79,6 +79,16 @@ class Until:
         if not self._what:
             return event.event in ("exit", "interrupted")
         return self._what == event.event or (event.event == "exit" and self._what in (event.outcome, said))
+
+    def place(self, events: Sequence[Event], run: str) -> int:
+        """Return the number of that event. Raises UnknownNameError where the run never came there."""
+        found = next((event.seq for event in events if self.reached(event)), None)
+        if found is not None:
+            return found
+        node = self.text.partition(":")[0]
+        ends = {f"{node}:{event.outcome}" for event in events if event.path == node and event.outcome is not None}
+        there = [f"1 to {len(events)}"] if self._seq is not None else sorted(ends or {event.path for event in events})
+        raise UnknownNameError("place in the run", self.text, there, f"run {run}")
 
 
 def events_of(reader: JournalReader, run: str) -> Iterator[Event]:
@@ -220,40 +230,30 @@ def failures(events: Iterable[Event]) -> dict[tuple[str, str], tuple[int, str]]:
     return {key: (count, messages[key]) for key, count in counts.most_common() if key[0] not in above}
 
 
-@dataclass(frozen=True)
-class Coverage:
-    """Which outcomes of a task's nodes were seen in its runs, with which failure codes, and how often."""
+def coverage(reader: JournalReader, task: str) -> dict[str, Any]:
+    """Return which outcomes of a task's nodes were seen in its runs, found by its name, and how often, as JSON data.
 
-    runs: int
-    seen: Mapping[str, Mapping[str, int]]
-    missing: Mapping[str, Sequence[str]]
-    codes: Mapping[tuple[str, str], Mapping[str, int]]
-
-    @property
-    def counts(self) -> tuple[int, int]:
-        """How many outcomes were seen, and how many there are."""
-        seen = sum(map(len, self.seen.values()))
-        return seen, seen + sum(map(len, self.missing.values()))
-
-
-def coverage(reader: JournalReader, task: str) -> Coverage:
-    """Look through all runs of a task, by its name, for the outcomes that its nodes have now; see `check_task`."""
+    Returns:
+        `outcomes_seen`, `outcomes`, `runs`: how many; `seen`: node -> outcome -> how often; `missing`: node ->
+        outcomes; `codes`: of each node's outcome, failure code -> how often.
+    """
     project, document, _ = check_task(task)
     parts = resolve(document.task, catalogue_of(project)).root.walk()
+    seen: dict[str, Counter[str]] = {}
+    codes: dict[tuple[str, str], Counter[str]] = {}
     wanted = {part.path: list(part.meaning) for part in parts}
     records = [record for record in reader.runs() if record.task_name == document.task.name]
-    counts: dict[str, Counter[str]] = {path: Counter() for path in wanted}
-    codes: dict[tuple[str, str], Counter[str]] = {}
-    for record in records:
-        for event in reader.events(record.id):
-            if event.event == "exit" and event.outcome is not None and event.outcome in wanted.get(event.path, ()):
-                counts[event.path][event.outcome] += 1
-                if event.code is not None:
-                    codes.setdefault((event.path, event.outcome), Counter())[event.code] += 1
-    missing = {path: [o for o in outcomes if o not in counts[path]] for path, outcomes in wanted.items()}
-    return Coverage(
-        len(records),
-        {path: dict(found) for path, found in counts.items() if found},
-        {path: outcomes for path, outcomes in missing.items() if outcomes},
-        {key: dict(found) for key, found in codes.items()},
-    )
+    for event in (event for record in records for event in reader.events(record.id)):
+        if event.event == "exit" and event.outcome is not None and event.outcome in wanted.get(event.path, ()):
+            seen.setdefault(event.path, Counter())[event.outcome] += 1
+            if event.code is not None:
+                codes.setdefault((event.path, event.outcome), Counter())[event.code] += 1
+    left = {path: [o for o in outcomes if o not in seen.get(path, ())] for path, outcomes in wanted.items()}
+    return {
+        "outcomes_seen": sum(map(len, seen.values())),
+        "outcomes": sum(map(len, wanted.values())),
+        "runs": len(records),
+        "seen": seen,
+        "missing": {path: outcomes for path, outcomes in left.items() if outcomes},
+        "codes": [{"node": node, "outcome": outcome, "codes": each} for (node, outcome), each in codes.items()],
+    }

@@ -102,35 +102,6 @@ def _last_kept(events: Iterable[Event]) -> dict[str, Event]:
     return {event.data["part"]: event for event in events if event.event == KEPT}
 
 
-def parts_lost(nodes: Mapping[str, str], events: Sequence[Event], robot: str, stays: str = "") -> list[str]:
-    """Say what nodes that have ended may have changed and that doesn't come back when the run is resumed.
-
-    Args:
-        nodes: leaf -> id.
-        stays: a part that outlives the run's process.
-    """
-    begun = [e.data for e in events if e.event in ("run_started", "run_resumed")]
-    keeps = set().union(*(data.get("keeps", ()) for data in begun))
-    moved = robot == "ros" or (FAKES if robot == "fake" else WORLD) in keeps
-    gone = ({SCENE, MESSAGES} - keeps - {stays}) | (set() if moved else {WORLD})
-    ended, found = {event.path for event in events if event.event == "exit"}, []
-    kinds = {path: node.partition("/")[0] for path, node in sorted(nodes.items()) if path in ended}
-    for part, words in _LOST_WORDS.items():
-        paths = [path for path, kind in kinds.items() if kind in _MOVING and part in _CHANGED_BY[kind]]
-        if paths and part in gone:
-            found.append(f"{', '.join(paths[:3])}{' ...' if len(paths) > 3 else ''} had ended, and {words}")
-    return found
-
-
-_LOST_WORDS = {
-    SCENE: "their changes to the planning scene are lost",
-    MESSAGES: "their changes to message stores are lost",
-    WORLD: "the robot and the objects it moved are back at their initial positions",
-}
-_MOVING = _CHANGED_BY.keys() - {"component", "grasp"}
-"""Kinds of nodes whose end says that something was changed."""
-
-
 def unreadable(reader: JournalReader, events: Sequence[Event], robot: str, stays: str = "") -> dict[str, str]:
     """Return which parts can't be brought back since the journal hasn't got their states any more, and why."""
     others = {stays, *({WORLD} if robot != "sim" else ()), *({FAKES} if robot != "fake" else ())}

@@ -8,7 +8,11 @@ from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 
-from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, parts_lost, unreadable
+from grip_bt.app.project.catalogue import catalogue_of
+from grip_bt.app.runs.execute import RunOptions, Target, check_task
+from grip_bt.app.runs.mocks import apply_mocks
+from grip_bt.app.runs.replay import Until, find_run
+from grip_bt.app.runs.resume import ANEW, MESSAGES, WORDS, ResumeRequest, policy_of, unreadable
 from grip_bt.base.errors import ResumeError, UnknownNameError
 from grip_bt.compilers.resolve import Part, resolve
 from grip_bt.runtime import Event, JournalReader, Recording, RunRecord
@@ -16,12 +20,6 @@ from grip_bt.runtime.debugger import node_path
 from grip_bt.runtime.journal_events import DAMAGED
 from grip_bt.runtime.observers import KEPT
 from grip_bt.task import model
-
-from ..project.catalogue import catalogue_of
-from .execute import RunOptions, Target, check_task
-from .mocks import apply_mocks
-from .replay import Until, find_run
-from .resume import ResumeRequest, policy_of
 
 _CLOSING = 10.0
 """How long [s] the process of a run that was cut off may take to close its parts."""
@@ -67,11 +65,7 @@ def _only_forked(record: RunRecord, why: str, at: int) -> ResumeError:
 
 def _event_at(record: RunRecord, events: Sequence[Event], text: str) -> int:
     """Return the event up to which a run is to happen again, of a number, `NODE`, or `NODE:OUTCOME`."""
-    until = Until(text)
-    at = next((event.seq for event in events if until.reached(event)), None)
-    if at is None:
-        there = {e.path for e in events if e.event in _NODES} if not text.isdigit() else [f"1 to {len(events)}"]
-        raise UnknownNameError("place in the run", text, there, f"run {record.id}")
+    at = Until(text).place(events, record.id)
     if at > (last := _last_task_event(events)):
         while last > 0 and events[last - 1].event not in _NODES:
             last -= 1
@@ -86,7 +80,6 @@ def _questions(
     events: Sequence[Event],
     resume: ResumeRequest,
     options: RunOptions,
-    stays: str,
     anew: Mapping[str, str],
 ) -> list[str]:
     """Return what a person has to agree to; `anew` has why parts beside the task can't be brought back."""
@@ -97,10 +90,6 @@ def _questions(
         if path not in resume.results and policy_of(leaves[path]) == "ask":
             again = f"it is started again (or say how it ended: --set-outcome {path}=success)"
             found.append(f"{path}: {leaves[path].id} was under way, and its progress is unknown; {again}")
-    if resume.at is None:
-        nodes = {path: manifest.id for path, manifest in leaves.items()}
-        lost = parts_lost(nodes, events, options.robot, stays)
-        found += [f"the world: {each}; the run continues anyway" for each in lost]
     found += [f"{WORDS[part]}: {why}; {ANEW}" for part, why in anew.items()]
     foreign = [p for p, part in parts.items() if isinstance(part.node, model.Foreign) and p in {e.path for e in events}]
     if foreign:
@@ -205,7 +194,7 @@ def plan_resume(
         with JournalReader(journal) as reader:
             lost = unreadable(reader, happened, options.robot, stays)
     request = ResumeRequest(record.id, until, _read_results(parts, outcomes), values, agreed=agreed or bool(lost))
-    asked = _questions(parts, happened, request, options, stays, lost)
+    asked = _questions(parts, happened, request, options, lost)
     notes = [f"{file} has changed since; the run continues with the recorded task"] if changed else []
     return ResumePlan(file, replace(options, resume=request), asked, notes)
 

@@ -23,14 +23,13 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from grip_bt.app.runs.execute import OPTIONS, RunOptions
 from grip_bt.base.errors import GripError
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.runtime import Journal, RunLog
 from grip_bt.runtime.control import RunEnd
 from grip_bt.runtime.motion_end import Rest
 from grip_bt.runtime.observers import LARGEST, HeartbeatReader
-
-from .execute import OPTIONS, RunOptions
 
 ACKNOWLEDGE = 0.05
 """How long [s] the run's process may take to acknowledge a stop."""

@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import partial
 
+from grip_bt.app.project.worlds import STATES, Counts, WorldCondition, counted
+from grip_bt.app.runs.execute import Session
 from grip_bt.base.errors import GripError
 from grip_bt.base.values import Failure
 from grip_bt.nodes.node import Observer
@@ -18,9 +20,6 @@ from grip_bt.runtime import RunResult
 from grip_bt.runtime.control import RunEnd
 from grip_sim.referee import ObjectTruth
 from grip_sim.specs import WorldSpec
-
-from ..project.worlds import STATES, Counts, WorldCondition, counted
-from .execute import Session
 
 PLACE = "grip_bt.nodes.place:Place"
 

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grip_bt.app.project.faults import TAUGHT, check, common_states, faults_of_fields, faults_of_parts, field_of
 from grip_bt.app.project.folder import ArmConfig, Project
-from grip_bt.base.errors import GripError, UnknownNameError
+from grip_bt.app.wiring.parts import Opening, Resources, load_part
+from grip_bt.base.errors import GripError
 from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Plan, Pose
@@ -40,16 +42,12 @@ from grip_bt.commanders.settings import MotionSettings, PlanningSettings
 from grip_bt.commanders.taught import TaughtStates
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
 
-from ..project.faults import TAUGHT, check, common_states, faults_of_fields, faults_of_parts, field_of
-from .parts import Opening, Resources, load_part
-
 if TYPE_CHECKING:
     from grip_bt.ros.client.bus import Bus
+from grip_bt.app.project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
+from grip_bt.app.project.worlds import regions_of, room_of, world_of
 from grip_bt.runtime.lockstep import InTurn, Lockstep
 from grip_sim.simulation import start_simulation
-
-from ..project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
-from ..project.worlds import regions_of, room_of, world_of
 
 
 @dataclass(frozen=True)
@@ -87,9 +85,6 @@ def commanded(
     """Return the project's arms, hands and scene, with what stands in the room besides the project's `scene:`.
 
     Regions are (edge lengths [m], pose of the middle in world) by name.
-
-    Raises:
-        UnknownNameError: the project names a group or a hand that isn't there.
     """
     project, file = opening.project, opening.project.file
     model, taught = RobotModel(description), TaughtStates(project.folder / TAUGHT)
@@ -97,22 +92,20 @@ def commanded(
         name: HandCommander(
             name,
             ports[name],
-            _states_of(description, hand.group),
+            description.named_states.get(hand.group, {}),
             fingers=joints_of_fingers(description, hand.group),
             limits=limits_of_joints(description, hand.group),
             taught=taught,
             reach=partial(
-                _reached, model, hand.group, next((arm.group for arm in file.arms.values() if arm.hand == name), "")
+                _reached, model, hand.group, next((a.group for a in file.arms.values() if a.hand == name), "")
             ),
         )
         for name, hand in file.hands.items()
     }
     joined = {name: arm.arms for name, arm in file.arms.items() if arm.arms}
     executors = {**executors, **{n: JoinedExecutor(*(executors[each] for each in arms)) for n, arms in joined.items()}}
-    hand_of = {name: _hand_of(name, arm, file.hands) for name, arm in file.arms.items()}
-    groups = {name: arm.group for name, arm in file.arms.items()} | {
-        name: hand.group for name, hand in file.hands.items()
-    }
+    hand_of = {name: arm.hand or "" for name, arm in file.arms.items()}  # a bare arm moves, and grasps nothing
+    groups = {name: arm.group for name, arm in file.arms.items()} | {n: hand.group for n, hand in file.hands.items()}
     links = links_of_groups(description, groups)
 
     def palm_of(arm: str) -> Pose:
@@ -189,19 +182,6 @@ def _others(states: Mapping[str, Callable[[], JointState]], arm: str, hand: str)
     return found
 
 
-def _hand_of(name: str, arm: ArmConfig, hands: Mapping[str, object]) -> str:
-    if arm.hand is None:
-        return ""  # a bare arm: it moves, and grasps nothing
-    if arm.hand not in hands:
-        raise UnknownNameError("hand", arm.hand, hands, f"grip.yaml: arms/{name}/hand")
-    return arm.hand
-
-
-def _states_of(description: RobotDescription, group: str) -> Mapping[str, JointState]:
-    description.group(group)
-    return description.named_states.get(group, {})
-
-
 class PlannerByName:
     """Implements `planning.service.PlanningService`: a search goes to who its arm's settings name.
 
@@ -264,42 +244,39 @@ def settings_of(arm: ArmConfig, robot: RobotDescription, seed: int) -> PlanningS
     return PlanningSettings(**{**asked, **preferred}, seed=seed)
 
 
-class SimulatedBackend:
-    """Implements `RobotBackend`: the project's world, which waits for the run unless it has a pace."""
-
-    def open(self, opening: Opening, stack: ExitStack) -> Resources:
-        """Start the simulator and the planner."""
-        project, file, progress = opening.project, opening.project.file, opening.progress
-        check(faults_of_simulation(project))
-        progress("starting", "the simulator and the planner")
-        robot = PlannedRobot.begin(opening, stack)
-        jerks = jerks_of_arms(file.arms, robot.description)
-        spec = replace(world_of(project, opening.seed), jerks=jerks)
-        spec = replace(spec, faults={} if opening.faults is None else {**spec.faults, **opening.faults})
-        check(faults_of_faults(project, spec, robot.description))
-        simulation = stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
-        objects = ", ".join(thing.name for thing in spec.objects)
-        progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")
-        plans: PlanningService = with_move_group(opening, robot.description, robot.process, stack)
-        lockstep = Lockstep(simulation) if opening.pace is None else None
-        if lockstep is not None:
-            plans = InTurn(plans, lockstep, patient=True)
-        parts = commanded(
-            opening,
-            robot.description,
-            plans,
-            {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
-            {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
-            room_of(spec),
-            regions_of(spec),
-        )
-        cameras = {name: simulation.camera(s.camera) for name, s in file.sensors.items() if s.camera is not None}
-        robot.wait_until_ready(opening)
-        return replace(
-            parts,
-            cameras=cameras,
-            pausable=(simulation,),
-            clock=simulation.clock,
-            lockstep=lockstep,
-            world=simulation,
-        )
+def open_simulated(opening: Opening, stack: ExitStack) -> Resources:
+    """Start the planner and the simulator of the project's world, which waits for the run unless it has a pace."""
+    project, file, progress = opening.project, opening.project.file, opening.progress
+    check(faults_of_simulation(project))
+    progress("starting", "the simulator and the planner")
+    robot = PlannedRobot.begin(opening, stack)
+    jerks = jerks_of_arms(file.arms, robot.description)
+    spec = replace(world_of(project, opening.seed), jerks=jerks)
+    spec = replace(spec, faults={} if opening.faults is None else {**spec.faults, **opening.faults})
+    check(faults_of_faults(project, spec, robot.description))
+    simulation = stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
+    objects = ", ".join(thing.name for thing in spec.objects)
+    progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")
+    plans: PlanningService = with_move_group(opening, robot.description, robot.process, stack)
+    lockstep = Lockstep(simulation) if opening.pace is None else None
+    if lockstep is not None:
+        plans = InTurn(plans, lockstep, patient=True)
+    parts = commanded(
+        opening,
+        robot.description,
+        plans,
+        {name: simulation.executor(arm.group) for name, arm in file.arms.items()},
+        {name: simulation.hand(hand.group) for name, hand in file.hands.items()},
+        room_of(spec),
+        regions_of(spec),
+    )
+    cameras = {name: simulation.camera(s.camera) for name, s in file.sensors.items() if s.camera is not None}
+    robot.wait_until_ready(opening)
+    return replace(
+        parts,
+        cameras=cameras,
+        pausable=(simulation,),
+        clock=simulation.clock,
+        lockstep=lockstep,
+        world=simulation,
+    )

@@ -184,25 +184,22 @@ def _hand(
     return port, commander
 
 
-class FakeBackend:
-    """Implements `RobotBackend`: a fake of every arm, hand and camera of the project."""
-
-    def open(self, opening: Opening, stack: ExitStack) -> Resources:
-        """Make them; there is nothing to start."""
-        project, file = opening.project, opening.project.file
-        robot, taught = description_of(project), TaughtStates()
-        arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
-        hands = {name: _hand(name, robot, hand.group, taught) for name, hand in file.hands.items()}
-        carried = {arm.hand: arms[name].grasp_pose for name, arm in file.arms.items() if arm.hand is not None}
-        palms = dict.fromkeys(file.hands, Pose) | carried  # a hand alone stays where it is
-        return Resources(
-            arms=arms,
-            hands={name: commander for name, (_, commander) in hands.items()},
-            cameras={name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera},
-            scene=PlanningScene(palms, _CRATE, project.room(), folder=project.folder),
-            pausable=tuple(arms.values()),
-            fakes=FakeState(arms, {name: port for name, (port, _) in hands.items()}, taught=taught),
-        )
+def open_fakes(opening: Opening, stack: ExitStack) -> Resources:
+    """Make a fake of every arm, hand and camera of the project; there is nothing to start."""
+    project, file = opening.project, opening.project.file
+    robot, taught = description_of(project), TaughtStates()
+    arms = {name: _arm(name, robot, arm.group, taught) for name, arm in file.arms.items()}
+    hands = {name: _hand(name, robot, hand.group, taught) for name, hand in file.hands.items()}
+    carried = {arm.hand: arms[name].grasp_pose for name, arm in file.arms.items() if arm.hand is not None}
+    palms = dict.fromkeys(file.hands, Pose) | carried  # a hand alone stays where it is
+    return Resources(
+        arms=arms,
+        hands={name: commander for name, (_, commander) in hands.items()},
+        cameras={name: FakeCamera(CAMERA, [empty_table()]) for name, s in file.sensors.items() if s.camera},
+        scene=PlanningScene(palms, _CRATE, project.room(), folder=project.folder),
+        pausable=tuple(arms.values()),
+        fakes=FakeState(arms, {name: port for name, (port, _) in hands.items()}, taught=taught),
+    )
 
 
 def fake_components(project: Project, names: list[str]) -> dict[str, FakeComponent]:

@@ -9,27 +9,24 @@ from dataclasses import replace
 from pathlib import Path
 
 from grip_bt.app.project.catalogue import catalogue_of
-from grip_bt.app.project.folder import ARCHIVE, MESSAGES
-from grip_bt.app.wiring.parts import Progress, silent
+from grip_bt.app.project.folder import ARCHIVE, MESSAGES, Project, find_project
+from grip_bt.app.wiring.fake import FakeMessages, fake_components, fake_ros
+from grip_bt.app.wiring.parts import FakeState, Opening, OpenRobot, Progress, Resources, RobotKind, load_part, silent
 from grip_bt.base.errors import DocumentError, UnknownNameError
 from grip_bt.base.message_store import LocalMessages, MessageLibrary, load, save
 from grip_bt.base.ports import Messages
 from grip_bt.runtime import TreeRun
 from grip_bt.runtime.value_codec import decode, encode
 
-from ..project.folder import Project, find_project
-from .fake import FakeMessages, fake_components, fake_ros
-from .parts import FakeState, Opening, Resources, RobotBackend, RobotKind, load_part
-
 BACKENDS = {
-    "fake": ("fake", "FakeBackend", "motion"),
-    "sim": ("commanders", "SimulatedBackend", "sim"),
-    "ros": ("ros_robot", "RosBackend", "motion,ros"),
+    "fake": ("fake", "open_fakes", "motion"),
+    "sim": ("commanders", "open_simulated", "sim"),
+    "ros": ("ros_robot", "open_controllers", "motion,ros"),
 }
-"""Robot -> module, class, and the extras that it needs."""
+"""Robot -> module, function, and the extras that it needs."""
 
 
-def backend_of(robot: str) -> RobotBackend:
+def backend_of(robot: str) -> OpenRobot:
     """Return who provides a robot; what it needs is loaded here.
 
     Raises:
@@ -39,8 +36,8 @@ def backend_of(robot: str) -> RobotBackend:
     if robot not in BACKENDS:
         raise UnknownNameError("robot", robot, BACKENDS)
     module, name, extra = BACKENDS[robot]
-    backend: RobotBackend = getattr(load_part(module, f"--robot {robot}", extra), name)()
-    return backend
+    opens: OpenRobot = getattr(load_part(module, f"--robot {robot}", extra), name)
+    return opens
 
 
 @contextmanager
@@ -57,7 +54,7 @@ def open_resources(
     with ExitStack() as stack:
         needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
         if needs_robot and (robot == "fake" or project.file.robot is not None):
-            parts = backend_of(robot).open(opening, stack)
+            parts = backend_of(robot)(opening, stack)
         elif any(node.partition("/")[0] in _MOVING_NODES for node in needs):
             raise DocumentError(_NO_ROBOT, str(project.folder / "grip.yaml"))
         names = sorted(node.partition("/")[2] for node in needs if node.startswith("component/"))

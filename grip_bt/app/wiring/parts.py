@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 from grip_bt.app.project.folder import Project
 from grip_bt.base.errors import MissingPartError, libraries_of
@@ -140,17 +140,9 @@ class Opening:
     faults: Mapping[str, Fault] | None = field(default_factory=dict)
 
 
-class RobotBackend(Protocol):
-    """Provides a project's arms, hands, cameras and planning scene: fakes, a simulated world, or real controllers."""
+OpenRobot = Callable[[Opening, ExitStack], Resources]
+"""Starts a project's robot, which the stack closes: arms, hands, cameras and planning scene.
 
-    def open(self, opening: Opening, stack: ExitStack) -> Resources:
-        """Start the robot; `stack` closes it.
-
-        What a project names is verified before anything is started for it.
-
-        Raises:
-            UnknownNameError: the project names a world, group, camera or controller that isn't there.
-            DocumentError: a file of the project can't be read.
-            MissingPartError: the project doesn't say what this backend needs.
-            GripError: a part doesn't come up.
-        """
+What a project names is verified before anything is started for it. GripError says what isn't there, can't be read, or
+doesn't come up.
+"""

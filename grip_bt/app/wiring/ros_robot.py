@@ -7,8 +7,12 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
 
+from grip_bt.app.project.faults import jerks_of_arms
+from grip_bt.app.project.folder import Project
 from grip_bt.app.project.needs import robot_frames
-from grip_bt.app.wiring.parts import Progress, report_if_slow
+from grip_bt.app.wiring.commanders import PlannedRobot, commanded, with_move_group
+from grip_bt.app.wiring.parts import Opening, Progress, Resources, report_if_slow
+from grip_bt.app.wiring.ros import provide_frames
 from grip_bt.base.errors import GripError, MissingPartError, UnknownNameError
 from grip_bt.base.failures import SensorError
 from grip_bt.base.ports import Camera, Executor, HandPort, Pausable
@@ -31,62 +35,51 @@ from grip_bt.ros.sensing import RosCamera, unnamed_camera
 from grip_bt.ros.transforms import Transforms
 from grip_bt.task.catalog.ros_config import RosRobotConfig
 
-from ..project.faults import jerks_of_arms
-from ..project.folder import Project
-from .commanders import PlannedRobot, commanded, with_move_group
-from .parts import Opening, Resources
-from .ros import provide_frames
 
+def open_controllers(opening: Opening, stack: ExitStack) -> Resources:
+    """Connect to the controllers that the project names under `ros`, wherever they run, and have them active.
 
-class RosBackend:
-    """Implements `RobotBackend`: the controllers that the project names under `ros`, wherever they run."""
-
-    def open(self, opening: Opening, stack: ExitStack) -> Resources:
-        """Connect to the controllers, and have them active.
-
-        Raises:
-            SensorError: nothing is measured of a joint.
-            SwitchError: a controller can't be made active.
-        """
-        project, file, progress = opening.project, opening.project.file, opening.progress
-        settings = file.ros
-        if settings is None:
-            example = "`ros: {controllers: {ARM: {trajectory: /CONTROLLER/follow_joint_trajectory}}}`"
-            raise MissingPartError("the controllers of a real robot", f"name them in grip.yaml: {example}")
-        # Arms that join others move by the controllers of those.
-        alone = [name for name, arm in file.arms.items() if not arm.arms]
-        groups = {name: file.arms[name].group for name in alone} | {n: hand.group for n, hand in file.hands.items()}
-        for name in groups:
-            if name not in settings.controllers:
-                raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
-        robot = PlannedRobot.begin(opening, stack)
-        bus = stack.enter_context(Bus("grip_robot", watched=True))
-        watchdog = bus.watchdog
-        assert watchdog is not None, "it is open, and watched"
-        planner = with_move_group(opening, robot.description, robot.process, stack, bus)
-        states = JointStates(bus, settings.joint_states, settings.stale)
-        joints = {
-            n: settings.controllers[n].joints or tuple(robot.description.group(group)) for n, group in groups.items()
-        }
-        for name, names in joints.items():
-            controller = settings.controllers[name]
-            actions = [a for a in (controller.trajectory, controller.gripper, controller.move_group) if a is not None]
-            watchdog.watch_joints(name, settings.joint_states, names, actions)
-        measured = [joint for names in joints.values() for joint in names]
-        _wait_for_controllers(settings, bus, states, measured, progress)
-        progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
-        limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
-        controllers = _Controllers(settings, bus, states, limits, jerks)
-        executors = {
-            name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone
-        }
-        ports = {name: PausableHand(controllers.hand(name, joints[name])) for name in file.hands}
-        parts = commanded(opening, robot.description, planner, executors, ports)
-        cameras = _cameras(project, settings, bus, progress)
-        robot.wait_until_ready(opening)
-        watchdog.wait_ready(settings.ready)
-        pausable: list[Pausable] = [*executors.values(), *ports.values()]
-        return replace(parts, cameras=cameras, pausable=pausable, measure=states.fresh)
+    Raises:
+        SensorError: nothing is measured of a joint.
+        SwitchError: a controller can't be made active.
+    """
+    project, file, progress = opening.project, opening.project.file, opening.progress
+    settings = file.ros
+    if settings is None:
+        example = "`ros: {controllers: {ARM: {trajectory: /CONTROLLER/follow_joint_trajectory}}}`"
+        raise MissingPartError("the controllers of a real robot", f"name them in grip.yaml: {example}")
+    # Arms that join others move by the controllers of those.
+    alone = [name for name, arm in file.arms.items() if not arm.arms]
+    groups = {name: file.arms[name].group for name in alone} | {n: hand.group for n, hand in file.hands.items()}
+    for name in groups:
+        if name not in settings.controllers:
+            raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
+    robot = PlannedRobot.begin(opening, stack)
+    bus = stack.enter_context(Bus("grip_robot", watched=True))
+    watchdog = bus.watchdog
+    assert watchdog is not None, "it is open, and watched"
+    planner = with_move_group(opening, robot.description, robot.process, stack, bus)
+    states = JointStates(bus, settings.joint_states, settings.stale)
+    joints = {n: settings.controllers[n].joints or tuple(robot.description.group(group)) for n, group in groups.items()}
+    for name, names in joints.items():
+        controller = settings.controllers[name]
+        actions = [a for a in (controller.trajectory, controller.gripper, controller.move_group) if a is not None]
+        watchdog.watch_joints(name, settings.joint_states, names, actions)
+    measured = [joint for names in joints.values() for joint in names]
+    _wait_for_controllers(settings, bus, states, measured, progress)
+    progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
+    limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
+    controllers = _Controllers(settings, bus, states, limits, jerks)
+    executors = {
+        name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone
+    }
+    ports = {name: PausableHand(controllers.hand(name, joints[name])) for name in file.hands}
+    parts = commanded(opening, robot.description, planner, executors, ports)
+    cameras = _cameras(project, settings, bus, progress)
+    robot.wait_until_ready(opening)
+    watchdog.wait_ready(settings.ready)
+    pausable: list[Pausable] = [*executors.values(), *ports.values()]
+    return replace(parts, cameras=cameras, pausable=pausable, measure=states.fresh)
 
 
 def _cameras(project: Project, settings: RosRobotConfig, bus: Bus, progress: Progress) -> dict[str, Camera]:

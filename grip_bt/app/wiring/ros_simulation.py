@@ -9,6 +9,9 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
+from grip_bt.app.project.faults import check, faults_of_cameras, jerks_of_arms
+from grip_bt.app.project.folder import Project
+from grip_bt.app.project.worlds import room_of, world_of
 from grip_bt.app.wiring.parts import Progress
 from grip_bt.base.errors import GripError, MissingPartError
 from grip_bt.base.operation import Operation
@@ -27,10 +30,6 @@ from grip_bt.ros.served import (
 from grip_sim.simulation import Simulation, start_simulation
 from grip_sim.specs import CameraSpec
 
-from ..project.faults import check, faults_of_cameras, jerks_of_arms
-from ..project.folder import Project
-from ..project.worlds import room_of, world_of
-
 JOINT_STATES = "/joint_states"
 SOON = 0.1
 """Fingers take so long at least [s]."""
@@ -43,16 +42,13 @@ class Served:
     """What a simulated world offers.
 
     Attributes:
-        mounts: sensor -> how `grip.yaml` says where its camera is.
+        settings: what `grip.yaml` says to reach it.
         room: what stands in the world and never moves, as the text of a `.scene` file.
         setup: what a client's shell sources.
     """
 
     simulation: Simulation
-    joints: str
-    controllers: Mapping[str, str]
-    cameras: Mapping[str, Mapping[str, str]]
-    mounts: Mapping[str, Mapping[str, Any]]
+    settings: Mapping[str, Any]
     room: str
     setup: str
 
@@ -116,21 +112,17 @@ def serve_world(
             if sensor.camera is not None:
                 served = CameraPublisher(bus, name, simulation.camera(sensor.camera), camera_rate, now)
                 stack.callback(served.close)
-                cameras[name] = served.topics
+                said = {part: served.topics[part] for part in ("image", "depth", "info")}
+                cameras[name] = {**said, "mount": _mount(simulation, project, name)}
                 progress("camera", ", ".join(served.topics.values()))
-        mounts = {name: _mount(simulation, project, name) for name in cameras}
         fixed = {f"{name}_optical": _camera_of(simulation, project, name).info().pose for name in cameras}
         stack.callback(RobotStatePublisher(bus, project.description(), measured, fixed, now=now).close)
         progress("frames", "/tf, /tf_static, /robot_description")
         stack.enter_context(_time_going_on(simulation))
+        controllers = {name: {"trajectory": action} for name, action in actions.items()}
+        settings = {"ros": {"joint_states": joints, "controllers": controllers, "cameras": cameras}}
         yield Served(
-            simulation,
-            joints,
-            actions,
-            cameras,
-            mounts,
-            scene_text("room", room_of(simulation.spec)),
-            shell_setup("control_msgs", "tf2_msgs"),
+            simulation, settings, scene_text("room", room_of(simulation.spec)), shell_setup("control_msgs", "tf2_msgs")
         )
 
 

@@ -64,10 +64,6 @@ class FileCache(Generic[K, T]):
             self._made[key] = tuple(_stamp(str(file)) for file in sorted(files)), made
         return self._made[key][1]
 
-    def stamps(self, key: K) -> Stamps:
-        """Return the files of what was made, as they were."""
-        return self._made[key][0]
-
 
 def _stamp(file: str) -> tuple[str, int, int]:
     try:

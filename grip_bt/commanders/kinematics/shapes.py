@@ -9,6 +9,8 @@ from pathlib import Path
 import coal
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from grip_bt.base.arrays import Array
 from grip_bt.base.errors import DocumentError, MissingPartError
@@ -71,6 +73,19 @@ def load_mesh(
         return hull_of(Mesh(points))
     except ValueError as error:
         raise DocumentError(str(error), str(path)) from None
+
+
+def surface_of(mesh: Mesh) -> tuple[Array, NDArray[np.int32]]:
+    """Return points and triangles of a mesh; those of its hull, thickened by its margin, where it is solid."""
+    if mesh.hollow:
+        return mesh.points, mesh.triangles
+    hull = ConvexHull(mesh.points)
+    if mesh.margin == 0:
+        return mesh.points, hull.simplices.astype(np.int32)
+    # Each point moved out along every axis and both ways: a hull that holds the true thickened one.
+    steps = mesh.margin * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    points = (mesh.points[hull.vertices][:, None, :] + steps).reshape(-1, 3)
+    return points, ConvexHull(points).simplices.astype(np.int32)
 
 
 def hull_of(mesh: Mesh) -> Mesh:

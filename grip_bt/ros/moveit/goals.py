@@ -20,6 +20,7 @@ from grip_bt.base.values.goals import PathConstraint
 from grip_bt.base.values.pose import quaternion_of
 from grip_bt.base.values.solids import Box, CellMap, Cylinder, Mesh, Solid, Sphere
 from grip_bt.commanders.description.robot import RobotDescription
+from grip_bt.commanders.kinematics.shapes import surface_of
 
 from ..client.types import Message, load_type
 from ..convert_values import header, pose_to_message
@@ -218,7 +219,7 @@ def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Message
         case Sphere():
             message.primitives = [SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[solid.radius])]
         case Mesh():
-            message.meshes = [_mesh(*_surface(solid))]
+            message.meshes = [_mesh(*surface_of(solid))]
         case CellMap():
             message.meshes = [_mesh(*_cubes(solid))]
     message.primitive_poses = [PoseMessage() for _ in message.primitives]
@@ -229,19 +230,6 @@ def collision_object(name: str, solid: Solid, pose: Pose, frame: str) -> Message
 def removed(name: str) -> Message:
     """Return the message that removes an object."""
     return load_type("moveit_msgs/msg/CollisionObject")(id=name, operation=REMOVE)
-
-
-def _surface(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Return points and triangles of a mesh; those of its hull, thickened by its margin, where it is solid."""
-    if mesh.hollow:
-        return mesh.points, mesh.triangles
-    hull = ConvexHull(mesh.points)
-    if mesh.margin == 0:
-        return mesh.points, hull.simplices.astype(np.int32)
-    # Each point moved out along every axis and both ways: a hull that holds the true thickened one.
-    steps = mesh.margin * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    points = (mesh.points[hull.vertices][:, None, :] + steps).reshape(-1, 3)
-    return points, ConvexHull(points).simplices.astype(np.int32)
 
 
 def _cubes(cells: CellMap) -> tuple[NDArray[np.float64], NDArray[np.int32]]:

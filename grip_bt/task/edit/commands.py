@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, Discriminator, TypeAdapter
+from pydantic import BaseModel, Discriminator, TypeAdapter, ValidationError
+
+from grip_bt.base.errors import EditError
 
 from ..model import Task
 from .change_kind import ChangeKind, Convert, Extract, Inline
@@ -91,9 +93,16 @@ def command_of(data: object) -> AnyCommand:
     """Return the command that JSON-like data describes.
 
     Raises:
-        pydantic.ValidationError: it describes none.
+        EditError: it describes none.
     """
-    return _adapter().validate_python(data)
+    try:
+        return _adapter().validate_python(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        why = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+    except RecursionError:
+        why = "nested too deeply"
+    raise EditError("", f"not a command: {why}; docs/editing.md lists them")
 
 
 def title_of(command: AnyCommand) -> str:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from grip_bt.base.errors import EditError, GripError, InvalidTaskError, NodeError
-from grip_bt.base.values import Failure
 from grip_bt.compilers.restructure import compare, moved, play, to_state_machines, to_trees
 from grip_bt.compilers.restructure.equivalence import End
-from grip_bt.nodes.node import Observer
-from grip_bt.runtime.value_codec import preview
+from grip_bt.runtime import Journal, JournalReader
+from grip_bt.runtime.observers import Recorder
 from grip_bt.task import Fallback, Sequence, StateMachine, Task, walk
 from grip_bt.task.catalog import Catalog
 from grip_bt.task.model import Leaf, join, outcomes_of
@@ -80,51 +81,31 @@ def _outline(task: Task, path: str) -> list[str]:
     return lines
 
 
+class _PlayClock(NamedTuple):
+    now: Callable[[], float]
+
+
 def _play(task: Task, script: tuple[End, ...], catalog: Catalog, file: str) -> CounterexampleView:
-    events = _Events()
-    end = play(task, catalog, script, events.by)
-    outcome = end[0] if end and end[0] != "error" else None
-    root = task.root.meaning if isinstance(task.root, Leaf) else outcomes_of(task.root)
-    meaning = {**root, **task.outcomes}
-    status = "stopped" if not end else end[0] if outcome is None else meaning.get(outcome, "failure")
-    events.add("/", "run_ended", outcome, status=status)
-    return CounterexampleView(
-        task=project_task(task, file, finder(catalog)), status=status, outcome=outcome, events=events.all
-    )
+    """Return how one form goes, in a journal of its own that nobody else sees."""
+    recorders: list[Recorder] = []
+    with TemporaryDirectory() as folder:
+        with Journal(Path(folder) / "played.sqlite") as journal:
+            log = journal.begin(task.name, file, "", "bt", 0)
 
+            def observe(now: Callable[[], float]) -> Recorder:
+                recorders.append(Recorder(log, _PlayClock(now)))
+                return recorders[-1]
 
-class _Events(Observer):
-    """The observer that notes what happens as the journal would."""
-
-    def __init__(self) -> None:
-        self.all: list[RunEvent] = []
-        self._now: Callable[[], float] = lambda: 0.0
-
-    def by(self, now: Callable[[], float]) -> _Events:
-        """Take the run's clock [s]; return the observer."""
-        self._now = now
-        return self
-
-    def add(self, path: str, event: str, outcome: str | None = None, code: str | None = None, **data: object) -> None:
-        """Note one event, as the journal would."""
-        seq = len(self.all)
-        self.all.append(RunEvent(seq=seq, t=self._now(), path=path, event=event, outcome=outcome, code=code, data=data))
-
-    def entered(self, path: str) -> None:
-        self.add(path, "enter")
-
-    def ended(self, path: str, outcome: str, failure: Failure | None) -> None:
-        said = {"message": failure.message} if failure and failure.message else {}
-        self.add(path, "exit", outcome, failure.code if failure else None, **said)
-
-    def interrupted(self, path: str) -> None:
-        self.add(path, "interrupted")
-
-    def message(self, path: str, text: str) -> None:
-        self.add(path, "message", text=text)
-
-    def wrote(self, path: str, variable: str, type_name: str, value: object) -> None:
-        self.add(path, "write", variable=variable, type=type_name, preview=preview(value))
+            end = play(task, catalog, script, observe)
+            outcome = end[0] if end and end[0] != "error" else None
+            root = task.root.meaning if isinstance(task.root, Leaf) else outcomes_of(task.root)
+            meaning = {**root, **task.outcomes}
+            status = "stopped" if not end else end[0] if outcome is None else meaning.get(outcome, "failure")
+            recorders[-1].finished(outcome, status)
+        with JournalReader(journal.file) as reader:
+            events = [RunEvent.model_validate(event) for event in reader.iterate(log.id)]
+    view = project_task(task, file, finder(catalog))
+    return CounterexampleView(task=view, status=status, outcome=outcome, events=events)
 
 
 def forms_view(opened: OpenDocument, catalog: Catalog) -> Callable[[], FormsView]:

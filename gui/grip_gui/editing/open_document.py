@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 from grip_bt.base.errors import DocumentError, EditError
-from grip_bt.task import Task, join, read_text, walk
+from grip_bt.task import Task, read_text, walk
 from grip_bt.task.document import Document
 from grip_bt.task.edit import AnyCommand, Group, History, command_of, path_after, rewrite
 from grip_bt.task.edit.history import history_path, load_history, save_history
@@ -238,24 +238,14 @@ class OpenDocument:
         return [past.steps for past in self._past if past.revision > base]
 
     def moved_since(self, revision: int) -> dict[str, str]:
-        """Return where nodes are that edits since a revision have moved; what is below one has moved along with it."""
+        """Return where nodes are that edits since a revision have moved."""
         past = [each for each in self._past if each.revision > revision]
         if self.history is None or not past or past[0].before is None:
             return {}
         there = {path for path, _ in walk(self.history.document.task.root)}
         steps = [step for each in past for step in each.steps]
-        moved: dict[str, str] = {}
-        along: dict[str, str] = {}
-        for path in [path for path, _ in walk(past[0].before.root) if path not in there]:
-            above, _, name = path.rpartition("/")
-            now: str | None = join(along[above], name) if above in along else None
-            if now not in there:
-                now = path_after(path, steps)
-                if now is None or now not in there:
-                    continue
-                moved[path] = now
-            along[path] = now
-        return moved
+        moved = {path: path_after(path, steps) for path, _ in walk(past[0].before.root) if path not in there}
+        return {path: now for path, now in moved.items() if now in there}
 
     def _enter(self, steps: tuple[Step, ...], before: Layout) -> None:
         """Note that the document has changed; a moment whose layout isn't known gets what the one before becomes."""

@@ -1,19 +1,26 @@
-"""Questions and requests about task files under edit. All work is done in threads; the pages are told afterwards."""
+"""All open task files of a project, under one lock, and the questions and requests about them.
+
+All work is done in threads; the pages are told afterwards.
+"""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import RLock
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import ValidationError
 
-from grip_bt.base.errors import EditError
-from grip_bt.task.edit import AnyCommand, command_of
+from grip_bt.base.errors import DocumentError, EditError
+from grip_bt.compilers.restructure import expanded, extracted
+from grip_bt.task import Task, dumps, read_text
+from grip_bt.task.document import Document
+from grip_bt.task.edit import AnyCommand, Convert, Extract, Group, Inline, command_of
+from grip_bt.task.edit.steps import Step
 from grip_gui.editing.conversion import conversion_view, forms_view
-from grip_gui.editing.document_store import DocumentStore
-from grip_gui.editing.files import StaleEditError
+from grip_gui.editing.files import StaleEditError, TextFile, layout_path, recovery_of
 from grip_gui.editing.open_document import OpenDocument
 from grip_gui.editing.projection import catalog_view
 from grip_gui.editing.views import (
@@ -25,7 +32,84 @@ from grip_gui.editing.views import (
     places_view,
     problems_view,
 )
+from grip_gui.project import ProjectFolder
 from grip_gui.wire import editing as wire
+
+
+class DocumentStore:
+    """The task files that pages have opened; `followed` is told of each edit's file and steps, in the edit's thread."""
+
+    def __init__(self, folder: ProjectFolder, followed: Callable[[str, tuple[Step, ...]], object] = lambda *_: None):
+        self.folder, self._followed = folder, followed
+        self._sheets: dict[str, OpenDocument] = {}
+        self._lock = RLock()
+
+    def revisions(self) -> dict[str, int]:
+        """Return the revision of each open file."""
+        return {path: opened.revision for path, opened in list(self._sheets.items())}
+
+    @contextmanager
+    def held(self, path: str) -> Iterator[OpenDocument]:
+        """Hold a task file, opened where it isn't yet, while something is read from it or changed.
+
+        What isn't saved afterwards is kept.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere.
+            DocumentError: there is no such file, or it isn't text.
+        """
+        with self._lock:
+            opened = self._open(path)
+            before = opened.revision
+            yield opened
+            if opened.revision != before:
+                opened.keep_unsaved()
+
+    def _open(self, path: str) -> OpenDocument:
+        if path not in self._sheets:
+            file = self.folder.task_file(path)
+            layout = layout_path(file)
+            kept = recovery_of(self.folder.journal.parent / "unsaved", path)
+            opened = OpenDocument(TextFile(file, path), TextFile(layout, layout.name), kept)
+            opened.followed = lambda steps: self._followed(path, steps)
+            self._sheets[path] = opened
+        return self._sheets[path]
+
+    def create(self, path: str, text: str | None = None) -> None:
+        """Make a new task file; without a text it does nothing yet.
+
+        Raises:
+            OutsideProjectError: the path leads elsewhere, or isn't one of a task file.
+            DocumentError: a file is there, or the text isn't a task.
+        """
+        with self._lock:
+            file = self.folder.new_task_file(path)
+            if text is None:
+                try:
+                    task = {"grip": 1, "name": file.stem, "root": {"kind": "sequence", "children": {}}}
+                    text = dumps(Task.model_validate(task))
+                except ValueError as error:
+                    raise DocumentError(f"{file.stem!r} isn't a name for a task", file.stem) from error
+            read_text(text, path)
+            TextFile(file, path).write(text)
+            recovery_of(self.folder.journal.parent / "unsaved", path).remove()
+            self._sheets.pop(path, None)
+
+    def meant(self, command: AnyCommand, document: Document) -> AnyCommand:
+        """Return the edit that a command comes to here; an `extract` makes its file, which stays where it is undone.
+
+        Raises:
+            EditError: it can't be carried out.
+            HandoverError: it can, but somebody could tell; `approximate` does it all the same.
+        """
+        if not isinstance(command, Convert | Extract | Inline | Group):
+            return command
+        catalog = catalog_of(self.folder)[0]
+        if not isinstance(command, Extract):
+            return expanded(command, document.task, catalog)
+        part = extracted(command, document, catalog)
+        self.create(part.file, part.text)
+        return part.edit
 
 
 def make_edit_router(desk: DocumentStore, notify: Callable[[], None]) -> APIRouter:
@@ -103,7 +187,7 @@ def _add_wishes(api: APIRouter, desk: DocumentStore, notify: Callable[[], None])
 
     @api.post("/document/edit")
     async def edit(request: wire.EditRequest, since: int | None = None) -> Response:
-        command = understood(request.command)
+        command = command_of(request.command)
         return await change(request.path, lambda opened: opened.do(command, request.base, desk.meant), since)
 
     @api.post("/document/text")
@@ -145,15 +229,3 @@ def _step(opened: OpenDocument, request: wire.StepRequest) -> None:
         raise EditError("", "name the state to go to")
     else:
         opened.go(request.number)
-
-
-def understood(command: object) -> AnyCommand:
-    """Return the command that a page has sent."""
-    try:
-        return command_of(command)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise EditError("", f"not a command: {where}: {first['msg']}") from None
-    except RecursionError:
-        raise EditError("", "not a command: nested too deeply") from None

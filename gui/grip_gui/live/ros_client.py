@@ -1,4 +1,4 @@
-"""A process that looks at ROS for the page: started when it is asked first, ended when nobody has asked for long.
+"""A process that looks at ROS for the page: started when it is asked first.
 
 `python -m grip_gui.live.ros_client` is that process. Native code that breaks in it takes no page down.
 """
@@ -11,7 +11,6 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -19,12 +18,9 @@ from typing import Any
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import ExpectedError
 from grip_bt.base.interpreter import how_ended
-from grip_gui.processes import ChildProcess, reason_of
+from grip_gui.processes import end_marked, reason_of, spawned
 
-IDLE = 60.0
-"""How long it stays without a question [s]; a connection to ROS takes a second to come up, and costs a little CPU."""
 PATIENCE = 60.0  # longest time to an answer [s]
-LONGEST_LINE = 1 << 26
 CLOSING = 5.0  # how long it may take to end [s]
 WORKERS = 4  # questions at a time: one that waits for a message keeps no other waiting
 
@@ -34,97 +30,75 @@ class RosClientError(GripError):
 
 
 class RosClientProcess:
-    """Asks the process, which works in the project's folder; all methods belong to the event loop.
+    """Asks the process, which works in the project's folder; all methods belong to the event loop."""
 
-    Attributes:
-        kept: whether the process stays also when nobody asks for `idle` seconds, because it serves something.
-    """
-
-    def __init__(self, project: Path, idle: float = IDLE):
-        self._project, self._idle, self.kept = project, idle, False
-        self._process: ChildProcess | None = None
+    def __init__(self, project: Path):
+        self._project = project
+        self._process: asyncio.subprocess.Process | None = None
         self._waiting: dict[int, asyncio.Future[dict[str, Any]]] = {}
         self._numbers = itertools.count(1)
         self._starting = asyncio.Lock()
-        self._ending: asyncio.TimerHandle | None = None
-        self._lives: set[asyncio.Task[None]] = set()
+        self._life: asyncio.Task[None] | None = None
 
     async def ask(self, do: str, **fields: object) -> dict[str, Any]:
         """Return the answer to a question; RosClientError says why there is none."""
         async with self._starting:
-            process = self._process or await self._start()
+            if self._process is None:
+                words, pipe = ["grip_gui.live.ros_client"], asyncio.subprocess.PIPE
+                self._process, self._mark = await spawned(words, pipe, self._project)
+                self._life = asyncio.create_task(self._live(self._process))
+            stdin = self._process.stdin
         number, answer = next(self._numbers), asyncio.get_running_loop().create_future()
         self._waiting[number] = answer
+        assert stdin is not None
         try:
-            await process.send({"id": number, "do": do, **fields})
+            stdin.write(json.dumps({"id": number, "do": do, **fields}).encode() + b"\n")
             async with asyncio.timeout(PATIENCE):
                 found = await answer
         except TimeoutError:
             raise RosClientError(f"no answer within {PATIENCE:g} s") from None
         finally:
-            self._waiting.pop(number, None)
-            if self._ending is not None:
-                self._ending.cancel()
-            self._ending = asyncio.get_running_loop().call_later(self._idle, self._end_idle)
+            del self._waiting[number]
         if "error" in found:
             raise RosClientError(found["error"])
         return dict(found["value"])
 
     async def close(self) -> None:
-        """End the process; afterwards none is left, nor one that was ending for want of questions."""
-        if self._ending is not None:
-            self._ending.cancel()
-        self._end()
-        if self._lives:
-            await asyncio.wait(self._lives)
-
-    async def _start(self) -> ChildProcess:
-        process = self._process = await ChildProcess.start(
-            "grip_gui.live.ros_client", folder=self._project, longest=LONGEST_LINE
-        )
-        self._let_live(self._live(process))
-        return process
-
-    def _let_live(self, life: Coroutine[Any, Any, None]) -> None:
-        task = asyncio.create_task(life)
-        self._lives.add(task)
-        task.add_done_callback(self._lives.discard)
-
-    async def _live(self, process: ChildProcess) -> None:
-        listening = asyncio.create_task(process.follow(self._heard))
-        status = await process.wait()
-        await asyncio.wait([listening], timeout=CLOSING)
-        listening.cancel()
-        if self._process is process:
-            self._process = None
-        elif self._process is not None:
-            return  # another one answers what is waited for now
-        said = process.tail().rpartition("\n")[2]
-        for number in list(self._waiting):
-            await self._heard({"id": number, "error": f"the ROS process {how_ended(status)}{said and ': ' + said}"})
-
-    async def _heard(self, found: dict[str, Any]) -> None:
-        waiting = self._waiting.get(found.get("id", 0))
-        if waiting is not None and not waiting.done():
-            waiting.set_result(found)
-
-    def _end_idle(self) -> None:
-        if not self.kept and not self._waiting:
-            self._end()
-
-    def _end(self) -> None:
-        """Let the process end; one that doesn't is killed."""
-        process, self._process = self._process, None
-        if process is not None:
-            process.say_no_more()
-            self._let_live(self._see_to_end(process))
-
-    async def _see_to_end(self, process: ChildProcess) -> None:
+        """End the process, at the end of its input or by force; afterwards none is left."""
+        if self._process is None or self._life is None or self._process.stdin is None:
+            return
+        self._process.stdin.close()
         try:
             async with asyncio.timeout(CLOSING):
-                await process.wait()
+                await asyncio.shield(self._life)
         except TimeoutError:
-            await process.kill()
+            await end_marked(self._mark, group=self._process.pid)
+            await self._life
+
+    async def _live(self, process: asyncio.subprocess.Process) -> None:
+        said = ""
+
+        async def answers() -> None:
+            assert process.stdout is not None
+            async for line in process.stdout:
+                found = json.loads(line)
+                waiting = self._waiting.get(found["id"])
+                if waiting is not None and not waiting.done():
+                    waiting.set_result(found)
+
+        async def log() -> None:
+            nonlocal said
+            assert process.stderr is not None
+            async for line in process.stderr:
+                said = line.decode(errors="replace").strip() or said
+
+        await asyncio.gather(answers(), log())
+        status = await process.wait()
+        await end_marked(self._mark)
+        self._process = None
+        for waiting in self._waiting.values():
+            if not waiting.done():
+                waiting.set_result({"error": f"the ROS process {how_ended(status)}{said and ': ' + said}"})
 
 
 def main() -> int:

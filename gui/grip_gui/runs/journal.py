@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.values import DepthImage, Grasp, Image, JointState, PointCloud, Pose, RgbdFrame
 from grip_bt.base.values.pose import angles_of
-from grip_bt.runtime import Event, Journal, JournalError, JournalReader, RunLog
+from grip_bt.runtime import Event, JournalError, JournalReader
 from grip_bt.runtime import RunRecord as JournalRecord
 from grip_gui.wire.runs import CloudView, NamedPlace, RunEvent, RunRecord, ValueView
 
@@ -85,12 +85,6 @@ class JournalRuns:
         if reader is None or not found or found[0].seq != seq or found[0].event != "write":
             raise UnknownNameError("write of a variable", str(seq), (), f"the run {run}")
         return reader, found[0]
-
-    def end_run(self, run: str) -> None:
-        """Enter that a run was stopped whose process could not do so itself."""
-        if self._find(run).status in ("running", "died"):
-            with Journal(self.file) as journal:
-                RunLog(journal, run).end("stopped", None)
 
     def _find(self, run: str) -> JournalRecord:
         reader = self._reader()

@@ -12,7 +12,6 @@ from grip_gui.wire.runs import Introduce, Selected, Selection, Viewer
 
 GRACE = 5.0  # how long control waits for a page that has gone away, which a reload does for a moment [s]
 COLOURS = 8  # how many colours there are; with more pages some look alike, and their names tell them apart
-REMEMBERED = 100  # how many pages that have gone are known again when they come back
 
 
 class ControlTakenError(GripError):
@@ -35,20 +34,16 @@ class _Page:
 class Presence:
     """The pages that are connected, and control of the runs, held by one of them or by nobody.
 
-    A page that comes back, as at a reload, is called as before. Whoever controls something while nobody holds control
-    gets it. It becomes free when its page has been away for `GRACE`; a page that comes back later than that, as by a
-    slow reload, holds it again unless another one has had it. `changed` is called after each change.
+    Whoever controls something while nobody holds control gets it. It becomes free when its page has been away for
+    `GRACE`. `changed` is called after each change.
     """
 
     def __init__(self, changed: Callable[[], None]):
         self.holder: str | None = None
         self._changed = changed
         self._pages: dict[str, _Page] = {}
-        self._gone: dict[str, _Page] = {}
         self._nameless = 0
         self._waiting: asyncio.TimerHandle | None = None
-        self._missed: str | None = None
-        """The page that held control last, and was away for too long."""
 
     @property
     def connections(self) -> int:
@@ -93,7 +88,7 @@ class Presence:
     def _hold(self, page: str | None) -> None:
         if self._waiting is not None:
             self._waiting.cancel()
-        self.holder, self._waiting, self._missed = page, None, None
+        self.holder, self._waiting = page, None
         if page and page not in self._pages:
             self._await_return(page)
         self._changed()
@@ -102,7 +97,6 @@ class Presence:
         def gone() -> None:
             if self.holder == page and page not in self._pages:
                 self._hold(None)
-                self._missed = page
 
         self._waiting = asyncio.get_running_loop().call_later(GRACE, gone)
 
@@ -114,10 +108,8 @@ class Presence:
             self._nameless += 1
         else:
             if page not in self._pages:
-                self._pages[page] = self._known(page)
+                self._pages[page] = _Page(page, self._free("Viewer", first=1), self._free_colour())
             self._pages[page].connections += 1
-            if self.holder is None and page == self._missed:
-                self._hold(page)
         self._changed()
 
     def go(self, page: str) -> None:
@@ -127,10 +119,7 @@ class Presence:
         else:
             self._pages[page].connections -= 1
             if not self._pages[page].connections:
-                self._gone[page] = self._pages.pop(page)
-                self._gone[page].selected = None
-                if len(self._gone) > REMEMBERED:
-                    del self._gone[next(iter(self._gone))]
+                del self._pages[page]
                 if page == self.holder:
                     self._await_return(page)
         self._changed()
@@ -155,13 +144,6 @@ class Presence:
             return
         known.selected = selected
         self._changed()
-
-    def _known(self, page: str) -> _Page:
-        before = self._gone.pop(page, None)
-        if before is None:
-            return _Page(page, self._free("Viewer", first=1), self._free_colour())
-        before.name = self._free(before.name)
-        return before
 
     def _free(self, wanted: str, first: int = 0) -> str:
         """Return a name that nobody has: with a number, or, where `first` is 0, as it is wanted before `NAME 2`."""

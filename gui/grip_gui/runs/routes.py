@@ -12,8 +12,8 @@ from grip_bt.app.wiring.parts import RobotKind
 from grip_bt.base.errors import GripError, UnknownNameError
 from grip_bt.base.yaml.tree import read_file
 from grip_bt.task.model import KINDS
-from grip_gui.editing.document_store import DocumentStore
 from grip_gui.editing.projection import kind_views
+from grip_gui.editing.routes import DocumentStore
 from grip_gui.editing.views import view_of_text
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.journal import JournalRuns, cloud_view
@@ -73,10 +73,7 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
     @api.post("/session", status_code=201)
     async def start(request: wire.StartRun) -> wire.SessionView:
         file = folder.task_file(request.task)
-        try:
-            return await desk.start(request.task, file, _options(folder, request), request.page, request.run_to)
-        except OSError as error:
-            raise GripError(f"the run's process can't be started: {error}") from error
+        return await desk.start(request.task, file, _options(folder, request), request.page, request.run_to)
 
     @api.post("/session/control")
     async def control(request: wire.Control) -> wire.SessionView:
@@ -90,7 +87,7 @@ def _add_runs(api: APIRouter, folder: ProjectFolder, desk: RunControl) -> None:
     async def breakpoints(request: wire.BreakpointsRequest) -> wire.SharedState:
         folder.task_file(request.task)
         try:
-            return await desk.set_breakpoints(request.task, request.breakpoints, request.page)
+            return desk.set_breakpoints(request.task, request.breakpoints, request.page)
         except OSError as error:
             raise GripError(f"the breakpoints can't be kept: {error}") from error
 

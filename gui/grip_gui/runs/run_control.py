@@ -1,25 +1,150 @@
-"""Starts and controls runs, one at a time, for the one page that holds control; tells all viewers of every change."""
+"""Starts and controls runs, one at a time, for the one page that holds control; tells all viewers of every change.
+
+A run has a process of its own, which a supervisor sees to.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from pydantic import TypeAdapter, ValidationError
 
+from grip_bt.app.runs import execute
+from grip_bt.app.runs.mocks import scripted
+from grip_bt.app.runs.supervisor import Supervisor, Told
 from grip_bt.base.errors import GripError
 from grip_bt.base.files import replace_text
 from grip_bt.task.edit import path_after
 from grip_bt.task.edit.steps import Step
 from grip_gui.runs.journal import JournalRuns
 from grip_gui.runs.pages import Presence
-from grip_gui.runs.session import STOP, Launch, Session
-from grip_gui.wire.runs import Breakpoint, Control, RunOptions, SessionView, SharedState
+from grip_gui.wire.runs import Breakpoint, Control, Held, RunOptions, RunState, SessionView, SharedState
 
 log = logging.getLogger(__name__)
 _FILE: TypeAdapter[dict[str, list[Breakpoint]]] = TypeAdapter(dict[str, list[Breakpoint]])
+_STATES: dict[str, RunState] = {"running": "running", "paused": "paused", "stopping": "stopping"}
+_Place: TypeAlias = tuple[str, str, str | None, str]
+"""Node, when, outcome and condition of a breakpoint."""
+Launch: TypeAlias = Callable[[Path, Path, RunOptions, Told], Supervisor]
+"""Starts a run of a task's file, which writes to a journal, and tells of its events in another thread."""
+
+
+def start_run(task_file: Path, journal: Path, options: RunOptions, told: Told) -> Supervisor:
+    """Start a run in a process of its own."""
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    fields = options.model_dump(exclude={"mocks"}) | {"journal": journal, "watchdog": execute.WATCHDOG}
+    given = execute.RunOptions(**fields, mocks=scripted(options.mocks))
+    supervisor = Supervisor(str(task_file), given, told, given.watchdog, own_input=False)
+    supervisor.start()
+    return supervisor
+
+
+class Session:
+    """One run in its own process; `changed` is called after each change of `view`, and when the journal has more."""
+
+    def __init__(self, view: SessionView, changed: Callable[[], None]):
+        self.view = view
+        self._changed = changed
+        self._run: str | None = None
+        self._wanted: set[_Place] = set()
+        self._set_points: dict[_Place, int] = {}
+
+    async def start(self, launch: Launch, task_file: Path, journal: Path, options: RunOptions) -> None:
+        """Start the process. Raises GripError where it can't be."""
+        loop = asyncio.get_running_loop()
+
+        def told(event: Mapping[str, Any]) -> None:
+            with suppress(RuntimeError):  # the server has ended
+                loop.call_soon_threadsafe(self._heard, event)
+
+        self._process = await asyncio.to_thread(launch, task_file, journal, options, told)
+        self._life = asyncio.create_task(self._live())
+
+    @property
+    def over(self) -> bool:
+        """Whether its process has ended."""
+        return self.view.state == "ended"
+
+    def send(self, fields: Mapping[str, Any]) -> None:
+        """Pass a command of the control protocol on."""
+        if not self.over:
+            self._set(message="" if self.view.state != "starting" else self.view.message)
+            self._process.send(fields)
+
+    async def stop(self) -> None:
+        """Stop the run; its process has ended afterwards."""
+        if not self.over:
+            self._set(state="stopping", held=None)
+            self._process.stop()
+        await asyncio.shield(self._life)
+
+    def hold_at(self, points: Sequence[Breakpoint]) -> None:
+        """Set these breakpoints, and clear all others."""
+        self._wanted = {(p.node.strip("/") or "/", p.when, p.outcome, p.condition) for p in points}
+        for key, number in list(self._set_points.items()):
+            if key not in self._wanted:
+                del self._set_points[key]
+                self._process.send({"command": "clear", "id": number})
+        for key in self._wanted - self._set_points.keys():
+            node, when, outcome, condition = key
+            request = {"command": "break", "node": node, "when": when, "outcome": outcome, "if": condition}
+            self._process.send({name: value for name, value in request.items() if value})
+
+    async def _live(self) -> None:
+        end = await asyncio.to_thread(self._process.wait)
+        outcome = end.get("outcome")
+        self._set(
+            state="ended",
+            status=end.get("status", "died"),
+            outcome=outcome,
+            held=None,
+            message="" if outcome else end.get("message", "")[:4000],  # of an outcome, the journal has it
+            contradiction=end.get("contradiction", ""),
+            rest=end.get("rest", ""),
+            zombies=end.get("zombies", []),
+            unconfirmed=list(end.get("unconfirmed", ())),
+        )
+        self._changed()
+
+    def _heard(self, message: Mapping[str, Any]) -> None:
+        match message:
+            case {"event": "started", "run": str(run)}:
+                self._run = run
+                self._set(state="running", message="")
+            case {"event": "committed"}:
+                # Only now the run is in the journal for sure, so that viewers may ask for it.
+                self._set(run=self._run)
+                self._changed()
+            case {"event": "state", "state": str(word)} if word in _STATES:
+                if self.view.state != "stopping":
+                    self._set(state=_STATES[word], held=self.view.held if word == "paused" else None)
+            case {"event": "held"}:
+                with suppress(ValidationError):
+                    self._set(held=Held.model_validate({k: message[k] for k in Held.model_fields if k in message}))
+            case {"event": "breakpoint", "id": int(number)}:
+                self._breakpoint_is_set(message, number)
+            case {"event": "refused", "message": str(why)}:
+                log.warning("the run refused: %s", why)
+                self._set(message=f"The run refused: {why}"[:1000])
+            case {"event": "progress", "part": str(part), "detail": str(detail)} if self.view.state == "starting":
+                self._set(message=f"{part}: {detail}"[:200])
+
+    def _breakpoint_is_set(self, facts: Mapping[str, Any], number: int) -> None:
+        key = (str(facts.get("node")), str(facts.get("when")), facts.get("outcome"), str(facts.get("if") or ""))
+        if key in self._wanted:
+            self._set_points[key] = number
+        else:  # it was taken back before the run had answered
+            self._process.send({"command": "clear", "id": number})
+
+    def _set(self, **changes: object) -> None:
+        if any(getattr(self.view, key) != value for key, value in changes.items()):
+            self.view = self.view.model_copy(update=changes)
+            self._changed()
 
 
 class BusyError(GripError):
@@ -83,22 +208,22 @@ class RunControl:
         Raises:
             ControlTakenError: another page holds control.
             BusyError: another one is under way.
-            OSError: its process can't be started.
+            GripError: its process can't be started.
         """
         self.presence.require(page)
         if self._starting or (self.session and not self.session.over):
             raise BusyError("a run is under way; stop it before starting another one")
         self._starting = True
+        session = Session(SessionView(state="starting", task=task, **options.model_dump()), self.notify)
         try:
-            process = await self._launch(task_file, self._journal, options)
+            await session.start(self._launch, task_file, self._journal, options)
         finally:
             self._starting = False
-        view = SessionView(state="starting", task=task, **options.model_dump())
-        self.session = Session(process, view, self.notify, self._source)
+        self.session = session
         # The process keeps what comes before there is a run, so that no breakpoint is set too late.
-        await self.session.hold_at(self._breakpoints.get(task, []))
+        session.hold_at(self._breakpoints.get(task, []))
         if run_to:
-            await self.session.command({"command": "run_to", "node": run_to})
+            session.send({"command": "run_to", "node": run_to})
         self.notify()
         return self.session.view
 
@@ -106,9 +231,11 @@ class RunControl:
         """Pass a command to the run under way; `stop` returns when its process has ended, and is anybody's."""
         if self.session is None:
             raise BusyError("no run was started")
-        if request.command != "stop":
+        if request.command == "stop":
+            await self.session.stop()
+        else:
             self.presence.require(request.page)
-        await self.session.command(request.fields())
+            self.session.send(request.fields())
         return self.session.view
 
     def follow_edit(self, task: str, steps: Sequence[Step]) -> None:
@@ -124,19 +251,19 @@ class RunControl:
             except OSError as error:
                 log.warning("the breakpoints of %s aren't kept: %s", task, error)
 
-    async def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> SharedState:
+    def set_breakpoints(self, task: str, points: Sequence[Breakpoint], page: str = "") -> SharedState:
         """Replace the breakpoints of a task, also in the run under way."""
         self.presence.require(page)
         self._set_breakpoints(task, points)
         if self.session is not None and not self.session.over and self.session.view.task == task:
-            await self.session.hold_at(self._breakpoints.get(task, []))
+            self.session.hold_at(self._breakpoints.get(task, []))
         self.notify()
         return self.shared_state
 
     async def close(self) -> None:
         """Stop the run under way; afterwards no process of it is left."""
         if self.session is not None:
-            await self.session.command(STOP)
+            await self.session.stop()
 
     def notify(self) -> None:
         """Wake all viewers."""

@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from pydantic import BaseModel
@@ -51,29 +50,22 @@ def _by_model(model: type[BaseModel]) -> Callable[[Path, str, YamlValue], list[D
     return lambda _file, _text, tree: check_model(tree, model)[1]
 
 
-def _by_reader(read: Callable[[Path], object]) -> Callable[[Path, str, YamlValue], list[Diagnostic]]:
-    """Check by the room that reads such files, on a copy beside copies of the files that it refers to."""
+def _by_reader(read: Callable[[Path, str], object]) -> Callable[[Path, str, YamlValue], list[Diagnostic]]:
+    """Check by the room that reads such files, beside those that it refers to."""
 
     def check(file: Path, text: str, _tree: YamlValue) -> list[Diagnostic]:
-        with TemporaryDirectory() as folder:
-            for other in (JOINT_STATES, POSES):
-                beside = file.with_name(Path(other).name)
-                if beside.is_file() and beside != file:
-                    (Path(folder) / beside.name).write_bytes(beside.read_bytes())
-            copy = Path(folder) / file.name
-            copy.write_text(text, encoding="utf-8")
-            try:
-                read(copy)
-            except DocumentError as error:
-                return [(error.message, error.line or 1, error.column or 1)]
+        try:
+            read(file, text)
+        except DocumentError as error:
+            return [(error.message, error.line or 1, error.column or 1)]
         return []
 
     return check
 
 
-def _trajectories(file: Path) -> object:
+def _trajectories(file: Path, text: str) -> object:
     states = file.with_name("joint_states.yaml")
-    return read_trajectories(file, read_joint_states(states) if states.is_file() else {})
+    return read_trajectories(file, read_joint_states(states) if states.is_file() else {}, text)
 
 
 def _template(title: str, *key: str, value: object) -> Template:

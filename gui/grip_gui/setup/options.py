@@ -14,11 +14,10 @@ from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue
 from grip_bt.task.catalog.component_file import Unit
 from grip_bt.task.catalog.ros_config import MESSAGES
+from grip_gui.setup.kinds import JOINT_STATES, POSES, TRAJECTORIES, Kind
+from grip_gui.setup.robot_facts import data_in, is_path, project_robot_facts, robot_facts
 from grip_gui.wire.setup import Template
 from grip_sim.worlds import read_world, world_files
-
-from .kinds import JOINT_STATES, POSES, TRAJECTORIES, Kind
-from .robot_facts import data_in, is_path, project_robot_facts, robot_facts
 
 FREE = ["none", "x", "y", "z", "orientation"]
 SHAPES = ["box", "cylinder", "sphere"]

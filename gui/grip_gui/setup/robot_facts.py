@@ -1,17 +1,16 @@
 """What a project's robot has: groups, named states, links, frames; the planners and solvers that there are; its looks.
 
-`python -m grip_gui.setup.robot_facts` draws it: its tree of joints, shapes of links in few triangles. Where the joints
-are is told apart from it; the page does the forward kinematics, so that a moment of a run is a handful of numbers.
+It is drawn by its tree of joints, and shapes of links in few triangles. Where the joints are is told apart from it; the
+page does the forward kinematics, so that a moment of a run is a handful of numbers.
 """
 
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache, lru_cache
+from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, fromstring
@@ -22,18 +21,18 @@ from pydantic import ValidationError
 
 from grip_bt.app.runs.motion_record import coarse
 from grip_bt.base.errors import GripError, InvalidRobotError
-from grip_bt.base.interpreter import python_command
 from grip_bt.base.yaml.tree import parse, to_data
 from grip_bt.commanders.description.config import RobotConfig
-from grip_bt.commanders.description.files import FileCache, Stamps
+from grip_bt.commanders.description.files import FileCache
 from grip_bt.commanders.description.load import load_robot
 from grip_bt.commanders.description.packages import ROBOTS
+from grip_bt.commanders.description.tree import Joint, Tree
 from grip_bt.commanders.description.xml import origin_of
 from grip_bt.commanders.settings import PLANNERS, SOLVERS
 from grip_bt.task.catalog.ros_config import MOVE_GROUP
-from grip_gui.processes import answer_question
 
 _known: FileCache[tuple[str, str], dict[str, Any]] = FileCache()
+_drawn: FileCache[tuple[str, str, tuple[tuple[str, str], ...]], dict[str, Any]] = FileCache()
 
 
 def robot_facts(robot: object, folder: Path) -> dict[str, Any]:
@@ -50,12 +49,6 @@ def robot_facts(robot: object, folder: Path) -> dict[str, Any]:
         position [rad or m]; `links` and `frames`: names; `error`: what is wrong with its files.
     """
     return _known.get(_key(robot, folder), lambda: _read(robot, folder))
-
-
-def read_from(robot: object, folder: Path) -> Stamps:
-    """Return the files that a robot was read from, as they were."""
-    robot_facts(robot, folder)
-    return _known.stamps(_key(robot, folder))
 
 
 def robot_error(data: object, folder: Path) -> str:
@@ -109,9 +102,6 @@ def _read(robot: object, folder: Path) -> dict[str, Any]:
     return found | {"links": links, "frames": ["world", *links]}
 
 
-PATIENCE = 60.0  # how long the process may take [s]
-
-
 def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str, Any]:
     """Return what a robot looks like: `links`, `joints`, `meshes`, `rest`, `grasp`; else `error`.
 
@@ -119,29 +109,23 @@ def geometry(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str,
     """
     if not robot:
         return {"error": "grip.yaml names no robot"}
-    question = {"robot": robot, "hands": dict(hands), "folder": str(folder)}
-    return _asked(json.dumps(question, sort_keys=True, default=str), read_from(robot, folder))
-
-
-@lru_cache(maxsize=4)
-def _asked(question: str, stamps: Stamps) -> dict[str, Any]:
-    command = python_command("-m", "grip_gui.setup.robot_facts")
+    name, place = _key(robot, folder)
     try:
-        done = subprocess.run(command, input=question, capture_output=True, text=True, timeout=PATIENCE, check=False)
-        return dict(json.loads(done.stdout.splitlines()[-1]))
-    except (OSError, subprocess.TimeoutExpired, ValueError, IndexError) as error:
+        return _drawn.get((name, place, tuple(hands.items())), lambda: _described(robot, hands, folder))
+    except (GripError, ValidationError, ImportError) as error:
         return {"error": f"the robot can't be drawn: {error}"}
 
 
 # --- the drawing ------------------------------------------------------------------------------------------------------
 
 
-def _described(robot: object, hands: Mapping[str, str], folder: str) -> dict[str, Any]:
+def _described(robot: object, hands: Mapping[str, str], folder: Path) -> dict[str, Any]:
     from grip_bt.commanders.kinematics.shapes import load_mesh  # of the extra `motion`, which the page does without
 
     source = RobotConfig.model_validate(robot) if isinstance(robot, Mapping) else str(robot)
-    description = load_robot(source, Path(folder))
+    description = load_robot(source, folder)
     urdf = fromstring(description.urdf)
+    tree = Tree(urdf)
     colors = {m.get("name"): c.get("rgba") for m in urdf.findall("material") if (c := m.find("color")) is not None}
     meshes: list[dict[str, str]] = []
     grasp = {}
@@ -150,9 +134,10 @@ def _described(robot: object, hands: Mapping[str, str], folder: str) -> dict[str
     def mesh(file: str, scale: tuple[float, ...]) -> int | None:
         """Return the number of a mesh, None of one that can't be read."""
         try:
-            points, triangles = coarse(load_mesh(file.removeprefix("file://"), scale, hollow=True))  # type: ignore[arg-type]
+            found = load_mesh(file.removeprefix("file://"), scale, hollow=True)  # type: ignore[arg-type]
         except GripError:  # `Check the robot` tells of it; the rest is drawn
             return None
+        points, triangles = coarse(found.points, found.triangles)
         meshes.append({"points": _coded(points.astype("<f4")), "triangles": _coded(triangles.astype("<u4"))})
         return len(meshes) - 1
 
@@ -162,7 +147,7 @@ def _described(robot: object, hands: Mapping[str, str], folder: str) -> dict[str
     return {
         "name": description.name,
         "links": {link.get("name"): list(_shapes(link, mesh, colors)) for link in urdf.iter("link")},
-        "joints": [_joint(joint) for joint in urdf.findall("joint")],
+        "joints": [_drawn_joint(joint, tree.joints[joint.get("name", "")]) for joint in urdf.findall("joint")],
         "meshes": meshes,
         "rest": description.at_rest,
         "grasp": grasp,
@@ -200,22 +185,13 @@ def _shape(body: Element, mesh: _FindMesh) -> dict[str, Any] | None:
     return None
 
 
-def _joint(joint: Element) -> dict[str, Any]:
-    has: dict[str, Mapping[str, str]] = {part.tag: part.attrib for part in joint}
-    mimic = has.get("mimic")
+def _drawn_joint(element: Element, joint: Joint) -> dict[str, Any]:
+    axis = element.find("axis")
     return {
-        "name": joint.get("name"),
-        "type": joint.get("type"),
-        "parent": has.get("parent", {}).get("link", ""),
-        "child": has.get("child", {}).get("link", ""),
-        "at": _origin(joint),
-        "axis": _floats(has.get("axis", {}).get("xyz"), (1.0, 0.0, 0.0)),
-        "mimic": mimic
-        and {
-            "joint": mimic.get("joint"),
-            "multiplier": float(mimic.get("multiplier", 1.0)),
-            "offset": float(mimic.get("offset", 0.0)),
-        },
+        **{key: getattr(joint, key) for key in ("name", "type", "parent", "child")},
+        "at": _origin(element),
+        "axis": _floats(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0)),
+        "mimic": None if joint.mimic is None else asdict(joint.mimic),
     }
 
 
@@ -231,7 +207,3 @@ def _floats(text: str | None, otherwise: tuple[float, ...]) -> list[float]:
 
 def _coded(array: NDArray[Any]) -> str:
     return b64encode(np.ascontiguousarray(array).tobytes()).decode()
-
-
-if __name__ == "__main__":
-    sys.exit(answer_question(_described))

@@ -1,23 +1,39 @@
-"""Questions and requests about the files that put a project together."""
+"""Questions and requests about the files that put a project together.
+
+An interface that was pasted or named is on its way to a component: its fields, what is wrong, and its folder.
+"""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
-from pathlib import PurePosixPath
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.resources import files
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
 
 from fastapi import APIRouter
+from pydantic import ValidationError
 
-from grip_bt.base.errors import GripError
+from grip_bt.app.project.components import Wish, components_folder, from_file, make_component
+from grip_bt.base.errors import ContractError, DocumentError, GripError
+from grip_bt.base.yaml.models import check_model, diagnostic_of
+from grip_bt.base.yaml.tree import YamlMapping, parse
+from grip_bt.codegen.contract import INPUT, OUTCOME, RETURNED, check_contract, suggested_outcomes
+from grip_bt.codegen.scaffold import component_text, parse_outcomes, suggested_name
+from grip_bt.ros.interfaces import read_interface
+from grip_bt.task.catalog.component_file import ComponentFile
+from grip_bt.task.catalog.ros_config import InterfaceSpec
 from grip_gui.editing.files import TextFile
 from grip_gui.processes import CommandRunner
 from grip_gui.project import ProjectFolder
 from grip_gui.runs.journal import JournalRuns
-from grip_gui.setup.interfaces import look_at, make
 from grip_gui.setup.kinds import kind_of
 from grip_gui.setup.options import names_of
 from grip_gui.setup.settings_store import SettingsStore, keep_value
 from grip_gui.wire import setup as wire
+from grip_gui.wire.setup import FieldView, InterfaceRequest, InterfaceView
 
 _LEGACY = "legacy"  # where a file that is imported is kept, so that an import can be done again
 _SUFFIXES = {"smach": ".py", "btcpp": ".xml", "pytrees": ".xml"}
@@ -104,3 +120,108 @@ def _kept_words(folder: ProjectFolder, request: wire.ImportRequest) -> tuple[str
 
 def _stamps(folder: ProjectFolder) -> dict[str, int]:
     return {entry.path: (folder.folder / entry.path).stat().st_mtime_ns for entry in folder.tasks()}
+
+
+_TYPE = re.compile(r"^(?P<package>[a-z][a-z0-9_]*)/(?P<kind>srv|action|msg)/(?P<name>[A-Z][A-Za-z0-9]*)$")
+_OTHER = re.compile(r"^\s*([a-z][a-z0-9_]*)/[A-Z]", re.MULTILINE)  # a field of another package's type
+_NOTHING = YamlMapping({}, 1, 1)
+_PACKAGE = files("grip_bt.codegen") / "repository/python/interfaces/component_name_interfaces/package.xml"
+
+
+def look_at(folder: ProjectFolder, request: InterfaceRequest) -> InterfaceView:
+    """Return what an interface has, and what keeps it from being a component; nothing is written.
+
+    The project's own interface packages are known besides the installed ones.
+    """
+    with _found(folder, request) as found:
+        return _view(folder, request, found.interface)
+
+
+def make(folder: ProjectFolder, request: InterfaceRequest) -> tuple[InterfaceView, Path]:
+    """Write the component's folder; return what was written, and where.
+
+    Raises:
+        ContractError: something keeps it from being a component.
+    """
+    with _found(folder, request) as found:
+        view = _view(folder, request, found.interface)
+        if view.problems:
+            raise ContractError(found.interface.type_name, view.problems)
+        named = Wish(found.interface, request.server, request.name, found.package)
+        outcomes = request.outcomes or view.suggestion
+        home = make_component(named, components_folder(folder.folder), outcomes, request.failures)
+    return view.model_copy(update={"path": folder.relative(home / "component.yaml")}), home
+
+
+def _view(folder: ProjectFolder, request: InterfaceRequest, interface: InterfaceSpec) -> InterfaceView:
+    suggestion = suggested_outcomes(interface)
+    sides = {"action": ("goal", "result"), "msg": ("message", "")}.get(interface.kind, ("request", "response"))
+    fields = [
+        FieldView(side=side, name=field.name, type=field.spelling)
+        for side, part in zip(sides, (interface.request, interface.response), strict=True)
+        for field in part
+    ]
+    text, problems = "", []
+    name = request.name or suggested_name(interface)
+    try:
+        # Who has one of the contract's fields means the contract, and wants to know what it lacks.
+        meant = any(f.name in (INPUT, OUTCOME, RETURNED) for f in (*interface.request, *interface.response))
+        outcomes = parse_outcomes(request.outcomes or ("done,failed" if meant else suggestion))
+        text = component_text(interface, name, request.server or f"/{name}", outcomes, request.failures)
+        component, faults = check_model(parse(text), ComponentFile)
+        problems = [message for message, _, _ in faults]
+        if component is not None:
+            check_contract(component, interface)
+    except ContractError as error:
+        problems = list(error.problems)
+    except ValidationError as error:
+        problems = [diagnostic_of(_NOTHING, e)[0] for e in error.errors()]
+    except GripError as error:
+        problems = [str(error).removeprefix("--")]  # the command line's option is this page's field
+    problems = [*_unknown_types(folder, interface), *problems]
+    return InterfaceView(fields=fields, problems=problems, suggestion=suggestion, text=text, path="", output="")
+
+
+def _unknown_types(folder: ProjectFolder, interface: InterfaceSpec) -> Iterator[str]:
+    """Yield the fields whose message is nowhere: neither installed, nor in the project's own packages."""
+    own = Path(interface.source).parent.parent
+    for field in (*interface.request, *interface.response, *interface.feedback):
+        package, _, name = field.type.partition("/msg/")
+        if not name:
+            continue
+        homes = (
+            [own] if package == interface.package else components_folder(folder.folder).glob(f"*/interfaces/{package}")
+        )
+        if any((home / "msg" / f"{name}.msg").is_file() for home in homes):
+            continue
+        try:
+            read_interface(field.type)
+        except DocumentError as error:
+            yield f"the field {field.name!r} is of type {field.spelling}: {error.message}"
+
+
+@contextmanager
+def _found(folder: ProjectFolder, request: InterfaceRequest) -> Iterator[Wish]:
+    """Give the interface, from an installed type or from a package made of what was pasted."""
+    name = _TYPE.match(request.type.strip())
+    if name is None:
+        raise GripError(f"{request.type!r} isn't the name of an interface, such as my_interfaces/srv/PlanGrasp")
+    if not request.text.strip():
+        own = f"*/interfaces/{name['package']}/{name['kind']}/{name['name']}.{name['kind']}"
+        file = next(components_folder(folder.folder).glob(own), None)
+        yield Wish(read_interface(request.type.strip())) if file is None else from_file(file)
+        return
+    with TemporaryDirectory() as place:
+        package = Path(place) / name["package"]
+        file = package / name["kind"] / f"{name['name']}.{name['kind']}"
+        file.parent.mkdir(parents=True)
+        file.write_text(request.text, encoding="utf-8")
+        needed = sorted(set(_OTHER.findall(request.text)) - {name["package"]})
+        depends = "".join(f"  <depend>{other}</depend>\n" for other in needed)
+        described = re.sub(r"( *<depend>.*\n)+", depends, _PACKAGE.read_text(encoding="utf-8"))
+        described = described.replace("component_name_interfaces", name["package"])
+        (package / "package.xml").write_text(described, encoding="utf-8")
+        try:
+            yield from_file(file)
+        except DocumentError as error:
+            raise DocumentError(error.message, file.name, error.line, error.column) from None

@@ -21,12 +21,11 @@ from grip_bt.base.yaml.models import Diagnostic, find
 from grip_bt.base.yaml.tree import YamlValue, entries_of, parse, to_data
 from grip_gui.editing.files import ChangedOnDiskError, TextFile
 from grip_gui.project import ProjectFolder
+from grip_gui.setup.kinds import JOINT_STATES, POSES, entries, kind_of
+from grip_gui.setup.options import doubtful_names, options_of, templates_of, wrong_options
+from grip_gui.setup.robot_facts import robot_error
 from grip_gui.wire.setup import SetupChange, SetupEntry, SetupSave, SetupText, SetupView
 from grip_gui.wire.task import Problem
-
-from .kinds import JOINT_STATES, POSES, entries, kind_of
-from .options import doubtful_names, options_of, templates_of, wrong_options
-from .robot_facts import robot_error
 
 WIDTH = 140
 

@@ -87,7 +87,7 @@ class DocumentView(Wire):
     layout: LayoutView
     task: TaskView
     moved: dict[str, str] = {}
-    """Old path -> new path of nodes that moved since the revision that the page has; their children moved along."""
+    """Old path -> new path of nodes that moved since the revision that the page has."""
     checked: bool = True  # whether `task.problems` are known; where they aren't yet, they are asked for by themselves
 
 

@@ -127,12 +127,6 @@ class RunOptions(Wire):
     mocks: Annotated[dict[NodePath, Annotated[str, Field(min_length=1, max_length=1000)]], Field(max_length=MOST)] = {}
     """Node -> script that is played in its place, such as `failure.no_ik,success`."""
 
-    def arguments(self) -> tuple[str, ...]:
-        """Return them as `grip run` takes them."""
-        pace = () if self.pace is None else ("--pace", f"{self.pace:g}")
-        mocks = (f"--mock={node}={script}" for node, script in self.mocks.items())
-        return ("--robot", self.robot, "--seed", str(self.seed), "--as", self.target, *pace, *mocks)
-
 
 class StartRun(RunOptions):
     """Start a run of a task."""
