@@ -277,8 +277,6 @@ def test_with_a_clock_of_ours_a_late_measurement_is_waited_for_as_long_as_joints
     clock.now, clock.date = 1001.0, 1.8e9 + 1
     fresh = states.fresh(["joint_a"])
     hear(0.1, 1.8e9 + 0.5, 1002.5)  # measured before, and waited
-    (wait,) = states._waits
-    states._give_up(wait, 599.0)
     assert not fresh.done()
     hear(0.7, 1.8e9 + 1.5, 1003.5)
     assert fresh.result().position == pytest.approx([0.7])
