@@ -36,7 +36,7 @@ class RosComponent:
     """
 
     def __init__(self, file: ComponentFile, client: Client, frames: FrameTree | None = None):
-        self.file, self._client = file, client
+        self.file, self.client = file, client
         self._adapter = Adapter(file, frames)
         self._meaning = list(file.meanings().items())
         self._ports: dict[type, dict[str, str]] = {}
@@ -59,7 +59,7 @@ class RosComponent:
             return Operation.failed(error)
 
     def _begin(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
-        client, timeouts, moves = self._client, self.file.timeouts, self.file.moves
+        client, timeouts, moves = self.client, self.file.timeouts, self.file.moves
         limit = f" (`timeouts: {{call: {timeouts.call:g}}}` in component.yaml of {self.file.name})"
         if isinstance(client, ServiceClient):
             asked = self._adapter.pack(request, client.type.Request)

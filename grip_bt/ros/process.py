@@ -165,9 +165,19 @@ def text_of(value: str | bool | int | float) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def uses_our_python(start: Start) -> bool:
-    """Tell whether our own Python runs it, so that interfaces built for it may be put on its path."""
-    return any("{python}" in word for word in start.command)
+def start_process(
+    name: str, start: Start | None, folder: Path, log: Path, domain_id: int | None, overlays: Sequence[Path] = ()
+) -> Process | None:
+    """Start what a file declares in its folder; None where that is expected to run.
+
+    Args:
+        overlays: interfaces that were built for our own Python; put on the path of what that runs.
+    """
+    if start is None or not start.run:
+        return None
+    ours = any("{python}" in word for word in start.command)
+    env = child_environment(overlays if ours else (), domain_id) | dict(start.env)
+    return Process(name, command_of(start, folder), folder, env, log)
 
 
 _MISSING = re.compile(r"No module named '(\w+)'")
