@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,7 +23,7 @@ from grip_bt.ros.controllers import (
     TopicExecutor,
     TrajectoryExecutor,
 )
-from grip_bt.ros.frames import mounted_frames
+from grip_bt.ros.frames import joints_of, mounted_frames
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.moveit import MoveGroupExecutor
@@ -76,7 +76,8 @@ class RosBackend:
         _wait_for_controllers(settings, bus, states, measured, progress)
         progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
         limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
-        controllers = _Controllers(settings, bus, states, limits, jerks)
+        sliding = {joint.name for joint in joints_of(robot.description.urdf) if joint.type == "prismatic"}
+        controllers = _Controllers(settings, bus, states, limits, jerks, sliding)
         executors = {
             name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone
         }
@@ -155,6 +156,7 @@ class _Controllers:
     states: JointStates
     limits: Mapping[str, float]
     jerks: Mapping[str, float]
+    sliding: Collection[str]
 
     def executor(self, name: str, joints: Sequence[str]) -> Executor:
         """Return what moves the joints of an arm, or of a hand over a controller that follows trajectories."""
@@ -175,7 +177,7 @@ class _Controllers:
         """Return what moves the joints of a hand."""
         gripper = self.settings.controllers[name].gripper
         if gripper is None:
-            return ControlledHand(self.executor(name, joints), self.limits)
+            return ControlledHand(self.executor(name, joints), self.limits, self.sliding)
         if len(joints) != 1:
             reason = f"a gripper is commanded through one joint, not {len(joints)}; name it: `joints: [NAME]`"
             raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")

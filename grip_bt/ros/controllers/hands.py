@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from .trajectory import LATE, as_motion
 ACTION = "control_msgs/action/GripperCommand"
 UNKNOWN_FORCE = 1.0
 """Force of a contact where none is measured [N]: that there is one, not how strong."""
+STOPPED_SHORT = 0.05
+"""A joint that stays so far from where it was sent [rad] was stopped by something."""
+SHORT_SLIDING = 3e-3
+"""The same of a joint that slides, and of grippers [m]."""
 GAVE_WAY = 2e-3
 """Fingers that have moved further than this since something stopped them [m or rad] don't touch it any more."""
 
@@ -42,7 +46,7 @@ class GripperHand:
         self._client, self._wait = bus.action(self._type, action), wait
         self._action, self._joint, self._states = action, joint, states
         self._motion: Motion | None = None
-        self._force, self._stopped_at = 0.0, 0.0
+        self._force, self._stopped_at, self._wanted = 0.0, 0.0, 0.0
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -66,7 +70,7 @@ class GripperHand:
         goal = self._type.Goal()
         (goal.command.position,) = map(float, posture.ordered(self.joint_names))
         goal.command.max_effort = float(force or torque_limit or 0.0)
-        self._force = 0.0
+        self._force, self._wanted = 0.0, goal.command.position
         sent = self._client.send(goal, duration + LATE, self._wait)
         part = as_motion(sent.then(_stalls_are_ends), self._action).then(self._ended)
         self._motion = Motion(part, self._states, self.joint_names)
@@ -85,10 +89,12 @@ class GripperHand:
 
     def _ended(self, ended: GoalEnd) -> Operation[JointState]:
         result = ended.result
-        force = abs(result.effort) or UNKNOWN_FORCE if result.stalled and not result.reached_goal else 0.0
 
         def note(state: JointState) -> Operation[JointState]:
-            self._force, self._stopped_at = force, float(state.position[0])
+            self._stopped_at = float(state.position[0])
+            # Some grippers, such as the Panda's, say of a grasp that it has reached its goal.
+            held = abs(self._stopped_at - self._wanted) > SHORT_SLIDING or (result.stalled and not result.reached_goal)
+            self._force = (abs(result.effort) or UNKNOWN_FORCE) if held else 0.0
             return Operation.finished(state)
 
         return measured(self._states, self.joint_names).then(note)
@@ -100,8 +106,6 @@ def _stalls_are_ends(ended: GoalEnd) -> Operation[GoalEnd]:
     return Operation.finished(GoalEnd("succeeded", ended.result) if stalled else ended)
 
 
-STOPPED_SHORT = 0.05
-"""A joint that stays so far from where it was sent [rad] was stopped by something."""
 SHORT = {"controller_code", "stopped_short"}
 """What the data of an aborted motion has one of, when the joints have moved towards its end."""
 
@@ -115,10 +119,14 @@ class ControlledHand:
     Args:
         executor: moves the hand's joints. One that aborts because a finger was stopped has still moved.
         accelerations: joint -> limit, kept to by moving for longer [rad/s^2 or m/s^2]; any, for those it doesn't name.
+        sliding: the joints that are prismatic.
     """
 
-    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
+    def __init__(
+        self, executor: Executor, accelerations: Mapping[str, float] | None = None, sliding: Collection[str] = ()
+    ):
         self._executor = executor
+        self._short = np.array([SHORT_SLIDING if n in sliding else STOPPED_SHORT for n in executor.joint_names])
         known = accelerations or {}
         self._hardest = np.array([known.get(name, np.inf) for name in executor.joint_names])
         self._goal: JointState | None = None
@@ -165,7 +173,7 @@ class ControlledHand:
         if self._goal is None:
             return {}
         state = self.state()
-        short = np.abs(self._goal.ordered(state.names) - state.position) > STOPPED_SHORT
+        short = np.abs(self._goal.ordered(state.names) - state.position) > self._short
         efforts = np.full(len(state.names), UNKNOWN_FORCE) if state.effort is None else np.abs(state.effort)
         return {name: float(e) for name, e, s in zip(state.names, efforts, short, strict=True) if s}
 
