@@ -77,14 +77,14 @@ class _Scope:
 
     Attributes:
         env: environment variables that were set; None for those that were taken away.
+        ros_args: remappings and parameters of all nodes.
         after: how long after the beginning it all happens [s].
     """
 
     variables: dict[str, str]
     env: dict[str, str | None]
     namespace: str = ""
-    remaps: tuple[tuple[str, str], ...] = ()
-    parameters: tuple[str, ...] = ()
+    ros_args: tuple[str, ...] = ()
     after: float = 0.0
 
     def copy(self) -> _Scope:
@@ -238,17 +238,12 @@ class _Reader:
     def _let(self, at: _Element) -> None:
         at.scope.variables[at.text("name")] = at.text("value")
 
-    def _set_env(self, at: _Element) -> None:
-        at.scope.env[at.text("name")] = at.text("value")
-
-    def _unset_env(self, at: _Element) -> None:
-        at.scope.env[at.text("name")] = None
-
-    def _append_env(self, at: _Element) -> None:
-        name, words = at.text("name"), [at.text("value")]
-        if name in at.env:
-            words.insert(len(words) * at.flag("prepend", "false"), at.env[name])
-        at.scope.env[name] = at.text("separator", os.pathsep).join(words)
+    def _environment(self, at: _Element) -> None:
+        name, value = at.text("name"), None if at.tag == "unset_env" else at.text("value")
+        if at.tag == "append_env" and value is not None and name in at.env:
+            words = [value, at.env[name]] if at.flag("prepend", "false") else [at.env[name], value]
+            value = at.text("separator", os.pathsep).join(words)
+        at.scope.env[name] = value
 
     def _timer(self, at: _Element) -> None:
         inner = at.scope.copy()
@@ -266,17 +261,17 @@ class _Reader:
     def _namespace(self, at: _Element) -> None:
         at.scope.namespace = at.scope.within(at.text("namespace"))
 
-    def _set_remap(self, at: _Element) -> None:
-        at.scope.remaps += ((at.text("from"), at.text("to")),)
-
-    def _set_parameter(self, at: _Element) -> None:
-        at.scope.parameters += ("-p", f"{at.text('name')}:={at.text('value')}")
-
-    def _set_parameters_from_file(self, at: _Element) -> None:
-        at.scope.parameters += ("--params-file", at.file("filename"))
-
-    def _set_use_sim_time(self, at: _Element) -> None:
-        at.scope.parameters += ("-p", f"use_sim_time:={str(at.flag('value')).lower()}")
+    def _for_nodes(self, at: _Element) -> None:
+        match at.tag:
+            case "set_remap":
+                words = ("-r", f"{at.text('from')}:={at.text('to')}")
+            case "set_parameter":
+                words = ("-p", f"{at.text('name')}:={at.text('value')}")
+            case "set_use_sim_time":
+                words = ("-p", f"use_sim_time:={str(at.flag('value')).lower()}")
+            case _:
+                words = ("--params-file", at.file("filename"))
+        at.scope.ros_args += words
 
     def _group(self, at: _Element) -> None:
         scoped = at.flag("scoped", "true")
@@ -305,11 +300,12 @@ class _Reader:
         except PackageError as error:
             raise at.error(str(error)) from None
         name, namespace = at.text("name", ""), at.scope.within(at.text("namespace", ""))
-        own = [(source, target) for source, target in (("__node", name), ("__ns", namespace)) if target]
-        ros = []
-        for source, target in (*own, *at.scope.remaps, *((r.text("from"), r.text("to")) for r in at.of("remap"))):
-            ros += ["-r", f"{source}:={target}"]
-        ros += at.scope.parameters
+        own = [
+            word for own, said in (("__node", name), ("__ns", namespace)) if said for word in ("-r", f"{own}:={said}")
+        ]
+        ros = [*own, *at.scope.ros_args]
+        for remap in at.of("remap"):
+            ros += ["-r", f"{remap.text('from')}:={remap.text('to')}"]
         for parameter in at.of("param"):
             ros += self._parameters(parameter)
         ros += at.words("ros_args", "")
@@ -409,19 +405,19 @@ def instead_of(name: str, allowed: Collection[str], inner: Collection[str] = ())
 _HANDLERS: dict[str, tuple[Callable[[_Reader, _Element], None], set[str]]] = {
     "arg": (_Reader._arg, {"name", "default", "description", "value"}),
     "let": (_Reader._let, _NAMED),
-    "set_env": (_Reader._set_env, _NAMED),
-    "unset_env": (_Reader._unset_env, {"name"}),
+    "set_env": (_Reader._environment, _NAMED),
+    "unset_env": (_Reader._environment, {"name"}),
     "push_ros_namespace": (_Reader._namespace, {"namespace"}),
     "push-ros-namespace": (_Reader._namespace, {"namespace"}),
-    "append_env": (_Reader._append_env, _NAMED | {"prepend", "separator"}),
+    "append_env": (_Reader._environment, _NAMED | {"prepend", "separator"}),
     "timer": (_Reader._timer, {"period"}),
     "log": (_Reader._log, _LOG),
     **{f"log_{level}": (_Reader._log, {"message"}) for level in ("debug", "info", "warning", "error")},
     "shutdown": (_Reader._shutdown, {"reason"}),
-    "set_remap": (_Reader._set_remap, {"from", "to"}),
-    "set_parameter": (_Reader._set_parameter, _NAMED),
-    "set_parameters_from_file": (_Reader._set_parameters_from_file, {"filename"}),
-    "set_use_sim_time": (_Reader._set_use_sim_time, {"value"}),
+    "set_remap": (_Reader._for_nodes, {"from", "to"}),
+    "set_parameter": (_Reader._for_nodes, _NAMED),
+    "set_parameters_from_file": (_Reader._for_nodes, {"filename"}),
+    "set_use_sim_time": (_Reader._for_nodes, {"value"}),
     "group": (_Reader._group, {"scoped"}),
     "include": (_Reader._include, {"file"}),
     "node": (_Reader._node, _COMMON | {"pkg", "exec", "namespace", "args", "ros_args"}),
