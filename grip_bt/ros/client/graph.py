@@ -33,8 +33,6 @@ LOOKING = 5.0
 SETTLE = 0.1
 """What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
 others. A server is sent nothing sooner: it has to know our ear too, or its first answer is lost."""
-LOOK = 0.01
-"""How often is looked [s]; rclpy tells nobody when the graph changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,20 +97,17 @@ def find_served(name: str, within: float = 5.0) -> Served:
     wanted = name if name.startswith("/") else f"/{name}"
     deadline = time.monotonic() + within
     with Connection("grip_look") as bus:
-        seen, since = bus.ask(lambda: everything(bus.node), LOOKING), time.monotonic()
+        seen: list[Served] = []
         while True:
-            found = [s for s in seen if s.name == wanted]
-            now = time.monotonic()
-            if found and (now > since + SETTLE or now > deadline):
+            before, seen = seen, bus.ask(lambda: everything(bus.node), LOOKING)
+            found, over = [s for s in seen if s.name == wanted], time.monotonic() > deadline
+            if found and (seen == before or over):
                 return found[0]
-            if now > deadline:
+            if over:
                 names = [s.name for s in seen]
                 where = f"the running graph, after {within:.0f} s (ROS_DOMAIN_ID {bus.domain_id})"
                 raise UnknownNameError("service, action or topic", wanted, names, where)
-            time.sleep(LOOK)
-            before, seen = seen, bus.ask(lambda: everything(bus.node), LOOKING)
-            if seen != before:
-                since = time.monotonic()
+            time.sleep(SETTLE)
 
 
 _HIDDEN = (

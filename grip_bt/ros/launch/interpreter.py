@@ -7,7 +7,7 @@ import os
 import shlex
 import shutil
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -124,14 +124,14 @@ class _Element(LaunchContext):
         inner = _INNER.get(self.tag, {})
         for name in self.attributes:
             if name not in allowed:
-                instead = instead_of(name, allowed, inner)
-                supported = f"(supported: {listing(sorted(allowed))})"
-                raise self.error(f"<{self.tag}>: the attribute {name!r} is not supported{instead} {supported}")
+                inside = f"; inside of it: {listing(f'<{tag}>' for tag in inner)}" if inner else ""
+                supported = f"{nearest(name, allowed)} (supported: {listing(sorted(allowed))}{inside})"
+                raise self.error(f"<{self.tag}>: the attribute {name!r} is not supported{supported}")
         if self.tag in _OF_ELEMENTS:
             return
         for child in self.inner():
             if child.tag not in inner:
-                instead = f"{instead_of(child.tag, inner)} (available: {listing(sorted(inner))})"
+                instead = f"{nearest(child.tag, inner)} (available: {listing(sorted(inner))})"
                 raise child.error(f"<{child.tag}> can't stand in <{self.tag}> here{instead}")
             child.check(inner[child.tag])
 
@@ -207,9 +207,8 @@ class _Reader:
             at = _Element(element, scope, self._files[-1])
             handler = _HANDLERS.get(element.tag)
             if handler is None:
-                homes = [f"<{outer}>" for outer, inner in _INNER.items() if meant(element.tag) in inner]
-                stands = bool(homes) and meant(element.tag) not in _HANDLERS
-                instead = f"; it stands in {' or '.join(homes)}" if stands else instead_of(element.tag, _HANDLERS)
+                homes = [f"<{outer}>" for outer, inner in _INNER.items() if element.tag in inner]
+                instead = f"; it stands in {' or '.join(homes)}" if homes else nearest(element.tag, _HANDLERS)
                 raise at.error(
                     f"<{element.tag}> is not supported{instead} (supported: {listing(sorted(_HANDLERS))}); "
                     "with ROS's own tools on the path, files are run by `ros2 launch`"
@@ -377,31 +376,6 @@ _COMMON |= {"emulate_tty"}  # where what is printed looks the same: it goes into
 _LOG = {"message", "level"}
 _OF_ELEMENTS = {"group", "timer"}
 _NAMED = {"name", "value"}
-_MEANT = {
-    **{"executable": "exec", "package": "pkg", "arguments": "args", "condition": "if", "ns": "namespace"},
-    **{"parameters": "param", "remappings": "remap", "environment": "env", "argument": "arg", "choices": "choice"},
-    **{"process": "executable", "setenv": "set_env", "push_namespace": "push_ros_namespace"},
-}
-"""What Python launch files and other people call it -> what it is called here."""
-
-
-def meant(name: str) -> str:
-    """Return what an attribute or an element that is called otherwise elsewhere is called here."""
-    return _MEANT.get(name, _MEANT.get(f"{name}s", name))
-
-
-def instead_of(name: str, allowed: Collection[str], inner: Collection[str] = ()) -> str:
-    """Return what to write instead of a name that isn't allowed, as the end of a sentence.
-
-    Args:
-        inner: elements that may stand inside.
-    """
-    wanted = meant(name)
-    if wanted in inner:
-        return f"; <{wanted}> is an element inside of it, in YAML a list `{wanted}: [{{...}}]`"
-    return f"; write {wanted!r}" if wanted in allowed else nearest(name, allowed)
-
-
 _HANDLERS: dict[str, tuple[Callable[[_Reader, _Element], None], set[str]]] = {
     "arg": (_Reader._arg, {"name", "default", "description", "value"}),
     "let": (_Reader._let, _NAMED),
