@@ -18,7 +18,7 @@ from ..client.goal import GoalEnd
 from ..client.types import load_type
 from ..interfaces.build import ensure_package
 from .joint_states import JointStates
-from .motion import Motion, measured
+from .motion import MovedJoints, measured
 from .trajectory import LATE, as_motion
 
 ACTION = "control_msgs/action/GripperCommand"
@@ -32,7 +32,7 @@ GAVE_WAY = 2e-3
 """Fingers that have moved further than this since something stopped them [m or rad] don't touch it any more."""
 
 
-class GripperHand:
+class GripperHand(MovedJoints):
     """Implements `grip_bt.base.ports.HandPort`.
 
     Args:
@@ -41,21 +41,11 @@ class GripperHand:
     """
 
     def __init__(self, bus: Bus, action: str, joint: str, states: JointStates, wait: float = 5.0):
+        super().__init__((joint,), states)
         ensure_package("control_msgs")
         self._type = load_type(ACTION)
-        self._client, self._wait = bus.action(self._type, action), wait
-        self._action, self._joint, self._states = action, joint, states
-        self._motion: Motion | None = None
-        self._force, self._stopped_at, self._wanted = 0.0, 0.0, 0.0
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The one joint."""
-        return (self._joint,)
-
-    def state(self) -> JointState:
-        """Return the measured state. Raises SensorError: nothing is known of the joint."""
-        return self._states.state(self.joint_names)
+        self._client, self._action, self._wait = bus.action(self._type, action), action, wait
+        self._force, self._stopped_at = 0.0, 0.0
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
@@ -65,27 +55,22 @@ class GripperHand:
         The gripper decides how long that takes. It ends also when something stops the fingers. Cancelled or given up,
         it ends when they were measured at rest; see `RosExecutor.execute`.
         """
-        if self._motion is not None:
-            self._motion.preempt()
         goal = self._type.Goal()
-        (goal.command.position,) = map(float, posture.ordered(self.joint_names))
+        (goal.command.position,) = map(float, posture.ordered(self._names))
         goal.command.max_effort = float(force or torque_limit or 0.0)
         self._force, self._wanted = 0.0, goal.command.position
-        sent = self._client.send(goal, duration + LATE, self._wait)
-        part = as_motion(sent.then(_stalls_are_ends), self._action).then(self._ended)
-        self._motion = Motion(part, self._states, self.joint_names)
-        return self._motion.whole
+
+        def begin() -> Operation[GoalEnd]:
+            sent = self._client.send(goal, duration + LATE, self._wait)
+            return as_motion(sent.then(_stalls_are_ends), self._action)
+
+        return self._move(begin, self._ended)
 
     def contacts(self) -> Mapping[str, float]:
         """Return the gripper's effort when something has stopped its fingers, and they are still there."""
         if not self._force or abs(self.state().position[0] - self._stopped_at) > GAVE_WAY:
             return {}
-        return {self._joint: self._force}
-
-    def stop(self) -> None:
-        """Bring the fingers to rest; a motion under way ends as cancelled when they are measured to be there."""
-        if self._motion is not None:
-            self._motion.whole.cancel()
+        return {self._names[0]: self._force}
 
     def _ended(self, ended: GoalEnd) -> Operation[JointState]:
         result = ended.result
@@ -97,7 +82,7 @@ class GripperHand:
             self._force = (abs(result.effort) or UNKNOWN_FORCE) if held else 0.0
             return Operation.finished(state)
 
-        return measured(self._states, self.joint_names).then(note)
+        return measured(self._states, self._names).then(note)
 
 
 def _stalls_are_ends(ended: GoalEnd) -> Operation[GoalEnd]:
