@@ -152,8 +152,11 @@ class Goal:
     # --- the server answers ---
 
     def send_failed(self, error: Exception) -> list[Command]:
-        """The goal couldn't be sent."""
-        return self._over_or_tell(error)
+        """The goal couldn't be sent, or isn't taken."""
+        if self.phase is Phase.ORPHANED_SENT:
+            self.phase = Phase.OVER
+            return []
+        return self._notify(error, Phase.OVER) if self.phase is Phase.SENT else []
 
     def accepted(self, now: float) -> list[Command]:
         """The server took the goal: it answered so, or what else it says of the goal shows it."""
@@ -171,8 +174,8 @@ class Goal:
     def rejected(self) -> list[Command]:
         """The server doesn't take the goal."""
         if self._cancel_since is not None:
-            return self._over_or_tell(self._late or self._canceled("canceled, and rejected by the server"))
-        return self._over_or_tell(GoalRejectedError(f"{self.name}: the server rejected the goal", server=self.name))
+            return self.send_failed(self._late or self._canceled("canceled, and rejected by the server"))
+        return self.send_failed(GoalRejectedError(f"{self.name}: the server rejected the goal", server=self.name))
 
     def result(self, status: int, result: Message) -> list[Command]:
         """The server sent the result; a number that isn't an end means that it doesn't know the goal."""
@@ -271,12 +274,6 @@ class Goal:
     def _notify(self, end: GoalEnd | Exception, phase: Phase) -> list[Command]:
         self.phase = phase
         return [Notify(end)]
-
-    def _over_or_tell(self, error: Exception) -> list[Command]:
-        if self.phase is Phase.ORPHANED_SENT:
-            self.phase = Phase.OVER
-            return []
-        return self._notify(error, Phase.OVER) if self.phase is Phase.SENT else []
 
     def _let_go(self, error: Exception) -> list[Command]:
         """Notify the owner, and keep the goal until the server knows that nobody waits."""

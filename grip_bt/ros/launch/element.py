@@ -155,30 +155,3 @@ def check_not_legacy(text: str, path: Path) -> None:
     if found := _OF_ROS_1.search(text):
         line, change = text.count("\n", 0, found.start()) + 1, "docs/launching.md lists what to change"
         raise LaunchError(str(path), line, f"this is a ROS 1 launch file: {found[0].split()[-1]!r}; {change}")
-
-
-@dataclass(frozen=True)
-class Argument:
-    """An argument that a launch file declares."""
-
-    name: str
-    default: str | None
-    doc: str
-    choices: tuple[str, ...] = ()
-
-
-def read_arguments(path: Path) -> list[Argument]:
-    """Return the arguments that an XML or YAML launch file itself declares, with their defaults as they are written.
-
-    Raises:
-        LaunchError: it can't be read, or is one of ROS 1.
-    """
-    return [
-        Argument(
-            element.attributes.get("name", ""),
-            element.attributes.get("default"),
-            element.attributes.get("description", ""),
-            tuple(choice.attributes.get("value", "") for choice in element.of("choice")),
-        )
-        for element in read_elements(path).of("arg")
-    ]

@@ -112,15 +112,6 @@ class ProcessGroup:
         """Return how each process is."""
         return {name: running.state for name, running in self._all.items()}
 
-    def process(self, name: str) -> Process | None:
-        """Return a member's present process."""
-        return self._all[name].process
-
-    def log(self, name: str) -> Path | None:
-        """Return the log of a member's present process."""
-        logs = self._all[name].logs
-        return logs[-1] if logs else None
-
     def start(self) -> None:
         """Start all, each when those before it are ready.
 
