@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
+from rclpy.parameter import Parameter, parameter_value_to_python
+
 from grip_bt.base.failures import BadReplyError, ExpectedError, ServerTimeOutError
 from grip_bt.base.files import Closing
 from grip_bt.base.operation import Operation
@@ -23,9 +25,6 @@ from grip_bt.ros.transforms import Transforms
 
 ANSWER = 2.0
 """How long a node may take to answer about a parameter once it is there [s]."""
-_KINDS = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value", 5: "byte_array_value"}
-_KINDS |= {6: "bool_array_value", 7: "integer_array_value", 8: "double_array_value", 9: "string_array_value"}
-_NUMBERS: dict[type, int] = {bool: 1, int: 2, float: 3, str: 4}
 
 
 class BadRequestError(ExpectedError):
@@ -84,20 +83,26 @@ class RosInterface:
 
         def value(response: Message) -> Operation[Any]:
             (found,) = response.values or (None,)
-            if found is None or found.type == 0:
+            held = None if found is None else parameter_value_to_python(found)
+            if held is None:
                 raise BadReplyError(f"{node}: there is no parameter {name!r}, or nobody has set it", node=node)
-            held = getattr(found, _KINDS[found.type])
-            return Operation.finished(list(held) if found.type > 4 else held)
+            return Operation.finished(held)
 
         return self.bus.call(service, f"{node}/get_parameters", timeout + ANSWER, timeout, names=[name]).then(value)
 
     def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
         """Set a parameter of a node."""
         service = "rcl_interfaces/srv/SetParameters"
+        given: Any = value
+        if isinstance(value, (list, tuple)) and {type(v) for v in value} == {int, float}:
+            given = [float(v) for v in value]
         try:
-            parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=_parameter(value))
-        except BadRequestError as error:
-            return Operation.failed(BadReplyError(f"{node}: {name}: {error.message}"))
+            parameter = Parameter(name, Parameter.Type.STRING_ARRAY if given in ([], ()) else None, given)
+        except TypeError:
+            parameter = Parameter(name)
+        if parameter.type_ == Parameter.Type.NOT_SET:
+            allowed = "a truth value, a number, a text, or a list of one of these"
+            return Operation.failed(BadReplyError(f"{node}: {name}: {value!r} can't be a parameter: {allowed}"))
 
         def check(response: Message) -> Operation[None]:
             (result,) = response.results
@@ -105,8 +110,8 @@ class RosInterface:
                 raise BadReplyError(f"{node} refuses {name} = {value!r}: {result.reason or 'it gave no reason'}")
             return Operation.finished(None)
 
-        given = {"parameters": [parameter]}
-        return self.bus.call(service, f"{node}/set_parameters", timeout + ANSWER, timeout, **given).then(check)
+        sent = {"parameters": [parameter.to_parameter_msg()]}
+        return self.bus.call(service, f"{node}/set_parameters", timeout + ANSWER, timeout, **sent).then(check)
 
 
 def _as(topic: str, message: Message, value: str) -> Operation[Any]:
@@ -114,19 +119,6 @@ def _as(topic: str, message: Message, value: str) -> Operation[Any]:
         return Operation.finished(from_message(message, value))
     except ConversionError as error:
         raise BadReplyError(f"{topic}: {error}") from None
-
-
-def _parameter(value: Any) -> Message:
-    made = load_type("rcl_interfaces/msg/ParameterValue")()
-    several = isinstance(value, (list, tuple))
-    kinds = {type(v) for v in value} if several else {type(value)}
-    kind = float if kinds == {int, float} else next(iter(kinds)) if len(kinds) == 1 else str if not kinds else None
-    if kind not in _NUMBERS:
-        allowed = "a truth value, a number, a text, or a list of one of these"
-        raise BadRequestError(f"{value!r} can't be a parameter: {allowed}")
-    made.type = _NUMBERS[kind] + (5 if several else 0)
-    setattr(made, _KINDS[made.type], [kind(v) for v in value] if several else value)
-    return made
 
 
 TOPIC, MESSAGE = "/clock", "rosgraph_msgs/msg/Clock"
