@@ -97,7 +97,9 @@ class RosInterface:
         if isinstance(value, (list, tuple)) and {type(v) for v in value} == {int, float}:
             given = [float(v) for v in value]
         try:
-            parameter = Parameter(name, Parameter.Type.STRING_ARRAY if given in ([], ()) else None, given)
+            parameter = Parameter(
+                name, Parameter.Type.STRING_ARRAY if isinstance(given, (list, tuple)) and not given else None, given
+            )
         except TypeError:
             parameter = Parameter(name)
         if parameter.type_ == Parameter.Type.NOT_SET:
