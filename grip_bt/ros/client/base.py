@@ -15,8 +15,8 @@ from grip_bt.base.failures import CanceledError, IncompatibleServerError, Server
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
-from .graph import SETTLE, STALE, TRUST, check_servers, explained, gids_of, servers_of
-from .types import InterfaceType, Message
+from .graph import SETTLE, STALE, TRUST, check_servers, endpoints_of, gids_of, instead
+from .types import InterfaceType, Message, type_name
 
 IN_FLIGHT = 8
 """Requests sent and not yet answered at once: a server keeps the last 10, and drops others without a word."""
@@ -206,8 +206,8 @@ class ServedClient(Client[R]):
     def _absent(self, request: R, now: float) -> None:
         if now > request.wait_until:
             waited = request.wait_until - request.began
-            absent = self._lost(f"no server within {waited:.1f} s", waited=waited)
-            self._finish(request, explained(absent, self._bus.node, self.type))
+            there = instead(self._bus.node, self.name, type_name(self.type), "served")
+            self._finish(request, self._lost(f"no server within {waited:.1f} s{there}", waited=waited))
 
     def _fits(self, now: float) -> bool:
         """Tell whether there is one fitting server that our client is connected to.
@@ -240,7 +240,8 @@ class ServedClient(Client[R]):
         return present
 
     def _look(self) -> list[TopicEndpointInfo]:
-        return servers_of(self._bus.node, self.type, self.name)
+        taking = f"{self.name}/_action/send_goal" if hasattr(self.type, "Impl") else self.name
+        return endpoints_of(self._bus.node, taking)
 
     @abstractmethod
     def _connected(self) -> bool:

@@ -23,10 +23,10 @@ from rclpy.qos import ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from grip_bt.base.errors import GripError, UnknownNameError, listing
-from grip_bt.base.failures import IncompatibleServerError, ServerLostError
+from grip_bt.base.failures import IncompatibleServerError
 
 from .connection import Connection
-from .types import InterfaceType, type_name
+from .types import InterfaceType
 
 LOOKING = 5.0
 """How long one look at the graph may take [s]."""
@@ -131,20 +131,6 @@ def topics(node: Node) -> list[tuple[str, list[str], int]]:
     return sorted((name, types, count) for name, types, count in seen if count and not is_internal(name))
 
 
-def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
-    """Return an error that says in vain was waited for a server with what is served instead; any other as it is.
-
-    On the bus's thread.
-
-    Args:
-        error: what a call or a goal ended with; `waited` in its data marks the ones meant.
-    """
-    if not isinstance(error, ServerLostError) or "waited" not in error.data:
-        return error
-    there = instead(node, error.data["server"], type_name(type_), "served")
-    return ServerLostError(error.message + there, **error.data)
-
-
 def instead(node: Node, name: str, wanted: str, done: Done) -> str:
     """Return what there is instead of a name that isn't there as `wanted`, in words to be put behind the message.
 
@@ -184,12 +170,6 @@ GRACE = 1.0
 
 _NAMELESS = "_NODE_NAME_UNKNOWN_"
 _ACTION_PART = re.compile(r"_(SendGoal|GetResult|FeedbackMessage)$")
-
-
-def servers_of(node: Node, type_: InterfaceType, name: str) -> list[TopicEndpointInfo]:
-    """Return what is known of each server of a service, or of an action, by the endpoint that takes its goals."""
-    taking = f"{name}/_action/send_goal" if hasattr(type_, "Impl") else name
-    return endpoints_of(node, taking)
 
 
 def endpoints_of(node: Node, service: str) -> list[TopicEndpointInfo]:
