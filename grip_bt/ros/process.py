@@ -156,9 +156,9 @@ def command_of(start: Start, folder: Path) -> list[str]:
     return [word.replace("{python}", sys.executable) for word in start.command]
 
 
-def text_of(value: str | bool | int | float) -> str:
+def text_of(value: object) -> str:
     """Return a value as launch files spell it."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    return str(value).lower() if isinstance(value, bool) else "" if value is None else str(value)
 
 
 def start_process(

@@ -18,7 +18,7 @@ from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 from .client.types import ConversionError, Message
 from .convert import from_message
 from .convert_values import camera_from_message, depth_from_message, image_from_message, seconds
-from .frames import FrameError, frame_of, mounted_frames, transformed
+from .frames import ROOT, FrameError, frame_of, mounted_frames, transformed
 from .interface import RosInterface
 from .process import Process, start_process, stop_all
 
@@ -184,9 +184,6 @@ def _value(message: Message, type_: str, info: CameraInfo | None) -> object:
     return from_message(message, type_)
 
 
-WORLD = "world"
-
-
 class RosCamera:
     """Implements `grip_bt.base.ports.Camera` over topics.
 
@@ -224,7 +221,7 @@ class RosCamera:
     def _frame(self, messages: Mapping[str, Message]) -> Steps[RgbdFrame]:
         depth, given = messages[self._config.depth], messages[self._config.info]
         frame = self._config.mount.frame if self._config.mount is not None else given.header.frame_id
-        pose = yield self._ros.transforms.lookup(WORLD, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)
+        pose = yield self._ros.transforms.lookup(ROOT, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)
         try:
             info = replace(camera_from_message(given), pose=pose)
             image = image_from_message(messages[self._config.image])

@@ -11,6 +11,8 @@ from xml.parsers import expat
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
 
+from ..process import text_of
+
 DEEPEST = 50
 """Elements in elements; what launch files need is a handful."""
 _MANY = {"param", "remap", "env", "arg", "let", "choice", "composable_node", "extra_arg"}
@@ -130,11 +132,6 @@ def _element(tag: str, value: YamlValue, line: int, source: str) -> Element:
             wanted = "a list of mappings" if key in _MANY else "one text"
             raise LaunchError(source, entry.line, f"`{tag}`: `{key}` is {wanted}")
     return element
-
-
-def text_of(value: object) -> str:
-    """Return a scalar of YAML as a launch file's text."""
-    return "true" if value is True else "false" if value is False else "" if value is None else str(value)
 
 
 class LaunchError(GripError):
