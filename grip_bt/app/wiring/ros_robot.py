@@ -164,12 +164,11 @@ class _Controllers:
         if controller.trajectory is not None:
             return TrajectoryExecutor(self.bus, controller.trajectory, joints, self.states, wait=ready)
         if controller.topic is not None:
-            return TopicExecutor(self.bus, controller.topic, joints, self.states, self.limits)
+            return TopicExecutor(self.bus, controller.topic, joints, self.states, self.limits, self.jerks)
         if controller.move_group is not None:
             return MoveGroupExecutor(self.bus, controller.move_group, joints, self.states, ready)
         if controller.positions is not None:
-            topic = controller.positions
-            return StreamedExecutor(self.bus, topic, joints, self.states, self.limits, jerks=self.jerks)
+            return StreamedExecutor(self.bus, controller.positions, joints, self.states, self.limits, self.jerks)
         ways = "`trajectory`, `topic`, `positions` or `move_group`"
         raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
 
