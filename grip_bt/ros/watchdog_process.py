@@ -58,8 +58,6 @@ class WatchdogProcess:
         self._parts: dict[str, tuple[str, tuple[str, ...]]] = {}
         self._moved: set[str] = set()
         self._clients: dict[str, Client] = {}
-        self._heard: set[str] = set()
-        self._states: dict[str, JointStates] = {}
         self._bus = Bus("grip_watchdog", domain)
 
     def take(self, line: dict[str, Any]) -> None:
@@ -75,7 +73,7 @@ class WatchdogProcess:
             return {}
         began = time.monotonic()
         self._bus.ask(lambda: self._cancel_all(began))
-        self._bus.ask(self._listen)
+        states = {topic: JointStates(self._bus, topic) for topic in {topic for topic, _ in self._parts.values()}}
         deadline = began + self._patience  # a server that isn't seen may be one that a busy machine keeps silent
         while (left := [g for g in self._goals.values() if self._waits(g)]) and time.monotonic() < deadline:
             self._bus.ask(lambda: self._cancel_all(began))
@@ -89,9 +87,7 @@ class WatchdogProcess:
                 goal.over = "its server is not there"
             goal.over += f" within {self._patience:g} s"
         failed = {goal.action: goal.over for goal in self._goals.values() if goal.over != "canceled"}
-        rests = {
-            part: rest_of_joints(self._states[t], names, self._patience) for part, (t, names) in self._parts.items()
-        }
+        rests = {part: rest_of_joints(states[t], names, self._patience) for part, (t, names) in self._parts.items()}
         for rest in rests.values():
             rest.wait()
         return {**failed, **{part: rest.result() for part, rest in rests.items()}}
@@ -106,7 +102,6 @@ class WatchdogProcess:
             case {"goal_sent": [action, goal]}:
                 self._goals[goal] = _Goal(action, bytes.fromhex(goal))
                 self._client(action)
-                self._hear(action)
             case {"expect_server": action}:
                 self._client(action)
             case {"goal_ended": goal}:
@@ -117,27 +112,18 @@ class WatchdogProcess:
                 for action in actions:
                     self._client(action)
 
-    def _hear(self, action: str) -> None:
-        def told(message: Message) -> None:
-            for status in message.status_list:
-                goal = self._goals.get(bytes(status.goal_info.goal_id.uuid).hex())
-                if goal is not None and status.status >= GoalStatus.STATUS_SUCCEEDED:
-                    goal.over, goal.ended = "canceled", True
-
-        if action not in self._moved and action not in self._heard:
-            self._heard.add(action)
-            topic = f"{action}/_action/status"
-            self._bus.node.create_subscription(GoalStatusArray, topic, told, qos_profile_action_status_default)
-
     def _client(self, action: str) -> Client:
         if action not in self._clients:
-            self._clients[action] = self._bus.node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
+            node, topic = self._bus.node, f"{action}/_action/status"
+            self._clients[action] = node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
+            node.create_subscription(GoalStatusArray, topic, self._told, qos_profile_action_status_default)
         return self._clients[action]
 
-    def _listen(self) -> None:
-        for topic, _ in self._parts.values():
-            if topic not in self._states:
-                self._states[topic] = JointStates(self._bus, topic)
+    def _told(self, message: Message) -> None:
+        for status in message.status_list:
+            goal = self._goals.get(bytes(status.goal_info.goal_id.uuid).hex())
+            if goal is not None and status.status >= GoalStatus.STATUS_SUCCEEDED:
+                goal.over, goal.ended = "canceled", True
 
     def _cancel_all(self, began: float) -> None:
         for goal in self._goals.values():
