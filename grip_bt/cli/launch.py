@@ -18,7 +18,7 @@ from grip_bt.base.errors import GripError
 from grip_bt.cli import NODE_ERROR, STOPPED
 from grip_bt.cli.parser import add_no_code, number
 from grip_bt.cli.terminal import complain, on_stop, progress, tell
-from grip_bt.ros.launch import read_arguments
+from grip_bt.ros.launch import read_elements
 from grip_bt.ros.launch.group import Member, ProcessGroup
 from grip_bt.ros.launch.interpreter import is_launch_file, members_of_file
 
@@ -61,11 +61,12 @@ def run_launch(args: argparse.Namespace) -> int:
 def _show_arguments(what: Sequence[str]) -> int:
     if len(what) != 1:
         raise GripError("--show-args: name one launch file")
-    arguments = read_arguments(Path(what[0]))
+    arguments = list(read_elements(Path(what[0])).of("arg"))
     for argument in arguments:
-        default = "needed" if argument.default is None else f"default {argument.default!r}"
-        choices = f", one of {', '.join(argument.choices)}" if argument.choices else ""
-        print(f"{argument.name}: {default}{choices}{f'; {argument.doc}' if argument.doc else ''}")
+        said, values = argument.attributes, [choice.attributes.get("value", "") for choice in argument.of("choice")]
+        default = f"default {said['default']!r}" if "default" in said else "needed"
+        choices, doc = f", one of {', '.join(values)}" if values else "", said.get("description")
+        print(f"{said.get('name', '')}: {default}{choices}{f'; {doc}' if doc else ''}")
     if not arguments:
         print("the file declares no arguments")
     return 0

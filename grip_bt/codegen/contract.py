@@ -42,10 +42,7 @@ def _problems(component: ComponentFile, interface: InterfaceSpec, fields_of: Fie
         yield from _rule_problems(component, interface)
     else:
         yield from _contract_problems(interface)
-    yield from _port_problems(component, interface)
-    sending = component.kind != "msg" or component.use == "publish"
-    yield from port_problems(component, interface.request, sending, fields_of)
-    yield from port_problems(component, interface.response, False, fields_of)
+    yield from _port_problems(component, interface, fields_of)
     if component.meanings().get("failure") == "success":
         yield "meaning: the outcome 'failure' can't mean success; calls that fail end with it"
 
@@ -98,19 +95,28 @@ def _untrue(
         yield f"{said}, gives a {given}; a rule is true or false: compare it with something, such as {example}"
 
 
-def _port_problems(component: ComponentFile, interface: InterfaceSpec) -> Iterator[str]:
+def _port_problems(component: ComponentFile, interface: InterfaceSpec, fields_of: FieldsOf) -> Iterator[str]:
     known = {f.name for f in (*interface.request, *interface.response)}
     known |= {FEEDBACK} if interface.kind == "action" else set()
     known -= set() if component.rules else {OUTCOME}
+    sending = component.kind != "msg" or component.use == "publish"
     for name, port in component.ports.items():
-        field = port.field.split(".")[0] if port.field else name
-        if field not in known:
+        path = port.field or name
+        first = path.split(".")[0]
+        if first not in known:
             fields = listing(sorted(known))
-            yield f"ports: {field!r} is no field of the interface{nearest(field, known)} (available: {fields})"
+            yield f"ports: {first!r} is no field of the interface{nearest(first, known)} (available: {fields})"
         try:
-            parse_type(port.type)
+            wanted = parse_type(port.type)
         except ValueError as error:
             yield f"ports: {name}: {error}"
+            continue
+        for side, sent in ((interface.request, sending), (interface.response, False)):
+            field = _field_at(side, path, fields_of)
+            if isinstance(field, str):
+                yield f"ports: {name}: {field}"
+            elif field is not None:
+                yield from (f"ports: {name}: {fault}" for fault in _faults(port, wanted, field, sent, fields_of))
     requests = {f.name for f in interface.request}
     for name in component.fixed:
         if name not in requests:
@@ -140,9 +146,7 @@ def input_ports(component: ComponentFile, interface: InterfaceSpec) -> dict[str,
 
 def keeps_contract(interface: InterfaceSpec) -> bool:
     """Tell whether the three fields are there."""
-    response = {f.name: f for f in interface.response}
-    has_input = any(f.name == INPUT for f in interface.request)
-    return has_input and RETURNED in response and OUTCOME in response and response[OUTCOME].is_integer
+    return not any(_contract_problems(interface))
 
 
 def suggested_outcomes(interface: InterfaceSpec) -> str:
@@ -196,18 +200,6 @@ def port_type(field: FieldSpec) -> str:
     return f"list[{item}]" if field.array else item
 
 
-def port_problems(
-    component: ComponentFile, side: Sequence[FieldSpec], sent: bool, fields_of: FieldsOf
-) -> Iterator[str]:
-    """Yield what is wrong with the ports of one side of an interface, the request where it is `sent`."""
-    for name, port in component.ports.items():
-        field = _field_at(side, port.field or name, fields_of)
-        if isinstance(field, str):
-            yield f"ports: {name}: {field}"
-        elif field is not None:
-            yield from (f"ports: {name}: {fault}" for fault in _faults(port, field, sent, fields_of))
-
-
 def _field_at(side: Sequence[FieldSpec], path: str, fields_of: FieldsOf) -> FieldSpec | str | None:
     """Return the field at a dotted path, what is wrong with the path, or None where it isn't on this side or known."""
     first, *rest = path.split(".")
@@ -228,11 +220,8 @@ def _field_at(side: Sequence[FieldSpec], path: str, fields_of: FieldsOf) -> Fiel
     return field
 
 
-def _faults(port: PortType, field: FieldSpec, sent: bool, fields_of: FieldsOf) -> Iterator[str]:
-    try:
-        wanted = parse_type(port.type)
-    except ValueError:
-        return  # that is told already
+def _faults(port: PortType, wanted: Type, field: FieldSpec, sent: bool, fields_of: FieldsOf) -> Iterator[str]:
+    """Yield what is wrong with a port of one side of an interface, the request where it is `sent`."""
     if not _fits(wanted, field, port, sent, fields_of):
         usual = port_type(replace(field, type=VALUE_OF.get(field.type, field.type)))
         yield f"the field is {field.spelling}, which can't be `{wanted}`: write `{usual}`"

@@ -16,12 +16,13 @@ from grip_bt.base.failures import BadReplyError, CanceledError, GoalAbortedError
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import JointState, PointCloud, Pose
 from grip_bt.task.catalog.component_file import FEEDBACK, UNITS, ComponentFile, PortType
+from grip_bt.task.catalog.ros_config import INTEGER_TYPES
 
 from .client.action import ActionClient
 from .client.goal import GoalEnd
 from .client.service import ServiceClient
 from .client.topic import TopicReader, TopicWriter
-from .client.types import WHOLE, ConversionError, FieldType, InterfaceType, Message, check_field, field_types
+from .client.types import ConversionError, FieldType, InterfaceType, Message, check_field, field_types
 from .convert import from_message, to_message
 from .frames import ROOT, FrameError, FrameTree, frame_of, transformed
 
@@ -36,10 +37,9 @@ class RosComponent:
     """
 
     def __init__(self, file: ComponentFile, client: Client, frames: FrameTree | None = None):
-        self.file, self._client = file, client
+        self.file, self.client = file, client
         self._adapter = Adapter(file, frames)
         self._meaning = list(file.meanings().items())
-        self._ports: dict[type, dict[str, str]] = {}
 
     def call(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
         """Send the inputs; the result holds the outputs as the declared values, and the `outcome` of a contract.
@@ -59,7 +59,7 @@ class RosComponent:
             return Operation.failed(error)
 
     def _begin(self, request: Mapping[str, object]) -> Operation[Mapping[str, object]]:
-        client, timeouts, moves = self._client, self.file.timeouts, self.file.moves
+        client, timeouts, moves = self.client, self.file.timeouts, self.file.moves
         limit = f" (`timeouts: {{call: {timeouts.call:g}}}` in component.yaml of {self.file.name})"
         if isinstance(client, ServiceClient):
             asked = self._adapter.pack(request, client.type.Request)
@@ -100,7 +100,8 @@ class RosComponent:
         meaning = "success"
         if not self.file.rules:
             result["outcome"], meaning = self._outcome(response)
-        for port, path in self._ports_of(type(response)).items():
+        fields = [f for f in field_types(type(response)) if self.file.rules or f != "outcome"]
+        for port, path in self.file.port_fields(fields).items():
             try:
                 result[port] = self._adapter.unpack(response, port, path)
             except ConversionError as error:
@@ -108,12 +109,6 @@ class RosComponent:
                     reason = f"component {self.file.name}: {error.below(f'response.{path}')}"
                     raise BadReplyError(reason, field=path) from None
         return Operation.finished(result)
-
-    def _ports_of(self, cls: type) -> dict[str, str]:
-        if cls not in self._ports:
-            fields = [f for f in field_types(cls) if self.file.rules or f != "outcome"]
-            self._ports[cls] = self.file.port_fields(fields)
-        return self._ports[cls]
 
     def _outcome(self, response: Message) -> tuple[int, str]:
         number = getattr(response, "outcome", None)
@@ -181,7 +176,7 @@ class Adapter:
             value = self._into(value, port.frame)
         if port.unit is not None:
             value = scaled(value, 1.0 / UNITS[port.unit], port.unit)
-            value = nearest_whole(value) if kind.base in WHOLE else value
+            value = nearest_whole(value) if kind.base in INTEGER_TYPES else value
         if isinstance(value, Pose) and kind.array:
             rotation = value.quaternion if port.quaternion == "wxyz" else np.roll(value.quaternion, -1)
             return [*map(float, value.position), *map(float, rotation)]

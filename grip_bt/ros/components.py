@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from grip_bt.base.errors import DocumentError, UnknownNameError
@@ -12,7 +11,7 @@ from grip_bt.base.failures import ServerLostError
 from grip_bt.base.files import Closing
 from grip_bt.base.ports import Component
 from grip_bt.ros.interfaces.packages import activate
-from grip_bt.ros.process import advice, command_of, uses_our_python
+from grip_bt.ros.process import advice, start_process
 from grip_bt.task.catalog.component_file import FILE_NAME, ComponentFile, load_component
 
 from .client.action import ActionClient
@@ -21,18 +20,11 @@ from .client.service import ServiceClient
 from .component import Client, RosComponent
 from .frames import FrameTree
 from .interfaces import Built, build_interfaces
-from .process import Process, child_environment, stop_all
-from .watchdog import READY, Watchdog
+from .process import Process, stop_all
+from .watchdog import READY
 
 INTERFACES = "interfaces"
 """Sub-folder of a component with its interface packages."""
-
-
-@dataclass(frozen=True)
-class _Running:
-    component: RosComponent
-    client: Client
-    process: Process | None
 
 
 class Components(Closing):
@@ -43,21 +35,30 @@ class Components(Closing):
         ready_seconds: how long it took from the start of the processes until all servers were there.
     """
 
-    def __init__(self, bus: Bus, running: Mapping[str, _Running], build_seconds: float):
+    def __init__(self, bus: Bus, build_seconds: float):
         self.bus, self.build_seconds, self.ready_seconds = bus, build_seconds, 0.0
-        self._running = dict(running)
+        self._components: dict[str, RosComponent] = {}
+        self._processes: dict[str, Process | None] = {}
 
     def client(self, name: str) -> Component:
         """Return a component; an empty name means the only one. Raises UnknownNameError: there is none of that name."""
-        if not name and len(self._running) == 1:
-            return next(iter(self._running.values())).component
-        if name not in self._running:
-            raise UnknownNameError("component", name, self._running)
-        return self._running[name].component
+        if not name and len(self._components) == 1:
+            return next(iter(self._components.values()))
+        if name not in self._components:
+            raise UnknownNameError("component", name, self._components)
+        return self._components[name]
 
     def process(self, name: str) -> Process | None:
         """Return a component's process; None when it wasn't started by us."""
-        return self._running[name].process
+        return self._processes[name]
+
+    def add(self, component: RosComponent, process: Process | None) -> None:
+        """Add a component; the end of its process ends its calls."""
+        file, client = component.file, component.client
+        self._components[file.name], self._processes[file.name] = component, process
+        if process is not None and isinstance(client, (ServiceClient, ActionClient)):
+            client.server_started()
+            process.when_ended(lambda: client.server_ended(process.describe_end()))
 
     def wait_ready(self) -> None:
         """Wait until every server is there.
@@ -66,29 +67,28 @@ class Components(Closing):
             ServerLostError: one isn't within its time, or its process ended; with the end of its log.
         """
         started = time.monotonic()
-        waits = {
-            name: running.client.wait_ready(running.component.file.timeouts.ready)
-            for name, running in self._running.items()
-            if isinstance(running.client, (ServiceClient, ActionClient))  # of a topic, the node itself waits
-        }
-        for name, operation in waits.items():
-            operation.wait(self._running[name].component.file.timeouts.ready + 5.0)
+        waits = [
+            (component.file, component.client.wait_ready(component.file.timeouts.ready))
+            for component in self._components.values()
+            if isinstance(component.client, (ServiceClient, ActionClient))  # of a topic, the node itself waits
+        ]
+        for file, operation in waits:
+            operation.wait(file.timeouts.ready + 5.0)
             try:
                 operation.result()
             except ServerLostError as error:
-                process = self._running[name].process
+                process = self._processes[file.name]
                 alive = process is not None and process.alive
                 tail = process.log_tail() if process is not None else ""
-                file = self._running[name].component.file
                 todo = advice(file, error, alive, tail)
                 said = f"; its log ({process.log}) ends with:\n{tail}" if process and alive and tail else ""
-                raise type(error)(f"component {name}: {error.message}{todo}{said}", **error.data) from None
+                raise type(error)(f"component {file.name}: {error.message}{todo}{said}", **error.data) from None
         self.ready_seconds = time.monotonic() - started
 
     def close(self) -> None:
         """End all calls and all processes that were started, together; then leave ROS."""
         self.bus.close()
-        stop_all([r.process for r in self._running.values() if r.process is not None])
+        stop_all([process for process in self._processes.values() if process is not None])
 
 
 def find_components(folder: Path, wanted: Iterable[str]) -> dict[str, Path]:
@@ -156,12 +156,17 @@ def start_components(
     for prefix in dict.fromkeys(p for prefixes in overlays.values() for p in prefixes):
         activate(prefix)
     bus = Bus(domain_id=domain_id, watched=True)
-    components = Components(bus, {}, seconds)
+    components = Components(bus, seconds)
     try:
         for name, file in files.items():
             log = project / ".grip" / "logs" / f"{name}.log"
-            components._running[name] = _start(bus, file, folders[name], overlays[name], domain_id, log, frames)
-        watchdog = _watchdog(bus, files.values())
+            process = start_process(name, file.start, folders[name], log, domain_id, overlays[name])
+            components.add(RosComponent(file, _client(bus, file), frames), process)
+        actions = [file.server for file in files.values() if file.kind == "action" and file.moves]
+        watchdog = bus.watchdog if actions else None  # which sees to what may move when this process has died
+        if watchdog is not None:
+            for action in actions:
+                watchdog.expect_server(action)
         components.wait_ready()
         if watchdog is not None:
             watchdog.wait_ready(READY)
@@ -169,16 +174,6 @@ def start_components(
         components.close()
         raise
     return components
-
-
-def _watchdog(bus: Bus, files: Iterable[ComponentFile]) -> Watchdog | None:
-    """Return what sees to actions that may move something when this process has died, where there are such."""
-    actions = [file.server for file in files if file.kind == "action" and file.moves]
-    watchdog = bus.watchdog if actions else None
-    if watchdog is not None:
-        for action in actions:
-            watchdog.expect_server(action)
-    return watchdog
 
 
 def _check_one_definition(built: Mapping[str, Sequence[Built]], folders: Mapping[str, Path]) -> None:
@@ -198,28 +193,6 @@ def _check_one_definition(built: Mapping[str, Sequence[Built]], folders: Mapping
                     f"{other!r} ({folders[other] / INTERFACES}); a run can load only one version: make them identical",
                     where,
                 )
-
-
-def _start(
-    bus: Bus,
-    file: ComponentFile,
-    folder: Path,
-    overlays: list[Path],
-    domain_id: int | None,
-    log: Path,
-    frames: FrameTree | None,
-) -> _Running:
-    client = _client(bus, file)
-    process = None
-    if file.start is not None and file.start.run:
-        ours = uses_our_python(file.start)
-        env = child_environment(overlays if ours else (), domain_id) | dict(file.start.env)
-        process = Process(file.name, command_of(file.start, folder), folder, env, log)
-        if isinstance(client, (ServiceClient, ActionClient)):
-            calls = client
-            calls.server_started()
-            process.when_ended(lambda: calls.server_ended(process.describe_end()))
-    return _Running(RosComponent(file, client, frames), client, process)
 
 
 def _client(bus: Bus, file: ComponentFile) -> Client:

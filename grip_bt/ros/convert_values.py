@@ -181,14 +181,20 @@ def cloud_from_message(message: PointCloud2) -> PointCloud:
     needed = message.height * message.row_step
     if len(message.data) < needed or message.row_step < message.width * message.point_step:
         raise ConversionError("data", f"holds {len(message.data)} bytes, {needed} are announced")
-    points = _coordinates(message, fields)
+    for name in "xyz":
+        if name not in fields:
+            raise ConversionError("fields", f"no {name!r} (available: {', '.join(fields)})")
+        if fields[name].datatype not in _FLOATS:
+            raise ConversionError("fields", f"{name!r} is neither float32 nor float64")
+    order = ">" if message.is_bigendian else "<"
+    kinds = {name: (order + _FLOATS[fields[name].datatype], fields[name].offset) for name in "xyz"}
     packed = fields.get("rgb") or fields.get("rgba")
-    colors = None
-    if packed is not None:
-        colors = np.empty(points.shape, np.uint8)
-        for channel in range(3):  # of numbers 0xAARRGGBB
-            place = 1 + channel if message.is_bigendian else 2 - channel
-            colors[:, channel] = _column(message, packed.offset + place, "u1")
+    if packed is not None:  # numbers 0xAARRGGBB
+        kinds |= {c: ("u1", packed.offset + (1 + k if message.is_bigendian else 2 - k)) for k, c in enumerate("rgb")}
+    formats, offsets = zip(*kinds.values(), strict=True)
+    dtype = np.dtype({"names": [*kinds], "formats": formats, "offsets": offsets, "itemsize": message.point_step})
+    table = _view(message.data, (message.height, message.width), dtype, 0, (message.row_step, message.point_step))
+    points, colors = _columns(table, "xyz", np.float32), _columns(table, "rgb", np.uint8) if packed else None
     if not message.is_dense:
         seen = np.isfinite(points).all(axis=1)
         points, colors = points[seen], None if colors is None else colors[seen]
@@ -270,24 +276,12 @@ def camera_from_message(message: CameraInfoMessage) -> CameraInfo:
     return CameraInfo(message.width, message.height, matrix, Pose(frame=message.header.frame_id or DEFAULT_FRAME))
 
 
-def _coordinates(message: PointCloud2, fields: dict[str, PointField]) -> NDArray[np.float32]:
-    """Return x, y, z of every point, shape (n, 3)."""
-    for name in "xyz":
-        if name not in fields:
-            raise ConversionError("fields", f"no {name!r} (available: {', '.join(fields)})")
-        if fields[name].datatype not in _FLOATS:
-            raise ConversionError("fields", f"{name!r} is neither float32 nor float64")
-    points = np.empty((message.height * message.width, 3), np.float32)
-    for number, name in enumerate("xyz"):
-        points[:, number] = _column(message, fields[name].offset, _FLOATS[fields[name].datatype])
-    return points
-
-
-def _column(message: PointCloud2, offset: int, kind: str) -> NDArray[Any]:
-    """Return a number of every point, shape (n,); a view unless rows are padded."""
-    dtype = np.dtype((">" if message.is_bigendian else "<") + kind)
-    strides = (message.row_step, message.point_step)
-    return _view(message.data, (message.height, message.width), dtype, offset, strides).reshape(-1)
+def _columns(table: NDArray[Any], names: str, kind: type[np.generic]) -> NDArray[Any]:
+    """Return numbers of every point, shape (n, 3)."""
+    made = np.empty((table.size, len(names)), kind)
+    for column, name in enumerate(names):  # much quicker than row by row
+        made[:, column] = table[name].reshape(-1)
+    return made
 
 
 def _view(data: Any, shape: tuple[int, ...], dtype: Any, offset: int, strides: tuple[int, ...]) -> NDArray[Any]:

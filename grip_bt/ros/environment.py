@@ -21,7 +21,7 @@ from grip_bt.base.errors import GripError, MissingPartError
 DDS_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
 """Settings of Fast DDS: a dead participant is noticed after 2.7 s, not 20 s, and a running one found in 0.5 s."""
 
-PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+_PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 _WHEELS_REMEDY = "pip install 'grip-bt[ros]' (x86-64 Linux with glibc 2.28 or newer)"
 _MIXED_REMEDY = (
     "use one of the two: start from a shell in which no setup.bash of ROS was sourced "
@@ -87,9 +87,8 @@ def prepare() -> None:
     """
     os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    if not any(v in os.environ for v in PROFILE_VARIABLES):
-        for variable in PROFILE_VARIABLES:
-            os.environ[variable] = str(DDS_PROFILE)
+    if not any(v in os.environ for v in _PROFILE_VARIABLES):
+        os.environ |= dict.fromkeys(_PROFILE_VARIABLES, str(DDS_PROFILE))
 
 
 def _wheels() -> Path | None:

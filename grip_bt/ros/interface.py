@@ -7,16 +7,17 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
 from functools import partial
 from typing import Any
+
+from rclpy.parameter import Parameter, parameter_value_to_python
 
 from grip_bt.base.failures import BadReplyError, ExpectedError, ServerTimeOutError
 from grip_bt.base.files import Closing
 from grip_bt.base.operation import Operation
 from grip_bt.base.values import Pose
 from grip_bt.ros.client.bus import Bus
-from grip_bt.ros.client.topic import Received, TopicReader
+from grip_bt.ros.client.topic import Received
 from grip_bt.ros.client.types import ConversionError, Message, check_name, load_message, load_type
 from grip_bt.ros.convert import from_message, to_message
 from grip_bt.ros.convert_values import seconds
@@ -24,9 +25,6 @@ from grip_bt.ros.transforms import Transforms
 
 ANSWER = 2.0
 """How long a node may take to answer about a parameter once it is there [s]."""
-_KINDS = {1: "bool_value", 2: "integer_value", 3: "double_value", 4: "string_value", 5: "byte_array_value"}
-_KINDS |= {6: "bool_array_value", 7: "integer_array_value", 8: "double_array_value", 9: "string_array_value"}
-_NUMBERS: dict[type, int] = {bool: 1, int: 2, float: 3, str: 4}
 
 
 class BadRequestError(ExpectedError):
@@ -65,7 +63,7 @@ class RosInterface:
 
     def together(self, topics: Mapping[str, str], slop: float, timeout: float) -> Operation[Mapping[str, Message]]:
         """Wait for a message of each topic, taken from now on and at most `slop` [s] apart."""
-        return MessageSynchroniser(self.bus, topics, slop, timeout, self._now).start()
+        return together(self.bus, topics, slop, timeout, self._now)
 
     def publish(self, topic: str, message: str, value: object, subscribers: int, timeout: float) -> Operation[None]:
         """Publish a value when at least `subscribers` listen; BadRequestError when it doesn't fit the message."""
@@ -85,20 +83,28 @@ class RosInterface:
 
         def value(response: Message) -> Operation[Any]:
             (found,) = response.values or (None,)
-            if found is None or found.type == 0:
+            held = None if found is None else parameter_value_to_python(found)
+            if held is None:
                 raise BadReplyError(f"{node}: there is no parameter {name!r}, or nobody has set it", node=node)
-            held = getattr(found, _KINDS[found.type])
-            return Operation.finished(list(held) if found.type > 4 else held)
+            return Operation.finished(held)
 
         return self.bus.call(service, f"{node}/get_parameters", timeout + ANSWER, timeout, names=[name]).then(value)
 
     def set_parameter(self, node: str, name: str, value: object, timeout: float) -> Operation[None]:
         """Set a parameter of a node."""
         service = "rcl_interfaces/srv/SetParameters"
+        given: Any = value
+        if isinstance(value, (list, tuple)) and {type(v) for v in value} == {int, float}:
+            given = [float(v) for v in value]
         try:
-            parameter = load_type("rcl_interfaces/msg/Parameter")(name=name, value=_parameter(value))
-        except BadRequestError as error:
-            return Operation.failed(BadReplyError(f"{node}: {name}: {error.message}"))
+            parameter = Parameter(
+                name, Parameter.Type.STRING_ARRAY if isinstance(given, (list, tuple)) and not given else None, given
+            )
+        except TypeError:
+            parameter = Parameter(name)
+        if parameter.type_ == Parameter.Type.NOT_SET:
+            allowed = "a truth value, a number, a text, or a list of one of these"
+            return Operation.failed(BadReplyError(f"{node}: {name}: {value!r} can't be a parameter: {allowed}"))
 
         def check(response: Message) -> Operation[None]:
             (result,) = response.results
@@ -106,8 +112,8 @@ class RosInterface:
                 raise BadReplyError(f"{node} refuses {name} = {value!r}: {result.reason or 'it gave no reason'}")
             return Operation.finished(None)
 
-        given = {"parameters": [parameter]}
-        return self.bus.call(service, f"{node}/set_parameters", timeout + ANSWER, timeout, **given).then(check)
+        sent = {"parameters": [parameter.to_parameter_msg()]}
+        return self.bus.call(service, f"{node}/set_parameters", timeout + ANSWER, timeout, **sent).then(check)
 
 
 def _as(topic: str, message: Message, value: str) -> Operation[Any]:
@@ -115,19 +121,6 @@ def _as(topic: str, message: Message, value: str) -> Operation[Any]:
         return Operation.finished(from_message(message, value))
     except ConversionError as error:
         raise BadReplyError(f"{topic}: {error}") from None
-
-
-def _parameter(value: Any) -> Message:
-    made = load_type("rcl_interfaces/msg/ParameterValue")()
-    several = isinstance(value, (list, tuple))
-    kinds = {type(v) for v in value} if several else {type(value)}
-    kind = float if kinds == {int, float} else next(iter(kinds)) if len(kinds) == 1 else str if not kinds else None
-    if kind not in _NUMBERS:
-        allowed = "a truth value, a number, a text, or a list of one of these"
-        raise BadRequestError(f"{value!r} can't be a parameter: {allowed}")
-    made.type = _NUMBERS[kind] + (5 if several else 0)
-    setattr(made, _KINDS[made.type], [kind(v) for v in value] if several else value)
-    return made
 
 
 TOPIC, MESSAGE = "/clock", "rosgraph_msgs/msg/Clock"
@@ -175,72 +168,61 @@ class RosClock(Closing):
                 listener()
 
 
-OURS = 1.0
-"""How far a stamp may lie before our own time to count as one of our clock [s]."""
+OURS = 10.0
+"""How far a stamp may lie before our own time to count as one of our clock [s]: others lie further back, or ahead."""
 
 
-class MessageSynchroniser:
-    """Waits for one message of each topic. Stamps decide; a message without one counts as taken when it came.
+def together(
+    bus: Bus, topics: Mapping[str, str], slop: float, timeout: float, now: Callable[[], float]
+) -> Operation[Mapping[str, Message]]:
+    """Wait for one message of each topic. Stamps decide; a message without one counts as taken when it came.
 
     What was taken before it was asked for is passed over, as far as the stamps tell: one that lies further back than
     `OURS` is of another clock, of which nothing is known.
 
     Args:
         slop: how far the stamps may be apart [s].
-        timeout: how long to wait [s]; infinite for as long as it takes.
+        timeout: how long to wait [s], then it ends with ServerTimeOutError; infinite for as long as it takes.
         now: the time of the clock of stamps [s].
     """
+    whole: Operation[Mapping[str, Message]] = Operation()
+    asked, matcher, early = now(), Synchroniser(topics, slop), dict[str, float]()
+    readers = {topic: bus.reader(message, topic) for topic, message in topics.items()}
 
-    def __init__(
-        self, bus: Bus, topics: Mapping[str, str], slop: float, timeout: float, now: Callable[[], float]
-    ) -> None:
-        self.whole: Operation[Mapping[str, Message]] = Operation()
-        self._now, self._asked, self._timeout, self._bus = now, now(), timeout, bus
-        self._matcher = Synchroniser(topics, slop)
-        self._readers: dict[str, TopicReader] = {t: bus.reader(m, t) for t, m in topics.items()}
-        self._early: dict[str, float] = {}
-
-    def start(self) -> Operation[Mapping[str, Message]]:
-        """Listen from now on; the operation ends with the messages by topic, or with ServerTimeOutError."""
-        ends = ExitStack()
-        for topic, reader in self._readers.items():
-            listener = partial(self._heard, topic)
-            reader.listen(listener)
-            ends.callback(reader.ignore, listener)
-        if math.isfinite(self._timeout):
-            timer = threading.Timer(self._timeout, lambda: self._bus.post(self._give_up))
-            timer.daemon = True
-            timer.start()
-            ends.callback(timer.cancel)
-        self.whole.add_done_callback(ends.close)
-        return self.whole
-
-    # --- on the bus's thread ---
-
-    def _heard(self, topic: str, received: Received) -> None:
-        if self.whole.done():
+    def heard(topic: str, received: Received) -> None:
+        if whole.done():
             return
         header = getattr(received.message, "header", None)
         stamp = seconds(header.stamp) if header is not None else 0.0
-        if stamp and -OURS < stamp - self._asked < 0:
-            self._early[topic] = self._asked - stamp
+        if stamp and -OURS < stamp - asked < 0:
+            early[topic] = asked - stamp
             return
-        found = self._matcher.add(topic, stamp or self._now(), received.message)
+        found = matcher.add(topic, stamp or now(), received.message)
         if found is not None:
-            self.whole.succeed(found)
+            whole.succeed(found)
 
-    def _give_up(self) -> None:
-        text = f"no set of messages within {self._timeout:.1f} s: {self._matcher.describe(self._about)}"
-        if len(self._readers) == 1:
-            (topic,) = self._readers
-            text = f"{topic}: no message within {self._timeout:.1f} s; {self._about(topic)}"
-        self.whole.fail(ServerTimeOutError(text, topics=list(self._readers)))
+    def about(topic: str) -> str:
+        if topic in early:
+            return f"what came was taken before it was asked for, the last {early[topic]:.2f} s; do the clocks agree?"
+        return readers[topic].publishers()
 
-    def _about(self, topic: str) -> str:
-        """Say why a topic gave nothing."""
-        if topic in self._early:
-            return f"what came was taken before it was asked for, the last {self._early[topic]:.2f} s"
-        return self._readers[topic].publishers()
+    def give_up() -> None:
+        text = f"no set of messages within {timeout:.1f} s: {matcher.describe(about)}"
+        if len(readers) == 1:
+            (topic,) = readers
+            text = f"{topic}: no message within {timeout:.1f} s; {about(topic)}"
+        whole.fail(ServerTimeOutError(text, topics=list(readers)))
+
+    for topic, reader in readers.items():
+        listener = partial(heard, topic)
+        reader.listen(listener)
+        whole.add_done_callback(partial(reader.ignore, listener))
+    if math.isfinite(timeout):
+        timer = threading.Timer(timeout, lambda: bus.post(give_up))
+        timer.daemon = True
+        timer.start()
+        whole.add_done_callback(timer.cancel)
+    return whole
 
 
 KEPT = 30

@@ -19,7 +19,6 @@ from grip_bt.base.failures import ExpectedError, IncompatibleServerError
 from grip_bt.base.interpreter import python_command
 from grip_bt.base.operation import Operation
 from grip_bt.ros import process_reaper
-from grip_bt.ros.environment import DDS_PROFILE, PROFILE_VARIABLES
 from grip_bt.ros.interfaces.packages import child_paths, executable_of, launch_file_in, launch_file_of
 from grip_bt.task.catalog.component_file import ComponentFile, Start
 
@@ -68,8 +67,7 @@ class Process:
 
     def stop(self) -> None:
         """End the whole group and wait for it, at most some seconds; harmless when it has ended."""
-        assert self._popen.stdin is not None
-        self._popen.stdin.close()
+        self.ask_to_stop()
         if not self._end.wait(_PATIENCE):
             self._popen.kill()  # the command dies with the process reaper
             self._end.wait(1.0)
@@ -111,7 +109,8 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
     """Return the environment for a process that we start.
 
     What belongs to this very interpreter is taken out: the wheels' guard variable and library folders would make
-    another Python load our libraries (its own wheels add theirs again). Discovery range and DDS profile are ours.
+    another Python load our libraries (its own wheels add theirs again). Discovery range and DDS profile are those that
+    `prepare` has set.
 
     Args:
         overlays: prefixes whose interface packages the process may import; only for our own Python.
@@ -125,9 +124,6 @@ def child_environment(overlays: Sequence[Path] = (), domain_id: int | None = Non
         _put(env, variable, folders, folders)
     if domain_id is not None:
         env["ROS_DOMAIN_ID"] = str(domain_id)
-    env.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    if not any(v in env for v in PROFILE_VARIABLES):
-        env |= dict.fromkeys(PROFILE_VARIABLES, str(DDS_PROFILE))
     env["PYTHONUNBUFFERED"] = "1"  # or the last words of a process that dies are lost
     return env
 
@@ -160,14 +156,24 @@ def command_of(start: Start, folder: Path) -> list[str]:
     return [word.replace("{python}", sys.executable) for word in start.command]
 
 
-def text_of(value: str | bool | int | float) -> str:
+def text_of(value: object) -> str:
     """Return a value as launch files spell it."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    return str(value).lower() if isinstance(value, bool) else "" if value is None else str(value)
 
 
-def uses_our_python(start: Start) -> bool:
-    """Tell whether our own Python runs it, so that interfaces built for it may be put on its path."""
-    return any("{python}" in word for word in start.command)
+def start_process(
+    name: str, start: Start | None, folder: Path, log: Path, domain_id: int | None, overlays: Sequence[Path] = ()
+) -> Process | None:
+    """Start what a file declares in its folder; None where that is expected to run.
+
+    Args:
+        overlays: interfaces that were built for our own Python; put on the path of what that runs.
+    """
+    if start is None or not start.run:
+        return None
+    ours = any("{python}" in word for word in start.command)
+    env = child_environment(overlays if ours else (), domain_id) | dict(start.env)
+    return Process(name, command_of(start, folder), folder, env, log)
 
 
 _MISSING = re.compile(r"No module named '(\w+)'")

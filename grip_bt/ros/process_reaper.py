@@ -40,7 +40,7 @@ def main(command: list[str]) -> int:
     status: int | None = None
     while status is None:
         ready, _, _ = select.select([0, wake], [], [], 1.0)
-        status = _reap(child.pid)
+        status, _ = _reap(child.pid)
         if 0 in ready and not os.read(0, 1):
             break
         if wake in ready and signal.SIGTERM in os.read(wake, 64):
@@ -59,26 +59,19 @@ def _wake_on_signals() -> int:
     return reader
 
 
-def _reap(leader: int) -> int | None:
-    """Collect every child that has ended; return the status of the leader if it was among them."""
+def _reap(leader: int) -> tuple[int | None, bool]:
+    """Collect every child that has ended; return the leader's status if it was among them, and whether any is left.
+
+    One that has ended is left as long as one of its threads lives.
+    """
     found = None
-    with contextlib.suppress(ChildProcessError):
-        while True:
-            pid, status = os.waitpid(-1, os.WNOHANG)
-            if pid == 0:
-                break
-            if pid == leader:
-                found = status
-    return found
-
-
-def _has_children() -> bool:
-    """Tell whether any child is left: running, or ended but not collected, as long as one of its threads lives."""
     try:
-        os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        while (ended := os.waitpid(-1, os.WNOHANG))[0]:
+            if ended[0] == leader:
+                found = ended[1]
     except ChildProcessError:
-        return False
-    return True
+        return found, False
+    return found, True
 
 
 def _end_all(leader: int, status: int | None) -> int:
@@ -87,9 +80,9 @@ def _end_all(leader: int, status: int | None) -> int:
         deadline = time.monotonic() + patience
         _signal(leader, number)
         while time.monotonic() < deadline:
-            ended = _reap(leader)
+            ended, left = _reap(leader)
             status = ended if ended is not None else status
-            if not _has_children():
+            if not left:
                 return status if status is not None else 0
             time.sleep(0.01)
     return status if status is not None else signal.SIGKILL

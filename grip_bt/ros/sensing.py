@@ -13,15 +13,14 @@ from grip_bt.base.failures import BadReplyError, CanceledError, SensorError
 from grip_bt.base.operation import Operation
 from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import CameraInfo, RgbdFrame
-from grip_bt.ros.process import command_of
 from grip_bt.task.catalog.ros_config import CameraTopics, SensorConfig
 
 from .client.types import ConversionError, Message
 from .convert import from_message
 from .convert_values import camera_from_message, depth_from_message, image_from_message, seconds
-from .frames import FrameError, frame_of, mounted_frames, transformed
+from .frames import ROOT, FrameError, frame_of, mounted_frames, transformed
 from .interface import RosInterface
-from .process import Process, child_environment, stop_all
+from .process import Process, start_process, stop_all
 
 T = TypeVar("T")
 FRAME_WAIT = 0.5
@@ -164,11 +163,8 @@ def open_sensors(
             opened[name] = UnavailableSensor(f"sensor {name}", broken[name])
             continue
         try:
-            driver = None
-            if config.driver is not None and config.driver.run:
-                command, log = command_of(config.driver, project), project / ".grip" / "logs" / f"sensor-{name}.log"
-                env = child_environment((), domain_id) | dict(config.driver.env)
-                driver = Process(f"sensor {name}", command, project, env, log)
+            log = project / ".grip" / "logs" / f"sensor-{name}.log"
+            driver = start_process(f"sensor {name}", config.driver, project, log, domain_id)
             opened[name] = TopicSensor(name, config, ros, driver)
         except (GripError, OSError) as error:
             opened[name] = UnavailableSensor(f"sensor {name}", str(error))
@@ -186,9 +182,6 @@ def _value(message: Message, type_: str, info: CameraInfo | None) -> object:
             raise ConversionError("", "a DepthImage needs the camera's geometry: add a topic of type CameraInfo")
         return depth_from_message(message, info)
     return from_message(message, type_)
-
-
-WORLD = "world"
 
 
 class RosCamera:
@@ -228,7 +221,7 @@ class RosCamera:
     def _frame(self, messages: Mapping[str, Message]) -> Steps[RgbdFrame]:
         depth, given = messages[self._config.depth], messages[self._config.info]
         frame = self._config.mount.frame if self._config.mount is not None else given.header.frame_id
-        pose = yield self._ros.transforms.lookup(WORLD, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)
+        pose = yield self._ros.transforms.lookup(ROOT, frame, FRAME_WAIT, seconds(depth.header.stamp) or None)
         try:
             info = replace(camera_from_message(given), pose=pose)
             image = image_from_message(messages[self._config.image])

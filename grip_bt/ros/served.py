@@ -12,7 +12,7 @@ import threading
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -91,10 +91,10 @@ class JointStatePublisher(Published):
         message = self._writer.type(header=header("", stamp))
         message.name = [name for state in states for name in state.names]
         message.position = [float(value) for state in states for value in state.position]
-        for field in ("velocity", "effort"):
-            known = [getattr(state, field) for state in states]
+        for part in ("velocity", "effort"):
+            known = [getattr(state, part) for state in states]
             if all(values is not None for values in known):
-                setattr(message, field, [float(value) for values in known for value in values])
+                setattr(message, part, [float(value) for values in known for value in values])
         return message
 
 
@@ -213,11 +213,16 @@ class TrajectoryActionServer:
         return GoalResponse.ACCEPT if points and fits and rising and whole and times[0] >= 0 else GoalResponse.REJECT
 
     def _accepted(self, handle: ServerGoalHandle) -> None:
-        goal = _Goal(handle, self._bus, Future(executor=self._bus.node.executor))
+        turn: Operation[None] = Operation(on_cancel=lambda: None)  # it ends when the motion can begin
+        goal = _Goal(handle, Future(executor=self._bus.node.executor), turn, turn.then(lambda _: self._begin(goal)))
         self._goals[bytes(handle.goal_id.uuid)] = self._newest = goal
+        goal.motion.add_done_callback(partial(self._over, goal))
         handle.execute()
         # Not on this thread: the executor may have to ask another process where the joints are.
         threading.Thread(target=self._follow, args=(goal,), name="grip_follow", daemon=True).start()
+
+    def _over(self, goal: _Goal) -> None:
+        self._bus.post(lambda: goal.future.set_result(_error_of(goal.motion)))
 
     async def _ended(self, handle: ServerGoalHandle) -> Message:
         error = await self._goals[bytes(handle.goal_id.uuid)].future
@@ -239,31 +244,26 @@ class TrajectoryActionServer:
         goal = self._goals.get(bytes(handle.goal_id.uuid))
         if goal is None:
             return CancelResponse.REJECT  # it has ended
-        goal.cancel()
+        goal.motion.cancel()
         return CancelResponse.ACCEPT
 
     # --- on a goal's thread ---
 
     def _follow(self, goal: _Goal) -> None:
         with self._lock:
-            if goal is not self._newest:  # threads come here in any order, and a later goal takes the place of this one
-                goal.end(CanceledError("a newer goal came"))
-                return
-            try:
-                if goal.cancel_asked:  # it has taken the place of another one all the same
-                    self._executor.stop()
-                    goal.end(CanceledError("canceled before it began"))
-                    return
-                asked = goal.handle.request.trajectory
-                path = continued(list(asked.joint_names), asked.points, self._executor.state())
-                motion = self._executor.execute(path)
-            except (GripError, ValueError) as error:
-                goal.end(error)
-                return
-        goal.follow(motion)
+            if goal is self._newest and goal.motion.cancel_asked:
+                self._executor.stop()  # it has taken the place of another one all the same
+            goal.turn.succeed(None)
         began = time.monotonic()
-        while not motion.wait(TELL):
-            self._tell(goal.handle, path, time.monotonic() - began)
+        while not goal.motion.wait(TELL):
+            self._tell(goal.handle, goal.path, time.monotonic() - began)
+
+    def _begin(self, goal: _Goal) -> Operation[JointState]:
+        if goal is not self._newest:  # threads come here in any order, and a later goal takes the place of this one
+            raise CanceledError("a newer goal came")
+        asked = goal.handle.request.trajectory
+        goal.path = continued(list(asked.joint_names), asked.points, self._executor.state())
+        return self._executor.execute(goal.path)
 
     def _tell(self, handle: ServerGoalHandle, path: Trajectory, passed: float) -> None:
         try:
@@ -279,39 +279,21 @@ class TrajectoryActionServer:
         self._bus.post(lambda: handle.is_active and handle.publish_feedback(feedback))
 
 
+@dataclass
 class _Goal:
     """A goal that was accepted, and the motion that follows it; a cancel may come before that is begun."""
 
-    def __init__(self, handle: ServerGoalHandle, bus: Bus, future: Future):
-        self.handle, self._bus, self.future = handle, bus, future
-        self._lock = threading.Lock()
-        self._motion: Operation[JointState] | None = None
-        self.cancel_asked = False
-
-    def cancel(self) -> None:
-        """Have the motion come to rest, or never begin."""
-        with self._lock:
-            self.cancel_asked, motion = True, self._motion
-        if motion is not None:
-            motion.cancel()
-
-    def follow(self, motion: Operation[JointState]) -> None:
-        """End as a motion does."""
-        with self._lock:
-            self._motion, asked = motion, self.cancel_asked
-        if asked:
-            motion.cancel()
-        motion.add_done_callback(lambda: self.end(_error_of(motion)))
-
-    def end(self, error: BaseException | None) -> None:
-        """Tell the client how it ended."""
-        self._bus.post(lambda: self.future.done() or self.future.set_result(error))
+    handle: ServerGoalHandle
+    future: Future
+    turn: Operation[None]
+    motion: Operation[JointState]
+    path: Trajectory = field(init=False)
 
 
-def _error_of(motion: Operation[JointState]) -> BaseException | None:
+def _error_of(motion: Operation[JointState]) -> Exception | None:
     try:
         motion.result()
-    except GripError as error:
+    except (GripError, ValueError) as error:
         return error
     return None
 

@@ -63,29 +63,23 @@ class Transforms:
 
         Ends with FrameError after `timeout`; at once when TF isn't listened to.
         """
-        self.listen()
-        try:
-            return Operation.finished(self.known(target, source, at))
-        except FrameError as error:
-            if not self.listening:
-                reason = f"{error.message}; moving frames aren't heard, since tf2_msgs isn't installed"
-                return Operation.failed(FrameError(reason, **error.data))
-        look = partial(self.known, target, source, at)
         operation: Operation[Pose] = Operation()
-        timer = threading.Timer(timeout, lambda: self._try(operation, look, last=True))
-        timer.daemon = True
-
-        def ended() -> None:
-            timer.cancel()
-            with self._lock:
-                self._waiting.pop(operation, None)
-
-        operation.add_done_callback(ended)
+        look = partial(self.known, target, source, at)
+        heard = self.listen()
         with self._lock:
             self._waiting[operation] = look
-        timer.start()
-        self._try(operation, look)  # what came meanwhile
+        operation.add_done_callback(partial(self._forget, operation))
+        self._try(operation, look, last=not heard)
+        if not operation.done():
+            timer = threading.Timer(timeout, self._try, (operation, look, True))
+            timer.daemon = True
+            timer.start()
+            operation.add_done_callback(timer.cancel)
         return operation
+
+    def _forget(self, operation: Operation[Pose]) -> None:
+        with self._lock:
+            self._waiting.pop(operation, None)
 
     def known(self, target: str, source: str, at: float | None = None) -> Pose:
         """Return the pose of `source` in `target` from what is known by now; see `lookup`.
@@ -129,6 +123,9 @@ class Transforms:
         try:
             operation.succeed(look())
         except FrameError as error:
-            if last:
+            if not self.listening:
+                reason = f"{error.message}; moving frames aren't heard, since tf2_msgs isn't installed"
+                operation.fail(FrameError(reason, **error.data))
+            elif last:
                 closed = CanceledError("the connection to ROS was closed")
                 operation.fail(closed if self._bus.closed else error)

@@ -77,14 +77,6 @@ class Watchdog(Closing):
         """Say that a goal has ended, or is known to its server to be of no use."""
         self._tell(goal_ended=goal_id.hex())
 
-    def trajectory_sent(self, topic: str, joints: Sequence[str]) -> None:
-        """Say that a trajectory is about to be published."""
-        self._tell(trajectory_sent=[topic, list(joints)])
-
-    def trajectory_ended(self, topic: str) -> None:
-        """Say that nothing of it is followed any more."""
-        self._tell(trajectory_ended=topic)
-
     def close(self) -> None:
         """Let the watchdog end; with goals that no server has answered for it sees to them first."""
         assert self._process.stdin is not None

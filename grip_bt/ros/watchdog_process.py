@@ -1,17 +1,16 @@
 """`python -m grip_bt.ros.watchdog_process DOMAIN LIMIT`: has a robot hold whose run's process has died.
 
 It leads a session of its own and is told on its standard input, a JSON object a line, what the run has under way:
-goals of actions, by name and id, trajectories on topics, and which joints to look at. When the input ends while there
-is something, it cancels those goals, by their ids, again until the server answers; has joints that follow a topic come
-to rest; measures that all stand still, or, where no joints tell, hears from the server that the goal has ended; and
-writes what came of it to the file descriptor in `REPORT`, where there is one. It ends by itself, at most LIMIT [s]
-later. ROS is loaded, and servers are found, before there is a need.
+goals of actions, by name and id, and which joints to look at. When the input ends while there is something, it cancels
+those goals, by their ids, again until the server answers; measures that all joints stand still, or, where no joints
+tell, hears from the server that the goal has ended; and writes what came of it to the file descriptor in `REPORT`,
+where there is one. It ends by itself, at most LIMIT [s] later. ROS is loaded, and servers are found, before there is a
+need. Joints that follow a stream of set-points stand still when that ends.
 """
 
 from __future__ import annotations
 
 import json
-import math
 import os
 import signal
 import sys
@@ -19,36 +18,22 @@ import time
 from contextlib import suppress
 from typing import Any
 
-import numpy as np
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy.client import Client
 from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 
-from grip_bt.base.failures import SensorError
-from grip_bt.base.values import JointState, Trajectory
-
 from .client.bus import Bus
 from .client.types import Message
 from .controllers.joint_states import JointStates
 from .controllers.motion import rest_of_joints
-from .convert_values import trajectory_to_message
 from .watchdog import REPORT
 
 AGAIN = 0.1
 """After which time without an answer, or with one that doesn't know the goal, a cancel is sent again [s]."""
 UNKNOWN = 3.0
 """For how long a server must say that it doesn't know a goal until it is believed [s]: it may be on its way."""
-FOUND = 2.0
-"""How long to look for whoever follows a topic, and for a measurement of its joints [s]."""
-BRAKE = 0.3
-"""How long joints that follow a topic take to come to rest [s]."""
-RECENT = 0.1
-"""How old a measurement may be from which joints are braked [s]."""
-
-
-TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"
 
 
 class _Goal:
@@ -70,12 +55,9 @@ class WatchdogProcess:
     def __init__(self, domain: int, limit: float):
         self._patience = limit / 2
         self._goals: dict[str, _Goal] = {}
-        self._topics: dict[str, tuple[str, ...]] = {}
         self._parts: dict[str, tuple[str, tuple[str, ...]]] = {}
         self._moved: set[str] = set()
         self._clients: dict[str, Client] = {}
-        self._heard: set[str] = set()
-        self._states: dict[str, JointStates] = {}
         self._bus = Bus("grip_watchdog", domain)
 
     def take(self, line: dict[str, Any]) -> None:
@@ -87,12 +69,11 @@ class WatchdogProcess:
 
         Of actions that joints of a part don't tell about, only those are named that can't be confirmed to have ended.
         """
-        if not self._goals and not self._topics:
+        if not self._goals:
             return {}
         began = time.monotonic()
         self._bus.ask(lambda: self._cancel_all(began))
-        self._bus.ask(self._listen)
-        held = {topic: self._hold(topic, names) for topic, names in self._topics.items()}
+        states = {topic: JointStates(self._bus, topic) for topic in {topic for topic, _ in self._parts.values()}}
         deadline = began + self._patience  # a server that isn't seen may be one that a busy machine keeps silent
         while (left := [g for g in self._goals.values() if self._waits(g)]) and time.monotonic() < deadline:
             self._bus.ask(lambda: self._cancel_all(began))
@@ -105,40 +86,14 @@ class WatchdogProcess:
             else:
                 goal.over = "its server is not there"
             goal.over += f" within {self._patience:g} s"
-        failed = {topic: why for topic, why in held.items() if why}
-        failed.update((goal.action, goal.over) for goal in self._goals.values() if goal.over != "canceled")
-        rests = {
-            part: rest_of_joints(self._states[t], names, self._patience) for part, (t, names) in self._parts.items()
-        }
+        failed = {goal.action: goal.over for goal in self._goals.values() if goal.over != "canceled"}
+        rests = {part: rest_of_joints(states[t], names, self._patience) for part, (t, names) in self._parts.items()}
         for rest in rests.values():
             rest.wait()
         return {**failed, **{part: rest.result() for part, rest in rests.items()}}
 
     def _waits(self, goal: _Goal) -> bool:
         return not goal.over or (goal.over == "canceled" and not goal.ended and goal.action not in self._moved)
-
-    def _hold(self, topic: str, names: tuple[str, ...]) -> str:
-        """Publish where joints come to rest evenly from where they were measured; return why that can't be."""
-        writer, deadline = self._bus.writer(TRAJECTORY, topic), time.monotonic() + FOUND
-        while not (there := writer.listeners()) and time.monotonic() < deadline:
-            time.sleep(0.02)
-        if not there:
-            return "it has no subscribers"
-        while (state := self._measured(names, RECENT)) is None and time.monotonic() < deadline:
-            time.sleep(0.02)
-        state = state or self._measured(names, math.inf)
-        if state is None:
-            return "nothing was heard of its joints"
-        speed = np.zeros(len(names)) if state.velocity is None else state.velocity
-        rest = Trajectory(names, np.zeros(1), (state.position + speed * BRAKE / 2)[None], np.zeros((1, len(names))))
-        writer.publish(trajectory_to_message(rest, BRAKE))
-        return ""
-
-    def _measured(self, names: tuple[str, ...], age: float) -> JointState | None:
-        for states in self._states.values():
-            with suppress(SensorError):
-                return states.state(names, age)
-        return None
 
     # --- on the bus's thread ---
 
@@ -147,44 +102,28 @@ class WatchdogProcess:
             case {"goal_sent": [action, goal]}:
                 self._goals[goal] = _Goal(action, bytes.fromhex(goal))
                 self._client(action)
-                self._hear(action)
             case {"expect_server": action}:
                 self._client(action)
             case {"goal_ended": goal}:
                 self._goals.pop(goal, None)
-            case {"trajectory_sent": [topic, names]}:
-                self._topics[topic] = tuple(names)
-                self._bus.writer(TRAJECTORY, topic).advertise()
-                self._listen()
-            case {"trajectory_ended": topic}:
-                self._topics.pop(topic, None)
             case {"watch_joints": [part, topic, names, actions]}:
                 self._parts[part] = (topic, tuple(names))
                 self._moved.update(actions)
                 for action in actions:
                     self._client(action)
 
-    def _hear(self, action: str) -> None:
-        def told(message: Message) -> None:
-            for status in message.status_list:
-                goal = self._goals.get(bytes(status.goal_info.goal_id.uuid).hex())
-                if goal is not None and status.status >= GoalStatus.STATUS_SUCCEEDED:
-                    goal.over, goal.ended = "canceled", True
-
-        if action not in self._moved and action not in self._heard:
-            self._heard.add(action)
-            topic = f"{action}/_action/status"
-            self._bus.node.create_subscription(GoalStatusArray, topic, told, qos_profile_action_status_default)
-
     def _client(self, action: str) -> Client:
         if action not in self._clients:
-            self._clients[action] = self._bus.node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
+            node, topic = self._bus.node, f"{action}/_action/status"
+            self._clients[action] = node.create_client(CancelGoal, f"{action}/_action/cancel_goal")
+            node.create_subscription(GoalStatusArray, topic, self._told, qos_profile_action_status_default)
         return self._clients[action]
 
-    def _listen(self) -> None:
-        for topic, _ in self._parts.values():
-            if topic not in self._states:
-                self._states[topic] = JointStates(self._bus, topic)
+    def _told(self, message: Message) -> None:
+        for status in message.status_list:
+            goal = self._goals.get(bytes(status.goal_info.goal_id.uuid).hex())
+            if goal is not None and status.status >= GoalStatus.STATUS_SUCCEEDED:
+                goal.over, goal.ended = "canceled", True
 
     def _cancel_all(self, began: float) -> None:
         for goal in self._goals.values():

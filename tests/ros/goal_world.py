@@ -7,7 +7,7 @@ import random
 from dataclasses import dataclass, field
 from itertools import count
 
-from grip_bt.base.failures import ExpectedError, IncompatibleServerError
+from grip_bt.base.failures import ExpectedError
 from grip_bt.ros.client.goal import Ask, Goal, GoalEnd, GoalTimeouts, Notify, Phase
 
 POLL = 0.05
@@ -45,19 +45,18 @@ class World:
         self.now, self.queue, self.order = 0.0, [], count()
         draw = self.random.random
         patience = GoalTimeouts(
-            server=self.random.choice((0.2, 2.0)),
             result=self.random.choice((0.3, 1.5, 20.0)),
             cancel=self.random.choice((0.2, 1.0)),
             gone=self.random.choice((0.0, 0.3)),
         )
-        self.patience, self.goal, self.result = patience, Goal("/act", patience, 0.0), Outcome()
+        self.patience, self.goal, self.result = patience, Goal("/act", patience, 0.0, 0.0), Outcome()
         self.alive, self.incarnation, self.sent_to = False, 0, None
         self.supervised = draw() < 0.3
         self.lag = self.random.choice((0.001, 0.02, 0.3))
         self.notice = self.random.choice((0.0, 0.1, 3.0))  # how long DDS takes to see a death
         self.died_at = -10.0
         self.work: Work | None = None
-        self.rejects, self.unfit = draw() < 0.1, draw() < 0.05
+        self.rejects = draw() < 0.1
         self.loses_goal = draw() < 0.05
         self.loses_acceptance = draw() < 0.3
         self.hides_status = draw() < 0.5
@@ -66,8 +65,9 @@ class World:
         self._plan(draw)
 
     def _plan(self, draw) -> None:
-        if draw() < 0.9:
-            self.at(self.random.choice((0.0, 0.0, 0.5)) * draw(), self._start)
+        self._start()
+        self.sent_to = self.incarnation
+        self.wire(self._take_goal)
         for _ in range(self.random.choice((0, 0, 1, 2))):
             when = draw() * self.random.choice((0.1, 1.0, 3.0))
             self.at(when, self._die)
@@ -96,9 +96,6 @@ class World:
         for command in commands:
             self.result.history.append((round(self.now, 3), type(command).__name__, self.goal.phase.name))
             match command:
-                case Ask.GOAL:
-                    self.sent_to = self.incarnation
-                    self.wire(self._take_goal)
                 case Ask.RESULT:
                     self.wire(self._want_result)
                 case Ask.CANCEL:
@@ -119,14 +116,10 @@ class World:
     # --- the client ---
 
     def _poll(self) -> None:
-        if self.goal.phase is Phase.WAITING and self.alive:
-            error = IncompatibleServerError("another type")
-            self.do(self.goal.server_unfit(error) if self.unfit else self.goal.server_fits(self.now))
-        elif self.sent_to is not None:
-            there = self.alive and self.incarnation == self.sent_to
-            self.do(self.goal.server_seen(there or self.now < self.died_at + self.notice, self.now))
-            if there and self.work is not None and not self.hides_status:
-                self.do(self.goal.status(self.work.ended or ACCEPTED, self.now))
+        there = self.alive and self.incarnation == self.sent_to
+        self.do(self.goal.server_seen(there or self.now < self.died_at + self.notice, self.now))
+        if there and self.work is not None and not self.hides_status:
+            self.do(self.goal.status(self.work.ended or ACCEPTED, self.now))
         self.do(self.goal.tick(self.now))
         if self.goal.phase is not Phase.OVER:
             self.at(POLL, self._poll)
@@ -144,7 +137,7 @@ class World:
     def _die(self) -> None:
         if self.alive:
             self.alive, self.died_at = False, self.now
-            if self.supervised and self.sent_to is not None:
+            if self.supervised:
                 self.at(0.01, lambda: self.do(self.goal.server_ended("the process ended")))
 
     def _take_goal(self) -> None:
@@ -207,7 +200,7 @@ def race(seed: int) -> Outcome:
     assert len(outcome.told) == 1, f"seed {seed}: told {len(outcome.told)} times: {outcome}"
     (told,) = outcome.told
     patience = world.patience
-    latest = max(patience.server, patience.result) + patience.cancel + 2 * POLL
+    latest = patience.result + patience.cancel + 2 * POLL
     assert outcome.at <= latest, f"seed {seed}: told only after {outcome.at:.2f} s, at most {latest:.2f}: {outcome}"
     if isinstance(told, GoalEnd):
         assert told.status in ("succeeded", "aborted", "canceled")

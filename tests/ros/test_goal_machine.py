@@ -16,13 +16,11 @@ from grip_bt.base.operation import STOPPED
 from grip_bt.ros.client.goal import LIVE, Ask, Goal, GoalEnd, GoalTimeouts, Notify, Phase
 
 RACES = int(os.environ.get("GRIP_FUZZ_RACES", "200"))
-PATIENCE = GoalTimeouts(server=5.0, result=10.0, cancel=2.0)
+PATIENCE = GoalTimeouts(result=10.0, cancel=2.0)
 
 
-def goal(phase=Phase.WAITING, patience=PATIENCE) -> Goal:
-    made = Goal("/act", patience, 0.0)
-    if phase is not Phase.WAITING:
-        assert made.server_fits(0.1) == [Ask.GOAL]
+def goal(phase, patience=PATIENCE) -> Goal:
+    made = Goal("/act", patience, 0.0, 0.1)
     if phase in (Phase.RUNNING, Phase.CANCELING):
         assert made.accepted(0.2) == [Ask.RESULT]
     if phase is Phase.CANCELING:
@@ -37,7 +35,7 @@ def told(commands):
     return ends[0]
 
 
-def test_a_goal_goes_from_waiting_to_its_result():
+def test_a_goal_goes_to_its_result():
     made = goal(Phase.RUNNING)
     assert told(made.result(4, "r")) == GoalEnd("succeeded", "r")
     assert made.phase is Phase.OVER
@@ -58,12 +56,6 @@ def test_a_rejected_goal_is_named():
     error = told(goal(Phase.SENT).rejected())
     assert isinstance(error, GoalRejectedError)
     assert error.code == "rejected"
-
-
-def test_a_cancel_before_sending_sends_nothing():
-    made = goal()
-    assert isinstance(told(made.cancel(0.1)), CanceledError)
-    assert made.server_fits(0.2) == []
 
 
 def test_a_cancel_before_the_acceptance_is_sent_with_it():
@@ -203,15 +195,11 @@ def test_a_goal_of_a_server_that_stays_away_is_forgotten():
     assert made.phase is Phase.OVER
 
 
-@pytest.mark.parametrize("phase", [Phase.WAITING, *sorted(LIVE, key=str)])
+@pytest.mark.parametrize("phase", sorted(LIVE, key=str))
 def test_the_end_of_the_servers_process_ends_every_goal_with_its_reason(phase):
     made = goal(phase)
     assert "status 137" in str(told(made.server_ended("the process ended with status 137")))
     assert made.phase is Phase.OVER
-
-
-def test_a_server_that_never_comes_is_lost():
-    assert "no server within 5.0 s" in str(told(goal().tick(5.0)))
 
 
 def test_a_result_that_does_not_come_is_asked_for_again():
@@ -257,8 +245,6 @@ def test_a_stale_answer_of_any_kind_changes_nothing():
 
 EVENTS = st.sampled_from(
     [
-        "fits",
-        "unfit",
         "seen",
         "unseen",
         "ended",
@@ -278,8 +264,6 @@ EVENTS = st.sampled_from(
 
 def happen(made, name, now):
     answers = {
-        "fits": lambda: made.server_fits(now),
-        "unfit": lambda: made.server_unfit(ServerLostError("unfit")),
         "seen": lambda: made.server_seen(True, now),
         "unseen": lambda: made.server_seen(False, now),
         "ended": lambda: made.server_ended("died"),
@@ -303,13 +287,12 @@ def happen(made, name, now):
 @given(st.lists(st.tuples(EVENTS, st.floats(0, 3)), max_size=30))
 def test_any_order_of_events_tells_the_owner_at_most_once_and_surely_in_the_end(events):
     """Also orders that no server would produce: nothing may be sent twice, nor after the end."""
-    made, now, commands = Goal("/act", PATIENCE, 0.0), 0.0, []
+    made, now, commands = Goal("/act", PATIENCE, 0.0, 0.0), 0.0, []
     for name, pause in events:
         now += pause
         commands += happen(made, name, now)
     tells = sum(isinstance(c, Notify) for c in commands)
-    assert tells == (made.phase not in (*LIVE, Phase.WAITING))
-    assert sum(c is Ask.GOAL for c in commands) <= 1
+    assert tells == (made.phase not in LIVE)
     later = [*made.tick(now + 100.0), *made.tick(now + 200.0)]
     assert tells + sum(isinstance(c, Notify) for c in later) == 1
 

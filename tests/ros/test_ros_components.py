@@ -127,7 +127,7 @@ def test_what_comes_with_a_failure_outcome_need_not_be_a_value(odd):
 
 def test_a_component_that_hangs_times_out(odd, ahead):
     operation = odd.client("odd").call(wish("hang"))
-    until(lambda: odd.client("odd")._client.in_flight, "it isn't called")
+    until(lambda: odd.client("odd").client.in_flight, "it isn't called")
     ahead.skip(1000.0)
     with pytest.raises(ServerTimeOutError, match="no response"):
         ended(operation)

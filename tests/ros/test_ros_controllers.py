@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from ros_bench import ended, stands
 
 from grip_bt.base.errors import UnknownNameError
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, SensorError
+from grip_bt.base.operation import Operation
 from grip_bt.base.ports import Executor, HandPort
 from grip_bt.base.values import JointState, Trajectory
 
@@ -121,7 +123,6 @@ def test_what_the_controller_gives_up_is_an_aborted_motion_with_its_words(bus, s
 def test_a_cancelled_motion_that_a_newer_goal_has_overtaken_ends_as_cancelled(messages):
     from control_msgs.action import FollowJointTrajectory
 
-    from grip_bt.base.operation import Operation
     from grip_bt.ros.client.goal import GoalEnd
     from grip_bt.ros.controllers.trajectory import as_motion
 
@@ -205,8 +206,6 @@ class Reader:
     """Stands for the subscription: messages come when the test says so."""
 
     def listen(self, callback):
-        from grip_bt.base.operation import Operation
-
         self.callback = callback
         return Operation.finished(None)
 
@@ -217,8 +216,6 @@ class Reader:
 @pytest.fixture
 def heard(monkeypatch):
     """Return joint states, and a function that has a message heard: position, stamp [s], time of our clock [s]."""
-    from types import SimpleNamespace
-
     from sensor_msgs.msg import JointState as Message
 
     from grip_bt.ros.client.topic import Received
@@ -277,8 +274,6 @@ def test_with_a_clock_of_ours_a_late_measurement_is_waited_for_as_long_as_joints
     clock.now, clock.date = 1001.0, 1.8e9 + 1
     fresh = states.fresh(["joint_a"])
     hear(0.1, 1.8e9 + 0.5, 1002.5)  # measured before, and waited
-    (wait,) = states._waits
-    states._give_up(wait, 599.0)
     assert not fresh.done()
     hear(0.7, 1.8e9 + 1.5, 1003.5)
     assert fresh.result().position == pytest.approx([0.7])
@@ -306,6 +301,53 @@ def test_a_gripper_closes_on_what_is_there_and_opens(bus, states):
     given_up = ended(hand.move(JointState.from_mapping({"finger": 0.0}), 1.0))  # aborts where it stalls
     assert given_up.position == pytest.approx([0.02])
     assert hand.contacts() == {"finger": 1.0}
+
+
+class Fingers:
+    """Stands for a hand's executor, for what is measured of it, and for a gripper that calls any grasp reached."""
+
+    joint_names = ("finger",)
+
+    def __init__(self):
+        self.at, self.stops = 0.04, 0.0
+
+    def state(self, names=joint_names):
+        return JointState(("finger",), [self.at], [0.0])
+
+    def fresh(self, names):
+        return Operation.finished(self.state())
+
+    def execute(self, trajectory):
+        self.at = max(float(trajectory.positions[-1][0]), self.stops)
+        return Operation.finished(self.state())
+
+    def send(self, goal, *_):
+        from grip_bt.ros.client.goal import GoalEnd
+
+        self.at = max(goal.command.position, self.stops)
+        return Operation.finished(GoalEnd("succeeded", self.result(reached_goal=True, effort=5.0)))
+
+
+@pytest.mark.parametrize("kind", ["gripper", "trajectory"])
+def test_sliding_fingers_hold_what_stops_them_whatever_is_said_of_the_goal(messages, kind):
+    from control_msgs.action import GripperCommand
+
+    from grip_bt.ros.controllers import ControlledHand, GripperHand
+
+    fingers = Fingers()
+    fingers.result = GripperCommand.Result
+    bus = SimpleNamespace(action=lambda *_: fingers)
+    hand = (
+        GripperHand(bus, "/grip", "finger", fingers)
+        if kind == "gripper"
+        else ControlledHand(fingers, sliding=("finger",))
+    )
+    for stops, holds in ((0.015, True), (0.0, False)):
+        fingers.stops = stops
+        ended(hand.move(JointState.from_mapping({"finger": 0.0}), 1.0))
+        assert bool(hand.contacts()) is holds
+        ended(hand.move(JointState.from_mapping({"finger": 0.04}), 1.0))
+        assert hand.contacts() == {}
 
 
 def test_fingers_that_stop_short_of_their_posture_touch_something(bus, states):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import partial
@@ -27,7 +27,7 @@ from grip_bt.ros.controllers import (
     TopicExecutor,
     TrajectoryExecutor,
 )
-from grip_bt.ros.frames import mounted_frames
+from grip_bt.ros.frames import joints_of, mounted_frames
 from grip_bt.ros.interface import RosInterface
 from grip_bt.ros.interfaces.build import ensure_package
 from grip_bt.ros.moveit import MoveGroupExecutor
@@ -69,7 +69,8 @@ def open_controllers(opening: Opening, stack: ExitStack) -> Resources:
     _wait_for_controllers(settings, bus, states, measured, progress)
     progress("robot", f"{len(measured)} joints measured on {settings.joint_states}")
     limits, jerks = robot.description.acceleration_limits, jerks_of_arms(file.arms, robot.description)
-    controllers = _Controllers(settings, bus, states, limits, jerks)
+    sliding = {joint.name for joint in joints_of(robot.description.urdf) if joint.type == "prismatic"}
+    controllers = _Controllers(settings, bus, states, limits, jerks, sliding)
     executors = {
         name: PausableExecutor(controllers.executor(name, joints[name]), limits, jerks=jerks) for name in alone
     }
@@ -148,6 +149,7 @@ class _Controllers:
     states: JointStates
     limits: Mapping[str, float]
     jerks: Mapping[str, float]
+    sliding: Collection[str]
 
     def executor(self, name: str, joints: Sequence[str]) -> Executor:
         """Return what moves the joints of an arm, or of a hand over a controller that follows trajectories."""
@@ -155,12 +157,11 @@ class _Controllers:
         if controller.trajectory is not None:
             return TrajectoryExecutor(self.bus, controller.trajectory, joints, self.states, wait=ready)
         if controller.topic is not None:
-            return TopicExecutor(self.bus, controller.topic, joints, self.states, self.limits)
+            return TopicExecutor(self.bus, controller.topic, joints, self.states, self.limits, self.jerks)
         if controller.move_group is not None:
             return MoveGroupExecutor(self.bus, controller.move_group, joints, self.states, ready)
         if controller.positions is not None:
-            topic = controller.positions
-            return StreamedExecutor(self.bus, topic, joints, self.states, self.limits, jerks=self.jerks)
+            return StreamedExecutor(self.bus, controller.positions, joints, self.states, self.limits, self.jerks)
         ways = "`trajectory`, `topic`, `positions` or `move_group`"
         raise GripError(f"grip.yaml: ros/controllers/{name}: an arm isn't a gripper; say {ways}")
 
@@ -168,7 +169,7 @@ class _Controllers:
         """Return what moves the joints of a hand."""
         gripper = self.settings.controllers[name].gripper
         if gripper is None:
-            return ControlledHand(self.executor(name, joints), self.limits)
+            return ControlledHand(self.executor(name, joints), self.limits, self.sliding)
         if len(joints) != 1:
             reason = f"a gripper is commanded through one joint, not {len(joints)}; name it: `joints: [NAME]`"
             raise GripError(f"grip.yaml: ros/controllers/{name}: {reason}")

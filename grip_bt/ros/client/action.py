@@ -23,16 +23,14 @@ from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
-from grip_bt.base.failures import IncompatibleServerError
 from grip_bt.base.operation import Operation
 
 from ..watchdog import Watchdog
 from .base import Request, ServedClient
-from .connection import Connection
-from .goal import LIVE, Ask, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase
-from .graph import GRACE, explained
+from .goal import LIVE, ORPHANED, Ask, Command, Goal, GoalEnd, GoalTimeouts, Notify, Phase
+from .graph import GRACE
 from .service import SERVICE_QOS
-from .types import InterfaceType, Message
+from .types import Message
 
 CANCEL = 3.0
 """How long a server may take to end a goal that was canceled [s]."""
@@ -41,13 +39,13 @@ _FEEDBACK_DEPTH = 10
 
 @dataclass(eq=False)
 class _Entry(Request):
-    """A goal with what rclpy gave for it; without a message, somebody who only waits for the server."""
+    """A goal with what rclpy gave for it."""
 
-    machine: Goal = field(kw_only=True)
+    machine: Goal = field(init=False)  # when it is sent
+    cancel_within: float = CANCEL
     on_feedback: Callable[[Message], None] | None = None
     on_accepted: Callable[[], None] | None = None
     watchdog: Watchdog | None = None
-    servers: frozenset[bytes] = field(default_factory=frozenset)
     goal_id: bytes = b""  # when it is sent
     status: int = 0  # what the server last published of it, 0 when nothing
     result: Future | None = None
@@ -62,25 +60,19 @@ class _Entry(Request):
 class ActionClient(ServedClient[_Entry]):
     """The client of one action; made by `Bus.action`."""
 
-    def __init__(self, bus: Connection, type_: InterfaceType, name: str):
-        super().__init__(bus, type_, name)
-        self._services: tuple[RclpyClient, ...] = ()
-
-    @property
-    def idle(self) -> bool:
-        """Whether it was never connected to a server and nobody waits for one; such a client may be replaced."""
-        return not self._services and not self._requests
+    _new = _Entry
+    _made: tuple[RclpyClient, ...] | None = None
 
     @property
     def busy(self) -> bool:
         """Whether a server still has a goal of ours that nobody waits for, and hasn't answered that it stops."""
-        return any(e.machine.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT) for e in list(self._requests))
+        return any(e.machine.phase in ORPHANED for e in list(self._requests) if e.servers)
 
     # --- from any thread ---
 
     def send(
         self,
-        goal: Message | None,
+        goal: Message,
         timeout: float | None = None,
         wait: float | None = None,
         on_feedback: Callable[[Message], None] | None = None,
@@ -106,63 +98,42 @@ class ActionClient(ServedClient[_Entry]):
             moves: whether it may move something; then the bus's watchdog, where there is one, ends it after our death.
             limit: who limits the time, in words behind those of a time-out.
         """
-        now = time.monotonic()
-        timeout = self._bus.timeout if timeout is None else timeout
-        wait = self._bus.wait if wait is None else wait
-        patience = GoalTimeouts(wait, timeout, cancel_within, GRACE if self._supervised else 0.0, limit)
-        entry = _Entry(goal, now, now + timeout, now + wait, machine=Goal(self.name, patience, now))
+        entry = _Entry(goal, *self._times(timeout, wait), limit, cancel_within=cancel_within)
         entry.on_feedback, entry.on_accepted = on_feedback, on_accepted
-        entry.watchdog = self._bus.watchdog if moves and goal is not None else None
+        entry.watchdog = self._bus.watchdog if moves else None
         return self._begin(entry)
 
-    def wait_ready(self, timeout: float) -> Operation[None]:
-        """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
-        return self.send(None, timeout + 1.0, timeout).then(lambda _: Operation.finished(None))
-
     # --- on the bus's thread ---
-
-    def poll(self) -> bool:
-        """Look at the goals under way; False when there are none."""
-        now = time.monotonic()
-        if any(e.machine.phase is not Phase.WAITING for e in self._requests):
-            present = self._present()
-            for entry in list(self._requests):
-                if entry.servers:
-                    self._do(entry, entry.machine.server_seen(bool(entry.servers & present), now))
-                if entry.status:
-                    self._do(entry, entry.machine.status(entry.status, now))
-        self._advance(now)
-        for entry in list(self._requests):
-            self._do(entry, entry.machine.tick(now))
-        return bool(self._requests)
 
     def end(self, error: Exception) -> None:
         """Notify every owner that the connection is being closed, and servers that their goals are canceled."""
         for entry in list(self._requests):
-            self._do(entry, entry.machine.close(time.monotonic()))
+            if entry.servers:
+                self._do(entry, entry.machine.close(time.monotonic()))
+            else:
+                self._finish(entry, error)
 
-    def _cancel(self, request: _Entry) -> None:
+    def _look_after(self, request: _Entry, there: bool, now: float) -> None:
+        self._do(request, request.machine.server_seen(there, now))
+        if request.status:
+            self._do(request, request.machine.status(request.status, now))
+        self._do(request, request.machine.tick(now))
+
+    def _cancel_sent(self, request: _Entry) -> None:
         self._do(request, request.machine.cancel(time.monotonic()))
 
-    def _all_lost(self, reason: str) -> None:
-        for entry in list(self._requests):
-            self._do(entry, entry.machine.server_ended(reason))
+    def _server_of_ended(self, request: _Entry, reason: str) -> None:
+        self._do(request, request.machine.server_ended(reason))
 
-    def _waiting(self) -> list[_Entry]:
-        return [e for e in self._requests if e.machine.phase is Phase.WAITING]
-
-    def _sent(self) -> int:
-        return sum(e.machine.phase is Phase.SENT for e in self._requests)
-
-    def _unfit(self, request: _Entry, error: IncompatibleServerError) -> None:
-        self._do(request, request.machine.server_unfit(error))
+    def _unanswered(self) -> int:
+        return sum(e.machine.phase is Phase.SENT for e in self._requests if e.servers)
 
     def _connected(self) -> bool:
         """Connect: an answer is rclpy's future; one that is cancelled is forgotten, and its answer ignored."""
         node, impl = self._bus.node, self.type.Impl
         topics = feedback, status = [f"{self.name}/_action/{topic}" for topic in ("feedback", "status")]
-        if not self._services:
-            self._services = tuple(
+        if self._made is None:
+            self._made = tuple(
                 node.create_client(kind, f"{self.name}/_action/{end}", qos_profile=SERVICE_QOS)
                 for kind, end in (
                     (impl.SendGoalService, "send_goal"),
@@ -174,7 +145,7 @@ class ActionClient(ServedClient[_Entry]):
                 impl.FeedbackMessage, feedback, self._progressed, QoSProfile(depth=_FEEDBACK_DEPTH)
             )
             node.create_subscription(GoalStatusArray, status, self._statuses, qos_profile_action_status_default)
-        return all(service.service_is_ready() for service in self._services) and all(
+        return all(service.service_is_ready() for service in self._made) and all(
             node.count_publishers(topic) for topic in topics
         )
 
@@ -182,18 +153,16 @@ class ActionClient(ServedClient[_Entry]):
         """Carry out what the machine of a goal says; forget the goal when it is over."""
         for command in commands:
             match command:
-                case Ask.GOAL:
-                    self._put_out(entry)
                 case Ask.RESULT:
                     if entry.result is not None:
                         entry.result.cancel()  # that request, or its answer, was dropped on the way
-                    _, results, _ = self._services
+                    _, results, _ = self._made or ()
                     entry.result = results.call_async(self.type.Impl.GetResultService.Request(goal_id=entry.uuid))
                     self._later(
                         entry, entry.result, lambda e, got: self._do(e, e.machine.result(got.status, got.result))
                     )
                 case Ask.CANCEL:
-                    _, _, cancels = self._services
+                    _, _, cancels = self._made or ()
                     asked = CancelGoal.Request()
                     asked.goal_info.goal_id = entry.uuid
                     self._later(entry, cancels.call_async(asked), self._cancel_answered)
@@ -202,7 +171,7 @@ class ActionClient(ServedClient[_Entry]):
                     if isinstance(end, GoalEnd):
                         entry.operation.succeed(end)
                     else:
-                        entry.operation.fail(explained(end, self._bus.node, self.type))
+                        entry.operation.fail(end)
         if entry.machine.phase is Phase.OVER:
             self._drop(entry)
 
@@ -216,23 +185,22 @@ class ActionClient(ServedClient[_Entry]):
                 entry.watchdog.goal_ended(entry.goal_id)
 
     def _send(self, request: _Entry, now: float) -> None:
-        self._do(request, request.machine.server_fits(now))
-
-    def _put_out(self, entry: _Entry) -> None:
-        entry.servers, entry.goal_id = self._found, new_goal_id()
-        if entry.watchdog is not None:
-            entry.watchdog.goal_sent(self.name, entry.goal_id)
-        goals, _, _ = self._services
+        grace = GRACE if self._supervised else 0.0
+        patience = GoalTimeouts(request.deadline - request.began, request.cancel_within, grace, request.limit)
+        request.machine, request.goal_id = Goal(self.name, patience, request.began, now), new_goal_id()
+        if request.watchdog is not None:
+            request.watchdog.goal_sent(self.name, request.goal_id)
+        goals, _, _ = self._made or ()
         try:
-            if not isinstance(entry.message, self.type.Goal):
+            if not isinstance(request.message, self.type.Goal):
                 named = f"{self.type.__name__}.Goal"
-                raise TypeError(f"a goal of {self.type.__name__} has to be a {named}, not {entry.message!r}")
-            request = self.type.Impl.SendGoalService.Request(goal_id=entry.uuid, goal=entry.message)
-            future = goals.call_async(request)
+                raise TypeError(f"a goal of {self.type.__name__} has to be a {named}, not {request.message!r}")
+            asked = self.type.Impl.SendGoalService.Request(goal_id=request.uuid, goal=request.message)
+            future = goals.call_async(asked)
         except Exception as error:  # noqa: BLE001 - rclpy's own errors and TypeErrors of a wrong goal
-            self._do(entry, entry.machine.send_failed(error))
+            self._do(request, request.machine.send_failed(error))
             return
-        self._later(entry, future, self._goal_answered)
+        self._later(request, future, self._goal_answered)
 
     def _later(self, entry: _Entry, future: Future, then: Callable[[_Entry, Message], None]) -> None:
         """Call `then` with the future's result; futures that are given up are cancelled, and say nothing."""

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from grip_bt.base.failures import CanceledError, IncompatibleServerError, ServerLostError
+from grip_bt.base.failures import CanceledError, IncompatibleServerError, ServerLostError, ServerTimeOutError
 from grip_bt.base.operation import Operation
 
 from .connection import Connection
-from .graph import SETTLE, STALE, TRUST, check_servers, gids_of, servers_of
-from .types import InterfaceType, Message
+from .graph import SETTLE, STALE, TRUST, check_servers, endpoints_of, gids_of, instead
+from .types import InterfaceType, Message, type_name
 
 IN_FLIGHT = 8
 """Requests sent and not yet answered at once: a server keeps the last 10, and drops others without a word."""
@@ -30,12 +31,16 @@ class Request:
         began: when it was asked for [s].
         deadline: until when it may take in all [s].
         wait_until: until when a server may appear [s].
+        limit: who limits the time, in words behind those of a time-out.
+        servers: who it was sent to; empty until then.
     """
 
     message: Message | None
     began: float
     deadline: float
     wait_until: float = 0.0
+    limit: str = ""
+    servers: frozenset[bytes] = frozenset()
     operation: Operation[Any] = field(init=False)
 
 
@@ -45,14 +50,17 @@ R = TypeVar("R", bound=Request)
 class Client(ABC, Generic[R]):
     """A client of one name, of whose requests each ends; made by `Bus`."""
 
+    _made: Any = None
+    """What rclpy gave for it, when it is connected."""
+
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         self.type, self.name, self._bus = type_, name, bus
         self._requests: list[R] = []
 
     @property
-    @abstractmethod
     def idle(self) -> bool:
         """Whether it was never connected and nobody waits for that; such a client may be replaced."""
+        return self._made is None and not self._requests
 
     @property
     def busy(self) -> bool:
@@ -98,6 +106,8 @@ class Client(ABC, Generic[R]):
 class ServedClient(Client[R]):
     """A client of what one server serves: a service, an action."""
 
+    _new: Callable[..., R]
+
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         super().__init__(bus, type_, name)
         self._found: frozenset[bytes] = frozenset()  # who serves it, while that is trusted
@@ -108,13 +118,27 @@ class ServedClient(Client[R]):
 
     # --- from any thread ---
 
+    def _times(self, timeout: float | None, wait: float | None) -> tuple[float, float, float]:
+        """Return now, and until when a request may take and a server may appear [s]; the bus's own times for None."""
+        now = time.monotonic()
+        timeout = self._bus.timeout if timeout is None else timeout
+        return now, now + timeout, now + (self._bus.wait if wait is None else wait)
+
+    def wait_ready(self, timeout: float) -> Operation[None]:
+        """End when there is a server that fits; with ServerLostError after `timeout` [s]."""
+        return self._begin(self._new(None, *self._times(timeout + 1.0, timeout)))
+
     def server_ended(self, reason: str) -> None:
         """Say that the server's process is known to have ended: all fails at once, now and until it is back."""
 
         def end() -> None:
             self._server_ended = reason
             self._found = frozenset()
-            self._all_lost(reason)
+            for request in list(self._requests):
+                if request.servers:
+                    self._server_of_ended(request, reason)
+                else:
+                    self._finish(request, self._lost(reason))
 
         self._bus.post(end)
 
@@ -138,8 +162,27 @@ class ServedClient(Client[R]):
             self._bus.watch()
             self._advance(time.monotonic())
 
+    def poll(self) -> bool:
+        """Look at the requests under way; False when there are none."""
+        now = time.monotonic()
+        sent = [request for request in self._requests if request.servers]
+        if sent:
+            present = self._present()
+            for request in sent:
+                self._look_after(request, bool(request.servers & present), now)
+        self._advance(now)
+        for request in [r for r in self._requests if not r.servers and now > r.deadline]:
+            self._finish(request, self._timed_out(request, "not sent"))
+        return bool(self._requests)
+
+    def _cancel(self, request: R) -> None:
+        if request.servers:
+            self._cancel_sent(request)
+        else:
+            self._finish(request, CanceledError(f"{self.name}: canceled before it was sent", server=self.name))
+
     def _advance(self, now: float) -> None:
-        waiting = self._waiting()
+        waiting = [request for request in self._requests if not request.servers]
         if not waiting:
             return
         try:
@@ -148,15 +191,23 @@ class ServedClient(Client[R]):
             stale_possible = len(self._look()) > 1  # a dead one counts until its lease is over
             for request in waiting:
                 if not stale_possible or now > min(request.wait_until, request.began + STALE):
-                    self._unfit(request, error)
+                    self._finish(request, error)
             return
         for request in waiting:
             if not ready:
                 self._absent(request, now)
             elif request.message is None:
                 self._finish(request)
-            elif self._sent() < IN_FLIGHT:
+            elif self._unanswered() < IN_FLIGHT:
+                servers = self._found
                 self._send(request, now)
+                request.servers = servers
+
+    def _absent(self, request: R, now: float) -> None:
+        if now > request.wait_until:
+            waited = request.wait_until - request.began
+            there = instead(self._bus.node, self.name, type_name(self.type), "served")
+            self._finish(request, self._lost(f"no server within {waited:.1f} s{there}", waited=waited))
 
     def _fits(self, now: float) -> bool:
         """Tell whether there is one fitting server that our client is connected to.
@@ -189,7 +240,8 @@ class ServedClient(Client[R]):
         return present
 
     def _look(self) -> list[TopicEndpointInfo]:
-        return servers_of(self._bus.node, self.type, self.name)
+        taking = f"{self.name}/_action/send_goal" if hasattr(self.type, "Impl") else self.name
+        return endpoints_of(self._bus.node, taking)
 
     @abstractmethod
     def _connected(self) -> bool:
@@ -198,27 +250,29 @@ class ServedClient(Client[R]):
         It isn't called before a server was found to fit: a client of the wrong type would spoil the name here.
         """
 
-    @abstractmethod
-    def _waiting(self) -> list[R]:
-        """Return the requests that aren't sent."""
-
-    @abstractmethod
-    def _sent(self) -> int:
+    def _unanswered(self) -> int:
         """Return how many requests the server hasn't answered."""
+        return sum(bool(request.servers) for request in self._requests)
 
     @abstractmethod
     def _send(self, request: R, now: float) -> None:
         """Send a request to the server that was found."""
 
-    def _unfit(self, request: R, error: IncompatibleServerError) -> None:
-        self._finish(request, error)
-
-    def _absent(self, request: R, now: float) -> None:
-        """See to a request for which no server is there."""
+    @abstractmethod
+    def _look_after(self, request: R, there: bool, now: float) -> None:
+        """Look at a request that was sent; `there`: whether the server is that has it."""
 
     @abstractmethod
-    def _all_lost(self, reason: str) -> None:
-        """End every request: the server's process has ended."""
+    def _cancel_sent(self, request: R) -> None:
+        """Cancel a request that was sent."""
+
+    @abstractmethod
+    def _server_of_ended(self, request: R, reason: str) -> None:
+        """End a request that was sent: its server's process has ended."""
 
     def _lost(self, reason: str, **data: float) -> ServerLostError:
         return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)
+
+    def _timed_out(self, request: R, what: str) -> ServerTimeOutError:
+        said = f"{self.name}: {what} after {request.deadline - request.began:.1f} s{request.limit}"
+        return ServerTimeOutError(said, server=self.name)

@@ -12,7 +12,8 @@ from grip_bt.base.errors import GripError
 from grip_bt.base.operation import Operation
 
 from .action import ActionClient
-from .connection import Connection, Polled
+from .base import Client
+from .connection import Connection
 from .service import ServiceClient
 from .topic import TopicReader, TopicWriter
 from .types import InterfaceType, Message, check_name, load_type, type_name
@@ -74,6 +75,6 @@ class Bus(Connection):
                 raise GripError(f"{name} is used as {type_name(client.type)} already, not as {type_name(type_)}")
         return cast(C, client)
 
-    def _polled(self) -> list[Polled]:
+    def _polled(self) -> list[Client[Any]]:
         with self._lock:
             return list(self._clients.values())

@@ -21,7 +21,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -37,6 +37,9 @@ from grip_bt.base.operation import Operation
 from ..environment import require, sweep
 from ..watchdog import Watchdog, shared
 
+if TYPE_CHECKING:
+    from .base import Client
+
 T = TypeVar("T")
 PERIOD = 0.02
 """How often what is under way is looked at [s]; nothing is looked at while there is nothing."""
@@ -44,20 +47,6 @@ LETTING_GO = 1.0
 """How long closing waits for action servers to hear that their goals are canceled [s]."""
 
 _log = logging.getLogger("grip.ros")
-
-
-class Polled(Protocol):
-    """What is looked at while it has something under way, on the connection's thread."""
-
-    @property
-    def busy(self) -> bool:
-        """Whether a server has to hear something before the connection may be closed."""
-
-    def poll(self) -> bool:
-        """Look at what is under way; False when nothing is."""
-
-    def end(self, error: Exception) -> None:
-        """End all of it with an error."""
 
 
 class Connection(Closing):
@@ -198,7 +187,7 @@ class Connection(Closing):
         if self._timer.is_canceled():
             self._timer.reset()
 
-    def _polled(self) -> list[Polled]:
+    def _polled(self) -> list[Client[Any]]:
         return []
 
     def _poll(self) -> None:

@@ -1,8 +1,8 @@
-"""The life of one goal of an action, as a pure state machine: events in, commands out; no ROS, no thread, no clock.
+"""The life of a goal that was sent, as a pure state machine: events in, commands out; no ROS, no thread, no clock.
 
-    WAITING --server_fits--> SENT --accepted--> RUNNING --cancel--> CANCELING --result--> OVER
-                               |                   |                    |
-                               +--- the owner was told something else --+--> ORPHANED_SENT, ORPHANED --> OVER
+    SENT --accepted--> RUNNING --cancel--> CANCELING --result--> OVER
+      |                   |                    |
+      +--- the owner was told something else --+--> ORPHANED_SENT, ORPHANED --> OVER
 
 The owner of a goal is told exactly once how it ended, and never later than its patience allows. A goal whose time is
 over is cancelled, and its owner told of the time-out when the server has said that it ended: nothing else may begin
@@ -44,7 +44,6 @@ FORGET = 10.0
 class Phase(Enum):
     """Where a goal is."""
 
-    WAITING = "waiting for a server"
     SENT = "sent"
     RUNNING = "running"
     CANCELING = "asked to stop"
@@ -55,6 +54,8 @@ class Phase(Enum):
 
 LIVE = frozenset({Phase.SENT, Phase.RUNNING, Phase.CANCELING})
 """Phases in which the server has the goal and the owner waits."""
+ORPHANED = frozenset({Phase.ORPHANED_SENT, Phase.ORPHANED})
+"""Those in which the server has it, and the owner was told of its end."""
 
 
 @dataclass(frozen=True)
@@ -62,14 +63,12 @@ class GoalTimeouts:
     """How long to wait [s].
 
     Attributes:
-        server: for the server to appear.
         result: for the result, in all; `math.inf` for ever.
         cancel: for the end, after a cancel.
         gone: before a server that isn't seen any more is lost.
         limit: who says how long the result may take, in words behind those of a time-out.
     """
 
-    server: float = 5.0
     result: float = 30.0
     cancel: float = 3.0
     gone: float = 0.0
@@ -89,9 +88,8 @@ class GoalEnd:
 
 
 class Ask(Enum):
-    """What the server is asked: to take the goal, for the result when there is one, to cancel the goal."""
+    """What the server is asked: for the result when there is one, to cancel the goal."""
 
-    GOAL = "goal"
     RESULT = "result"
     CANCEL = "cancel"
 
@@ -110,16 +108,17 @@ class Goal:
     """One goal. Each event returns what is to be done now, in order.
 
     Args:
-        now: the time [s], of the same clock as in every event.
+        began: when its time began [s], of the same clock as in every event.
+        now: when it is sent [s].
 
     Attributes:
         refused: whether the server refused to cancel it, so that it goes on although its owner is gone.
     """
 
-    def __init__(self, name: str, patience: GoalTimeouts, now: float):
+    def __init__(self, name: str, patience: GoalTimeouts, began: float, now: float):
         self.name, self.patience = name, patience
-        self.phase, self.refused = Phase.WAITING, False
-        self._began = now
+        self.phase, self.refused = Phase.SENT, False
+        self._began = began
         self._cancel_since: float | None = None
         self._late: Exception | None = None  # what the owner is told when a goal whose time is over has ended
         self._sent = now
@@ -127,19 +126,6 @@ class Goal:
         self._unknown_since: float | None = None  # since when the server says that it doesn't know an orphaned goal
         self._gone_since: float | None = None
         self._ended_since: float | None = None
-
-    # --- the server is found, or isn't ---
-
-    def server_fits(self, now: float) -> list[Command]:
-        """There is one server, of the right type, and our client is connected to it."""
-        if self.phase is not Phase.WAITING:
-            return []
-        self.phase, self._sent = Phase.SENT, now
-        return [Ask.GOAL]
-
-    def server_unfit(self, error: Exception) -> list[Command]:
-        """Who is there can't be used."""
-        return self._notify(error, Phase.OVER) if self.phase is Phase.WAITING else []
 
     def server_seen(self, present: bool, now: float) -> list[Command]:
         """The server that has the goal is there, or isn't; to be said at every look."""
@@ -152,13 +138,13 @@ class Goal:
         absent = now - self._gone_since
         if self.phase in LIVE and absent >= self.patience.gone:
             return self._let_go(self._lost("the action server disappeared while executing the goal"))
-        if self.phase in (Phase.ORPHANED_SENT, Phase.ORPHANED) and absent >= FORGET:
+        if self.phase in ORPHANED and absent >= FORGET:
             self.phase = Phase.OVER
         return []
 
     def server_ended(self, reason: str) -> list[Command]:
         """The server's process is known to have ended, and every goal with it."""
-        if self.phase in (Phase.ORPHANED_SENT, Phase.ORPHANED, Phase.OVER):
+        if self.phase in (*ORPHANED, Phase.OVER):
             self.phase = Phase.OVER
             return []
         return self._notify(self._lost(reason), Phase.OVER)
@@ -166,8 +152,11 @@ class Goal:
     # --- the server answers ---
 
     def send_failed(self, error: Exception) -> list[Command]:
-        """The goal couldn't be sent."""
-        return self._over_or_tell(error)
+        """The goal couldn't be sent, or isn't taken."""
+        if self.phase is Phase.ORPHANED_SENT:
+            self.phase = Phase.OVER
+            return []
+        return self._notify(error, Phase.OVER) if self.phase is Phase.SENT else []
 
     def accepted(self, now: float) -> list[Command]:
         """The server took the goal: it answered so, or what else it says of the goal shows it."""
@@ -185,8 +174,8 @@ class Goal:
     def rejected(self) -> list[Command]:
         """The server doesn't take the goal."""
         if self._cancel_since is not None:
-            return self._over_or_tell(self._late or self._canceled("canceled, and rejected by the server"))
-        return self._over_or_tell(GoalRejectedError(f"{self.name}: the server rejected the goal", server=self.name))
+            return self.send_failed(self._late or self._canceled("canceled, and rejected by the server"))
+        return self.send_failed(GoalRejectedError(f"{self.name}: the server rejected the goal", server=self.name))
 
     def result(self, status: int, result: Message) -> list[Command]:
         """The server sent the result; a number that isn't an end means that it doesn't know the goal."""
@@ -229,7 +218,7 @@ class Goal:
         if self.phase is Phase.SENT:
             self.phase = Phase.CANCELING
             return [Ask.RESULT]
-        if self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT):
+        if self.phase in ORPHANED:
             self.phase = Phase.OVER
         return []
 
@@ -237,8 +226,6 @@ class Goal:
 
     def cancel(self, now: float) -> list[Command]:
         """The owner wants it to stop."""
-        if self.phase is Phase.WAITING:
-            return self._notify(self._canceled("canceled before it was sent"), Phase.OVER)
         return self._stop(now) if self._cancel_since is None and self.phase in LIVE else []
 
     def _stop(self, now: float) -> list[Command]:
@@ -250,21 +237,12 @@ class Goal:
 
     def close(self, now: float) -> list[Command]:
         """The connection is being closed."""
-        if self.phase is Phase.WAITING:
-            return self._notify(self._canceled("the connection to ROS was closed"), Phase.OVER)
         if self.phase in LIVE:
             return [*self._let_go(self._canceled("the connection to ROS was closed")), *self.tick(now)]
         return []
 
     def tick(self, now: float) -> list[Command]:
         """Time has passed."""
-        if self.phase is Phase.WAITING:
-            if now >= self._began + self.patience.server:
-                waited = self.patience.server
-                return self._notify(self._lost(f"no server within {waited:.1f} s", waited=waited), Phase.OVER)
-            if now >= self._began + self.patience.result:
-                return self._notify(self._timed_out("the goal wasn't sent"), Phase.OVER)
-            return []
         if self.phase in LIVE and self._cancel_since is None and now >= self._began + self.patience.result:
             what = "the server did not accept the goal" if self.phase is Phase.SENT else "no result"
             self._late = self._timed_out(what)
@@ -280,7 +258,7 @@ class Goal:
             since = self._sent if self._asked is None else self._asked
             due = self._cancel_since is not None and now >= since + RECANCEL
         else:
-            orphaned = self.phase in (Phase.ORPHANED, Phase.ORPHANED_SENT)
+            orphaned = self.phase in ORPHANED
             due = orphaned and (self._asked is None or now >= self._asked + RECANCEL)
         return self._ask_cancel(now) if due else []
 
@@ -297,12 +275,6 @@ class Goal:
         self.phase = phase
         return [Notify(end)]
 
-    def _over_or_tell(self, error: Exception) -> list[Command]:
-        if self.phase is Phase.ORPHANED_SENT:
-            self.phase = Phase.OVER
-            return []
-        return self._notify(error, Phase.OVER) if self.phase is Phase.SENT else []
-
     def _let_go(self, error: Exception) -> list[Command]:
         """Notify the owner, and keep the goal until the server knows that nobody waits."""
         if self.phase is Phase.SENT:
@@ -315,8 +287,8 @@ class Goal:
         self._asked = now
         return [Ask.CANCEL]
 
-    def _lost(self, reason: str, **data: float) -> ServerLostError:
-        return ServerLostError(f"{self.name}: {reason}", server=self.name, **data)
+    def _lost(self, reason: str) -> ServerLostError:
+        return ServerLostError(f"{self.name}: {reason}", server=self.name)
 
     def _canceled(self, reason: str) -> CanceledError:
         return CanceledError(f"{self.name}: {reason}", server=self.name)

@@ -23,18 +23,16 @@ from rclpy.qos import ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from grip_bt.base.errors import GripError, UnknownNameError, listing
-from grip_bt.base.failures import IncompatibleServerError, ServerLostError
+from grip_bt.base.failures import IncompatibleServerError
 
 from .connection import Connection
-from .types import InterfaceType, type_name
+from .types import InterfaceType
 
 LOOKING = 5.0
 """How long one look at the graph may take [s]."""
 SETTLE = 0.1
 """What was found is all there when nothing new was seen for so long [s]: of a server's parts, some are seen before
 others. A server is sent nothing sooner: it has to know our ear too, or its first answer is lost."""
-LOOK = 0.01
-"""How often is looked [s]; rclpy tells nobody when the graph changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,20 +65,22 @@ def everything(node: Node) -> list[Served]:
     Raises:
         TwoTypesError: a service or an action has two types.
     """
-    found: list[Served] = []
-    for name, types in get_action_names_and_types(node):
-        found.append(Served(name, "action", _one(name, types), _nodes(node, f"{name}/_action/send_goal")))
-    for name, types in node.get_service_names_and_types():
-        if not is_internal(name):
-            found.append(Served(name, "srv", _one(name, types), _nodes(node, name)))
+    found = []
+    for name, types in served(node):
+        if len(types) > 1:
+            raise TwoTypesError(name, types)
+        kind: Literal["action", "srv"] = "action" if "/action/" in types[0] else "srv"
+        ends = endpoints_of(node, f"{name}/_action/send_goal" if kind == "action" else name)
+        nodes = sorted(end.node_name for end in ends if end.node_name and end.node_name != _NAMELESS)
+        found.append(Served(name, kind, types[0], tuple(nodes)))
     found += [Served(name, "msg", types[0]) for name, types, _ in topics(node)]
     return sorted(found, key=lambda served: (served.kind, served.name))
 
 
-def served_names(node: Node) -> tuple[set[str], set[str]]:
-    """Return the names of what is served (services, actions), and of the topics that somebody publishes."""
-    served = {name for name, _ in (*node.get_service_names_and_types(), *get_action_names_and_types(node))}
-    return served, {name for name, _ in node.get_topic_names_and_types() if node.count_publishers(name)}
+def served(node: Node) -> list[tuple[str, list[str]]]:
+    """Return the services and the actions with their types, without what every node has; on the bus's thread."""
+    names = (*node.get_service_names_and_types(), *get_action_names_and_types(node))
+    return [(name, types) for name, types in names if types and not is_internal(name)]
 
 
 def find_served(name: str, within: float = 5.0) -> Served:
@@ -97,31 +97,17 @@ def find_served(name: str, within: float = 5.0) -> Served:
     wanted = name if name.startswith("/") else f"/{name}"
     deadline = time.monotonic() + within
     with Connection("grip_look") as bus:
-        seen, since = bus.ask(lambda: everything(bus.node), LOOKING), time.monotonic()
+        seen: list[Served] = []
         while True:
-            found = [s for s in seen if s.name == wanted]
-            now = time.monotonic()
-            if found and (now > since + SETTLE or now > deadline):
+            before, seen = seen, bus.ask(lambda: everything(bus.node), LOOKING)
+            found, over = [s for s in seen if s.name == wanted], time.monotonic() > deadline
+            if found and (seen == before or over):
                 return found[0]
-            if now > deadline:
+            if over:
                 names = [s.name for s in seen]
                 where = f"the running graph, after {within:.0f} s (ROS_DOMAIN_ID {bus.domain_id})"
                 raise UnknownNameError("service, action or topic", wanted, names, where)
-            time.sleep(LOOK)
-            before, seen = seen, bus.ask(lambda: everything(bus.node), LOOKING)
-            if seen != before:
-                since = time.monotonic()
-
-
-def _one(name: str, types: list[str]) -> str:
-    if len(types) > 1:
-        raise TwoTypesError(name, types)
-    return types[0]
-
-
-def _nodes(node: Node, service: str) -> tuple[str, ...]:
-    names = (server.node_name for server in endpoints_of(node, service))
-    return tuple(sorted(name for name in names if name and name != "_NODE_NAME_UNKNOWN_"))
+            time.sleep(SETTLE)
 
 
 _HIDDEN = (
@@ -145,20 +131,6 @@ def topics(node: Node) -> list[tuple[str, list[str], int]]:
     return sorted((name, types, count) for name, types, count in seen if count and not is_internal(name))
 
 
-def explained(error: Exception, node: Node, type_: InterfaceType) -> Exception:
-    """Return an error that says in vain was waited for a server with what is served instead; any other as it is.
-
-    On the bus's thread.
-
-    Args:
-        error: what a call or a goal ended with; `waited` in its data marks the ones meant.
-    """
-    if not isinstance(error, ServerLostError) or "waited" not in error.data:
-        return error
-    there = instead(node, error.data["server"], type_name(type_), "served")
-    return ServerLostError(error.message + there, **error.data)
-
-
 def instead(node: Node, name: str, wanted: str, done: Done) -> str:
     """Return what there is instead of a name that isn't there as `wanted`, in words to be put behind the message.
 
@@ -168,12 +140,12 @@ def instead(node: Node, name: str, wanted: str, done: Done) -> str:
         wanted: its type; empty where nobody said it.
     """
     ends = node.get_subscriptions_info_by_topic if done == "heard" else node.get_publishers_info_by_topic
-    carried = [(n, sorted({end.topic_type for end in ends(n)})) for n, _ in node.get_topic_names_and_types()]
-    served = [*node.get_service_names_and_types(), *get_action_names_and_types(node)]
-    there, others = (served, carried) if done == "served" else ([c for c in carried if c[0] != name], served)
-    there += [other for other in others if other[0] == name]
-    found = [(n, types) for n, types in there if types and not is_internal(n)]
-    return in_words(name, wanted, found, done, node.context.get_domain_id())
+    carried = [(n, sorted({e.topic_type for e in ends(n)})) for n, _ in node.get_topic_names_and_types()]
+    carried = [(n, types) for n, types in carried if types and not is_internal(n)]
+    there, others = (served(node), carried) if done == "served" else (carried, served(node))
+    other = next((f"; {n} itself is {types[0]}" for n, types in others if n == name), "")
+    there = [found for found in there if done == "served" or found[0] != name]
+    return other + in_words(name, wanted, there, done, node.context.get_domain_id())
 
 
 def in_words(name: str, wanted: str, there: Iterable[tuple[str, Sequence[str]]], done: Done, domain: int) -> str:
@@ -196,13 +168,8 @@ GRACE = 1.0
 """How long to wait for the exit of a process of ours whose server has gone [s]: it says more than DDS does."""
 
 
+_NAMELESS = "_NODE_NAME_UNKNOWN_"
 _ACTION_PART = re.compile(r"_(SendGoal|GetResult|FeedbackMessage)$")
-
-
-def servers_of(node: Node, type_: InterfaceType, name: str) -> list[TopicEndpointInfo]:
-    """Return what is known of each server of a service, or of an action, by the endpoint that takes its goals."""
-    taking = f"{name}/_action/send_goal" if hasattr(type_, "Impl") else name
-    return endpoints_of(node, taking)
 
 
 def endpoints_of(node: Node, service: str) -> list[TopicEndpointInfo]:
@@ -245,27 +212,22 @@ def _check_endpoint(service: InterfaceType, name: str, endpoint: TopicEndpointIn
     """Check one half of a server; the definitions of requests and responses have hashes of their own."""
     package, kind = service.__module__.split(".")[:2]
     wanted = f"{package}::{kind}::dds_::{service.__name__}_" + (f"{part}_" if part else "")
-    if endpoint.topic_type != wanted:
-        raise IncompatibleServerError(
-            f"{name}: {_node(endpoint)} serves {_readable(endpoint.topic_type)}, not {_readable(wanted)}",
-            server=name,
-            serves=_readable(endpoint.topic_type),
-        )
     ours, theirs = type_hash(service, part), str(endpoint.topic_type_hash)
-    if ours is not None and theirs != ours:
+    data = {}
+    if endpoint.topic_type != wanted:
+        data["serves"] = _readable(endpoint.topic_type)
+        reason = f"serves {data['serves']}, not {_readable(wanted)}"
+    elif ours is not None and theirs != ours:
         halves = {"_SendGoal": "goal", "_GetResult": "result", "_FeedbackMessage": "feedback"}
         half = next((words for suffix, words in halves.items() if service.__name__.endswith(suffix)), part.lower())
-        raise IncompatibleServerError(
-            f"{name}: {_node(endpoint)} uses a different definition of the {half} of {_readable(wanted)} "
-            f"({theirs[7:15]}..., ours is {ours[7:15]}...); build both from the same file",
-            server=name,
-        )
-    if part and endpoint.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT:
+        hashes = f"({theirs[7:15]}..., ours is {ours[7:15]}...); build both from the same file"
+        reason = f"uses a different definition of the {half} of {_readable(wanted)} {hashes}"
+    elif part and endpoint.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT:
         what = "a service" if kind == "srv" else "an action"
-        raise IncompatibleServerError(
-            f"{name}: {_node(endpoint)} is best-effort; {what} must be reliable, which is ROS's default",
-            server=name,
-        )
+        reason = f"is best-effort; {what} must be reliable, which is ROS's default"
+    else:
+        return
+    raise IncompatibleServerError(f"{name}: {_node(endpoint)} {reason}", server=name, **data)
 
 
 @cache
@@ -292,7 +254,7 @@ def type_hash(service: InterfaceType, part: str) -> str | None:
 def _node(endpoint: TopicEndpointInfo) -> str:
     """Name a server's node; names travel more slowly than endpoints."""
     name = endpoint.node_name
-    return f"node {name!r}" if name and name != "_NODE_NAME_UNKNOWN_" else "a node"
+    return f"node {name!r}" if name and name != _NAMELESS else "a node"
 
 
 def _readable(dds_type: str) -> str:

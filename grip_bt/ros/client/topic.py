@@ -10,10 +10,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.subscription import Subscription
 
 from grip_bt.base.errors import GripError
 from grip_bt.base.failures import CanceledError, ServerTimeOutError
@@ -54,16 +52,10 @@ class TopicReader(Client[Request]):
     def __init__(self, bus: Connection, type_: InterfaceType, name: str):
         super().__init__(bus, type_, name)
         self.latest: Received | None = None
-        self._subscription: Subscription | None = None
         self._offered: tuple[bool, bool] | None = None
         self._listeners: list[Callable[[Received], None]] = []
         self._looked = float("-inf")
         self._listening = False
-
-    @property
-    def idle(self) -> bool:
-        """Whether it was never subscribed."""
-        return self._subscription is None and not self._requests
 
     # --- from any thread ---
 
@@ -108,12 +100,12 @@ class TopicReader(Client[Request]):
     def poll(self) -> bool:
         """Look at who waits; False when nobody does."""
         now = time.monotonic()
-        if (self._requests and self._subscription is None) or now - self._looked > RELOOK:
+        if (self._requests and self._made is None) or now - self._looked > RELOOK:
             self._look(now)
         for wait in [w for w in self._requests if now > w.deadline]:
             text = f"{self.name}: no message within {wait.deadline - wait.began:.1f} s; {self.publishers()}"
             self._finish(wait, ServerTimeOutError(text, topic=self.name))
-        return bool(self._requests) or (self._listening and self._subscription is None)
+        return bool(self._requests) or (self._listening and self._made is None)
 
     def _submit(self, request: Request) -> None:
         self._requests.append(request)
@@ -145,10 +137,10 @@ class TopicReader(Client[Request]):
         mine = [p.qos_profile for p in found if p.topic_type == type_name(self.type)]
         reliable = bool(mine) and all(q.reliability == ReliabilityPolicy.RELIABLE for q in mine)
         lasting = bool(mine) and all(q.durability == DurabilityPolicy.TRANSIENT_LOCAL for q in mine)
-        if not mine or (self._subscription is not None and self._offered == (reliable, lasting)):
+        if not mine or (self._made is not None and self._offered == (reliable, lasting)):
             return  # also for a publisher of another type: a subscription would spoil the name for this process
-        if self._subscription is not None:
-            self._bus.node.destroy_subscription(self._subscription)
+        if self._made is not None:
+            self._bus.node.destroy_subscription(self._made)
         self._offered = (reliable, lasting)
         profile = QoSProfile(
             depth=DEPTH,
@@ -156,7 +148,7 @@ class TopicReader(Client[Request]):
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
         )
-        self._subscription = self._bus.node.create_subscription(self.type, self.name, self._received, profile)
+        self._made = self._bus.node.create_subscription(self.type, self.name, self._received, profile)
 
     def _adopt(self, published: set[str]) -> bool:
         """Take the one type that the topic is published as; False while there is none, or more than one."""
@@ -180,13 +172,6 @@ class TopicReader(Client[Request]):
 class TopicWriter(Client[_Message]):
     """The one publisher of a topic in this process; made by `Bus.writer`. Reliable, and keeps the last messages."""
 
-    _publisher: Any = None  # rclpy's, when something is published
-
-    @property
-    def idle(self) -> bool:
-        """Whether nothing was ever published."""
-        return self._publisher is None
-
     def advertise(self) -> None:
         """Be there before anything is published, so that subscribers find it.
 
@@ -198,13 +183,13 @@ class TopicWriter(Client[_Message]):
     def listeners(self) -> int:
         """Return how many subscribers there are; none after the connection was closed."""
         try:
-            return self._bus.ask(lambda: 0 if self._publisher is None else self._publisher.get_subscription_count())
+            return self._bus.ask(lambda: 0 if self._made is None else self._made.get_subscription_count())
         except CanceledError:
             return 0
 
     def _make(self) -> None:
-        if self._publisher is None:
-            self._publisher = self._bus.node.create_publisher(self.type, self.name, DEPTH)
+        if self._made is None:
+            self._made = self._bus.node.create_publisher(self.type, self.name, DEPTH)
 
     def publish(self, message: Message, subscribers: int = 0, timeout: float | None = None) -> Operation[None]:
         """Publish a message, when at least `subscribers` listen.
@@ -225,7 +210,7 @@ class TopicWriter(Client[_Message]):
         """Publish what can be; False when nothing waits."""
         now = time.monotonic()
         for wait in list(self._requests):
-            there = self._publisher.get_subscription_count()
+            there = self._made.get_subscription_count()
             if there >= wait.subscribers:
                 self._publish(wait)
             elif now > wait.deadline:
@@ -237,7 +222,7 @@ class TopicWriter(Client[_Message]):
 
     def _publish(self, wait: _Message) -> None:
         try:
-            self._publisher.publish(wait.message)
+            self._made.publish(wait.message)
         except Exception as error:  # noqa: BLE001 - rclpy's TypeErrors of a wrong message
             self._finish(wait, error)
         else:

@@ -109,8 +109,6 @@ def constant_name(message: Message, value: int) -> str:
 
 _CODES = {"float": "f", "double": "d", "int8": "b", "uint8": "B", "int16": "h", "uint16": "H"}
 _CODES |= {"int32": "i", "uint32": "I", "int64": "q", "uint64": "Q"}
-WHOLE = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))
-"""Types of whole numbers, as messages spell them."""
 _ARRAY = re.compile(r"^(?:sequence<(?P<item>.+?)(?:, (?P<bound>\d+))?>|(?P<fixed>.+?)\[(?P<size>\d+)\])$")
 
 

@@ -18,7 +18,6 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +73,7 @@ class Following:
         self._began: float | None = None
         """When the motion has begun at the latest: never before the controller began, but soon after."""
         self._delays: deque[float] = deque(maxlen=KEPT)
-        self._blends: JointSamples | None = None
+        self._blends: Samples | None = None
         self._goals: list[Operation[GoalEnd]] = []
         self._waiting: GoalReplacement | None = None
         self._flying: GoalReplacement | None = None
@@ -111,7 +110,7 @@ class Following:
             begin = max(passed, at - LATEST - 2 * max(self._delays))
             possible = places(self._trajectory, begin)
             if self._blends is not None:
-                possible = possible.and_those(self._blends.since(begin))
+                possible = np.vstack([possible, self._blends[self._blends[:, 0] >= begin]])
             likely = begin + min(USUAL, *self._delays)
             found = change(possible, self._trajectory, whole, likely) or change(
                 possible, self._trajectory, whole, begin
@@ -200,33 +199,8 @@ _FEW = 16
 """So many of the places from which joints may be under way stand for all of them."""
 
 
-class JointSamples(NamedTuple):
-    """Where joints may be, and how fast.
-
-    Attributes:
-        times: of the motion [s], shape (m,).
-        positions: shape (m, n).
-        velocities: shape (m, n).
-    """
-
-    times: Array
-    positions: Array
-    velocities: Array
-
-    def since(self, time: float) -> JointSamples:
-        """Return those of a time [s] and later."""
-        kept = self.times >= time
-        return JointSamples(*(values[kept] for values in self))
-
-    def few(self) -> JointSamples:
-        """Return some, from the first to the last."""
-        order = np.argsort(self.times, kind="stable")
-        kept = order[np.unique(np.linspace(0, len(order) - 1, _FEW).round().astype(int))]
-        return JointSamples(*(values[kept] for values in self))
-
-    def and_those(self, others: JointSamples) -> JointSamples:
-        """Return these and others."""
-        return JointSamples(*(np.concatenate(both) for both in zip(self, others, strict=True)))
+Samples = Array
+"""Where joints may be, and how fast: rows of a time of the motion [s], n positions and n velocities."""
 
 
 @dataclass(frozen=True)
@@ -235,42 +209,28 @@ class GoalReplacement:
 
     Attributes:
         whole: the motion from its beginning, as it is to be.
-        row: of its points, the goal's first one.
+        rest: the goal's points, the first of them at 0.
         ahead: how long after the goal came that is due [s].
+        began: when the motion would have begun, had all of it been timed as the goal is; from when the goal came [s].
         underway: where joints may be before they are there.
     """
 
     whole: Trajectory
-    row: int
+    rest: Trajectory
     ahead: float
-    underway: JointSamples
-
-    @property
-    def began(self) -> float:
-        """When the motion would have begun, had all of it been timed as the goal is; from when the goal came [s]."""
-        return self.ahead - float(self.whole.times[self.row])
-
-    @property
-    def rest(self) -> Trajectory:
-        """The goal's points, the first of them at 0."""
-        whole, row = self.whole, self.row
-        velocities = None if whole.velocities is None else whole.velocities[row:]
-        return Trajectory(whole.names, whole.times[row:] - whole.times[row], whole.positions[row:], velocities)
+    began: float
+    underway: Samples
 
 
-def places(trajectory: Trajectory, time: float) -> JointSamples:
+def places(trajectory: Trajectory, time: float) -> Samples:
     """Return where the joints of a motion may be at a time [s] or later; its points have velocities."""
     assert trajectory.velocities is not None
-    later = trajectory.times > time
-    now = np.array([np.interp(time, trajectory.times, column) for column in trajectory.velocities.T])
-    return JointSamples(
-        np.array([time, *trajectory.times[later]]),
-        np.vstack([trajectory.at(time), trajectory.positions[later]]),
-        np.vstack([now, trajectory.velocities[later]]),
-    )
+    rows = np.column_stack([trajectory.times, trajectory.positions, trajectory.velocities])
+    speed = [np.interp(time, trajectory.times, column) for column in trajectory.velocities.T]
+    return np.vstack([[time, *trajectory.at(time), *speed], rows[trajectory.times > time]])
 
 
-def change(possible: JointSamples, before: Trajectory, whole: Trajectory, time: float) -> GoalReplacement | None:
+def change(possible: Samples, before: Trajectory, whole: Trajectory, time: float) -> GoalReplacement | None:
     """Return the goal by which a motion is changed; None, where the joints might go back or aside by any.
 
     Args:
@@ -279,26 +239,30 @@ def change(possible: JointSamples, before: Trajectory, whole: Trajectory, time: 
         whole: the motion as it is to be; its points have velocities.
         time: of the motion when the goal is likely to come [s]; where it comes then, the motion goes on in time.
     """
-    since = float(possible.times.min())
+    since, n = float(possible[:, 0].min()), len(whole.names)
     assert whole.velocities is not None
-    both = np.vstack([possible.velocities, whole.velocities[whole.times >= since]])
+    both = np.vstack([possible[:, 1 + n :], whole.velocities[whole.times >= since]])
     slowest, fastest = 1.1 * np.minimum(0, both.min(axis=0)) - EVEN, 1.1 * np.maximum(0, both.max(axis=0)) + EVEN
     for row in np.flatnonzero(whole.times >= time + SOONEST):
-        ahead = float(whole.times[row]) - time
-        end, speed = whole.positions[row], whole.velocities[row]
+        due = float(whole.times[row])
+        ahead, end, speed = due - time, whole.positions[row], whole.velocities[row]
         low, high = extremes(possible, end, speed, ahead)
         if (low >= slowest).all() and (high <= fastest).all():
-            underway = _underway(possible.few(), end, speed, time, ahead)
-            aside = np.minimum(*(_aside(underway.positions, path, since) for path in (before, whole)))
-            near = aside.max() <= ASIDE
-            return GoalReplacement(whole, int(row), ahead, underway) if near else None
+            order = possible[np.argsort(possible[:, 0], kind="stable")]
+            few = order[np.unique(np.linspace(0, len(order) - 1, _FEW).round().astype(int))]
+            underway = _underway(few, end, speed, time, ahead)
+            aside = np.minimum(*(_aside(underway[:, 1 : 1 + n], path, since) for path in (before, whole)))
+            if aside.max() > ASIDE:
+                return None
+            rest = Trajectory(whole.names, whole.times[row:] - due, whole.positions[row:], whole.velocities[row:])
+            return GoalReplacement(whole, rest, ahead, ahead - due, underway)
     return None
 
 
-def extremes(begin: JointSamples, end: Array, speed: Array, duration: float) -> tuple[Array, Array]:
+def extremes(begin: Samples, end: Array, speed: Array, duration: float) -> tuple[Array, Array]:
     """Return the least and the greatest velocities on cubics from places to one place, each shape (m, n)."""
-    mean = (end - begin.positions) / duration
-    first, last = begin.velocities, np.broadcast_to(speed, begin.velocities.shape)
+    positions, first = np.split(begin[:, 1:], 2, axis=1)
+    mean, last = (end - positions) / duration, np.broadcast_to(speed, first.shape)
     # Of velocity = first + 2 b s + 3 c s^2 for s from 0 to 1, where b and c are of the Hermite form:
     b, c = 3 * mean - 2 * first - last, first + last - 2 * mean
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -309,18 +273,18 @@ def extremes(begin: JointSamples, end: Array, speed: Array, duration: float) -> 
     return np.minimum(turning, np.minimum(first, last)), np.maximum(turning, np.maximum(first, last))
 
 
-def _underway(begin: JointSamples, end: Array, speed: Array, time: float, duration: float) -> JointSamples:
+def _underway(begin: Samples, end: Array, speed: Array, time: float, duration: float) -> Samples:
     """Return places on the cubics, by the time that the goal says."""
-    ends = np.broadcast_to(end, begin.positions.shape), np.broadcast_to(speed, begin.velocities.shape)
-    path = CubicHermiteSpline([0.0, duration], (begin.positions, ends[0]), (begin.velocities, ends[1]))
-    at, shape = _WAY * duration, (-1, begin.positions.shape[1])
-    times = np.repeat(time + at, len(begin.times))
-    return JointSamples(times, path(at).reshape(shape), path(at, nu=1).reshape(shape))
+    positions, velocities = np.split(begin[:, 1:], 2, axis=1)
+    ends = np.broadcast_to(end, positions.shape), np.broadcast_to(speed, positions.shape)
+    path = CubicHermiteSpline([0.0, duration], (positions, ends[0]), (velocities, ends[1]))
+    at, shape = _WAY * duration, (-1, positions.shape[1])
+    return np.column_stack([np.repeat(time + at, len(begin)), path(at).reshape(shape), path(at, nu=1).reshape(shape)])
 
 
 def _aside(positions: Array, trajectory: Trajectory, time: float) -> Array:
     """Return how far each of m positions is from what is left of a path, in its furthest joint [rad or m]."""
-    path = places(trajectory, time).positions
+    path = places(trajectory, time)[:, 1 : 1 + positions.shape[1]]
     first, along = path[:-1], np.diff(path, axis=0)
     away = positions[:, None] - first
     length = (along**2).sum(axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -18,17 +18,21 @@ from ..client.goal import GoalEnd
 from ..client.types import load_type
 from ..interfaces.build import ensure_package
 from .joint_states import JointStates
-from .motion import Motion, measured
+from .motion import MovedJoints, measured
 from .trajectory import LATE, as_motion
 
 ACTION = "control_msgs/action/GripperCommand"
 UNKNOWN_FORCE = 1.0
 """Force of a contact where none is measured [N]: that there is one, not how strong."""
+STOPPED_SHORT = 0.05
+"""A joint that stays so far from where it was sent [rad] was stopped by something."""
+SHORT_SLIDING = 3e-3
+"""The same of a joint that slides, and of grippers [m]."""
 GAVE_WAY = 2e-3
 """Fingers that have moved further than this since something stopped them [m or rad] don't touch it any more."""
 
 
-class GripperHand:
+class GripperHand(MovedJoints):
     """Implements `grip_bt.base.ports.HandPort`.
 
     Args:
@@ -37,21 +41,11 @@ class GripperHand:
     """
 
     def __init__(self, bus: Bus, action: str, joint: str, states: JointStates, wait: float = 5.0):
+        super().__init__((joint,), states)
         ensure_package("control_msgs")
         self._type = load_type(ACTION)
-        self._client, self._wait = bus.action(self._type, action), wait
-        self._action, self._joint, self._states = action, joint, states
-        self._motion: Motion | None = None
+        self._client, self._action, self._wait = bus.action(self._type, action), action, wait
         self._force, self._stopped_at = 0.0, 0.0
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The one joint."""
-        return (self._joint,)
-
-    def state(self) -> JointState:
-        """Return the measured state. Raises SensorError: nothing is known of the joint."""
-        return self._states.state(self.joint_names)
 
     def move(
         self, posture: JointState, duration: float, torque_limit: float | None = None, force: float | None = None
@@ -61,37 +55,34 @@ class GripperHand:
         The gripper decides how long that takes. It ends also when something stops the fingers. Cancelled or given up,
         it ends when they were measured at rest; see `RosExecutor.execute`.
         """
-        if self._motion is not None:
-            self._motion.preempt()
         goal = self._type.Goal()
-        (goal.command.position,) = map(float, posture.ordered(self.joint_names))
+        (goal.command.position,) = map(float, posture.ordered(self._names))
         goal.command.max_effort = float(force or torque_limit or 0.0)
-        self._force = 0.0
-        sent = self._client.send(goal, duration + LATE, self._wait)
-        part = as_motion(sent.then(_stalls_are_ends), self._action).then(self._ended)
-        self._motion = Motion(part, self._states, self.joint_names)
-        return self._motion.whole
+        self._force, self._wanted = 0.0, goal.command.position
+
+        def begin() -> Operation[GoalEnd]:
+            sent = self._client.send(goal, duration + LATE, self._wait)
+            return as_motion(sent.then(_stalls_are_ends), self._action)
+
+        return self._move(begin, self._ended)
 
     def contacts(self) -> Mapping[str, float]:
         """Return the gripper's effort when something has stopped its fingers, and they are still there."""
         if not self._force or abs(self.state().position[0] - self._stopped_at) > GAVE_WAY:
             return {}
-        return {self._joint: self._force}
-
-    def stop(self) -> None:
-        """Bring the fingers to rest; a motion under way ends as cancelled when they are measured to be there."""
-        if self._motion is not None:
-            self._motion.whole.cancel()
+        return {self._names[0]: self._force}
 
     def _ended(self, ended: GoalEnd) -> Operation[JointState]:
         result = ended.result
-        force = abs(result.effort) or UNKNOWN_FORCE if result.stalled and not result.reached_goal else 0.0
 
         def note(state: JointState) -> Operation[JointState]:
-            self._force, self._stopped_at = force, float(state.position[0])
+            self._stopped_at = float(state.position[0])
+            # Some grippers, such as the Panda's, say of a grasp that it has reached its goal.
+            held = abs(self._stopped_at - self._wanted) > SHORT_SLIDING or (result.stalled and not result.reached_goal)
+            self._force = (abs(result.effort) or UNKNOWN_FORCE) if held else 0.0
             return Operation.finished(state)
 
-        return measured(self._states, self.joint_names).then(note)
+        return measured(self._states, self._names).then(note)
 
 
 def _stalls_are_ends(ended: GoalEnd) -> Operation[GoalEnd]:
@@ -100,8 +91,6 @@ def _stalls_are_ends(ended: GoalEnd) -> Operation[GoalEnd]:
     return Operation.finished(GoalEnd("succeeded", ended.result) if stalled else ended)
 
 
-STOPPED_SHORT = 0.05
-"""A joint that stays so far from where it was sent [rad] was stopped by something."""
 SHORT = {"controller_code", "stopped_short"}
 """What the data of an aborted motion has one of, when the joints have moved towards its end."""
 
@@ -115,10 +104,14 @@ class ControlledHand:
     Args:
         executor: moves the hand's joints. One that aborts because a finger was stopped has still moved.
         accelerations: joint -> limit, kept to by moving for longer [rad/s^2 or m/s^2]; any, for those it doesn't name.
+        sliding: the joints that are prismatic.
     """
 
-    def __init__(self, executor: Executor, accelerations: Mapping[str, float] | None = None):
+    def __init__(
+        self, executor: Executor, accelerations: Mapping[str, float] | None = None, sliding: Collection[str] = ()
+    ):
         self._executor = executor
+        self._short = np.array([SHORT_SLIDING if n in sliding else STOPPED_SHORT for n in executor.joint_names])
         known = accelerations or {}
         self._hardest = np.array([known.get(name, np.inf) for name in executor.joint_names])
         self._goal: JointState | None = None
@@ -165,7 +158,7 @@ class ControlledHand:
         if self._goal is None:
             return {}
         state = self.state()
-        short = np.abs(self._goal.ordered(state.names) - state.position) > STOPPED_SHORT
+        short = np.abs(self._goal.ordered(state.names) - state.position) > self._short
         efforts = np.full(len(state.names), UNKNOWN_FORCE) if state.effort is None else np.abs(state.effort)
         return {name: float(e) for name, e, s in zip(state.names, efforts, short, strict=True) if s}
 

@@ -6,7 +6,6 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -57,13 +56,13 @@ class _Joint:
 
 @dataclass(eq=False)
 class _Wait:
-    """Somebody who waits for what is measured from a moment on: the first of it, or until it is enough."""
+    """Somebody who waits for what is measured from a moment on, until it is enough."""
 
     names: tuple[str, ...]
-    enough: Callable[[JointState], bool] | None
+    enough: Callable[[JointState], bool]
     after: float
     date: float
-    operation: Operation[Any] = field(default_factory=Operation)
+    operation: Operation[bool] = field(default_factory=Operation)
 
 
 class JointStates:
@@ -108,10 +107,17 @@ class JointStates:
 
     def fresh(self, names: Sequence[str]) -> Operation[JointState]:
         """Return the next state of joints that is measured from now on; end with SensorError when none comes."""
-        wait = self._wait(names, None)
-        first = min(STALE, self._stale)
-        self._after(first, self._give_up, wait, self._stale - first)
-        return wait.operation
+        asked = time.monotonic()
+
+        def found(measured: bool) -> Operation[JointState]:
+            state = self.state(names)
+            with self._lock:
+                heard = all(self._joints[name].heard > asked for name in names)
+            if not measured and not heard:
+                raise SensorError(f"{self.topic}: no new joint states within {self._stale:g} s")
+            return Operation.finished(state)
+
+        return self.watch(names, lambda state: True, self._stale).then(found)
 
     def watch(self, names: Sequence[str], enough: Callable[[JointState], bool], within: float) -> Operation[bool]:
         """Show states of joints that are measured from now on until `enough` is True of one.
@@ -120,21 +126,14 @@ class JointStates:
             enough: called on the bus's thread; a state's time is that of its oldest stamp, or of its arrival.
             within: how long to go on [s]; the result is False when that is over.
         """
-        wait = self._wait(names, enough)
-        self._after(within, lambda wait: wait.operation.succeed(False), wait)
-        return wait.operation
-
-    def _wait(self, names: Sequence[str], enough: Callable[[JointState], bool] | None) -> _Wait:
         wait = _Wait(tuple(names), enough, time.monotonic(), time.time())
         with self._lock:
             self._waits.append(wait)
-        return wait
-
-    def _after(self, delay: float, action: Callable[..., None], wait: _Wait, *further: float) -> None:
-        timer = threading.Timer(delay, action, (wait, *further))
+        timer = threading.Timer(within, wait.operation.succeed, (False,))
         timer.daemon = True
         timer.start()
         wait.operation.add_done_callback(timer.cancel)
+        return wait.operation
 
     def _show(self, wait: _Wait, now: float) -> None:
         """End a wait with what was measured since it began, where that is known of all of its joints."""
@@ -143,11 +142,8 @@ class JointStates:
         if len(known) < len(wait.names) or not all(joint.heard > wait.after for joint in known):
             return
         measured = all(joint.measured_after(wait.after, wait.date) for joint in known)
-        if wait.enough is None:
-            if measured:
-                wait.operation.succeed(self.state(wait.names))
-            return
-        late = now > wait.after + STALE  # a clock that doesn't go as ours does, a simulator's: to have heard has to do
+        # To have heard has to do where a clock doesn't go as ours does, a simulator's.
+        late = now > wait.after + STALE and not any(joint.by_our_clock(wait.after, wait.date) for joint in known)
         if measured or late:
             state = replace(self.state(wait.names), time=min(joint.stamp or joint.heard for joint in known))
             if wait.enough(state):
@@ -188,25 +184,6 @@ class JointStates:
             waits = list(self._waits)
         for wait in waits:
             self._show(wait, now)
-
-    def _give_up(self, wait: _Wait, left: float) -> None:
-        """End a wait with what was heard, or why nothing was; where that may still come, when `left` [s] has passed."""
-        with self._lock:
-            joints = [self._joints.get(n) for n in wait.names]
-            heard = all(j is not None and j.heard > wait.after for j in joints)
-            ours = any(j is not None and j.by_our_clock(wait.after, wait.date) for j in joints)
-        if left > 0 and (ours or not heard):
-            self._after(left, self._give_up, wait, 0.0)
-            return
-        try:
-            state = self.state(wait.names)
-            if heard:  # the clock of its stamps doesn't go as ours does: a simulator's, for instance
-                wait.operation.succeed(state)
-                return
-            reason = SensorError(f"{self.topic}: no new joint states within {self._stale:g} s")
-        except SensorError as error:
-            reason = error
-        wait.operation.fail(reason)
 
 
 def _all(values: list[float | None]) -> np.ndarray | None:

@@ -6,7 +6,7 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,12 @@ from grip_bt.base.steps import Steps, run_steps
 from grip_bt.base.values import JointState, Trajectory
 from grip_bt.commanders.trajectory.limits import RestDetector
 
+from ..client.bus import Bus
+from ..client.types import load_type
+from ..interfaces.build import ensure_package
 from .joint_states import JointStates
 
+T = TypeVar("T")
 START_TOLERANCE = 0.05
 """A trajectory begins within this distance of where the joints are [rad or m]."""
 
@@ -34,11 +38,11 @@ LOOK = 0.01
 """How often that is looked at [s]."""
 
 
-class RosExecutor(ABC):
-    """Implements `grip_bt.base.ports.Executor` but for how a motion is begun.
+class MovedJoints:
+    """Joints of which one motion at a time is under way.
 
     Args:
-        names: the joints that it moves, in its order.
+        names: the joints, in their order.
     """
 
     def __init__(self, names: Sequence[str], states: JointStates):
@@ -54,6 +58,29 @@ class RosExecutor(ABC):
         """Return the measured state of the joints. Raises SensorError: nothing is known of one of them."""
         return self._states.state(self._names)
 
+    def stop(self) -> None:
+        """Bring the joints to rest; a motion under way ends as cancelled when they are measured to be there."""
+        if self._motion is not None:
+            self._motion.whole.cancel()
+
+    def _move(
+        self, begin: Callable[[], Operation[T]], ended: Callable[[T], Operation[JointState]] | None = None
+    ) -> Operation[JointState]:
+        """Begin a motion in the place of the one under way; the result is what is measured when it has `ended`."""
+        if self._motion is not None:
+            self._drop()
+            self._motion.preempt()
+        part = begin().then(ended or (lambda _: measured(self._states, self._names)))
+        self._motion = Motion(part, self._states, self._names)
+        return self._motion.whole
+
+    def _drop(self) -> None:
+        """See to it that nothing more is sent of a motion whose place another one takes."""
+
+
+class RosExecutor(MovedJoints, ABC):
+    """Implements `grip_bt.base.ports.Executor` but for how a motion is begun."""
+
     def execute(self, trajectory: Trajectory) -> Operation[JointState]:
         """Follow a trajectory; one under way ends as cancelled. The result is what is measured at the end.
 
@@ -66,51 +93,33 @@ class RosExecutor(ABC):
         Raises:
             ValueError: it moves other joints.
         """
+        if set(trajectory.names) != set(self._names):
+            raise ValueError(f"the trajectory moves {trajectory.names}, this executor {self._names}")
         try:
-            check_start(self._names, trajectory, self._states)
-        except ExecutionAbortedError as error:
-            return Operation.failed(error)
-        if self._motion is not None:
-            self._drop()
-            self._motion.preempt()
-        part = self._begin(trajectory).then(lambda _: measured(self._states, self._names))
-        self._motion = Motion(part, self._states, self._names)
-        return self._motion.whole
-
-    def stop(self) -> None:
-        """Bring the joints to rest; a motion under way ends as cancelled when they are measured to be there."""
-        if self._motion is not None:
-            self._motion.whole.cancel()
-
-    def _drop(self) -> None:
-        """See to it that nothing more is sent of a motion whose place another one takes."""
-        return
+            off = np.abs(trajectory.positions[0] - self._states.state(trajectory.names).position)
+        except SensorError as error:
+            return Operation.failed(ExecutionAbortedError(error.message, cause=error.code))
+        if off.max() > START_TOLERANCE:
+            joint, far = trajectory.names[int(off.argmax())], float(off.max())
+            reason = f"the trajectory starts {far:.3f} from the measured position of joint {joint}"
+            return Operation.failed(ExecutionAbortedError(reason, error=far))
+        return self._move(lambda: self._begin(trajectory))
 
     @abstractmethod
     def _begin(self, trajectory: Trajectory) -> Operation[Any]:
         """Begin a motion of our joints from where they are; the operation ends when it does, or says why it can't."""
 
 
-def check_start(names: Sequence[str], trajectory: Trajectory, states: JointStates) -> None:
-    """Refuse a trajectory of other joints, or one that begins elsewhere.
+class ActionExecutor(RosExecutor):
+    """An executor over an action; `wait`: how long to wait for its server to appear [s]."""
 
-    Raises:
-        ValueError: it moves other joints.
-        ExecutionAbortedError: it begins further than 0.05 from the joints, or nothing is known of them.
-    """
-    if set(trajectory.names) != set(names):
-        raise ValueError(f"the trajectory moves {trajectory.names}, this executor {tuple(names)}")
-    try:
-        measured = states.state(trajectory.names).position
-    except SensorError as error:
-        raise ExecutionAbortedError(error.message, cause=error.code) from None
-    errors = np.abs(trajectory.positions[0] - measured)
-    if errors.max() > START_TOLERANCE:
-        worst = int(errors.argmax())
-        raise ExecutionAbortedError(
-            f"the trajectory starts {errors[worst]:.3f} from the measured position of joint {trajectory.names[worst]}",
-            error=float(errors[worst]),
-        )
+    interface: str
+
+    def __init__(self, bus: Bus, action: str, names: Sequence[str], states: JointStates, wait: float = 5.0):
+        super().__init__(names, states)
+        ensure_package(self.interface.partition("/")[0])
+        self._type = load_type(self.interface)
+        self._client, self._action, self._wait = bus.action(self._type, action), action, wait
 
 
 def measured(states: JointStates, names: Sequence[str]) -> Operation[JointState]:

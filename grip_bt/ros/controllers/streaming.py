@@ -1,20 +1,18 @@
 """Executors over a topic, where nobody answers: a thread follows each motion to its end and measures what comes of it.
 
-A position controller is streamed samples of the trajectory, and of braking. A joint trajectory controller
-(`~/joint_trajectory` of ros2_control) is sent it whole; one that it refuses, or gives up, the joints don't follow.
+A controller is streamed samples of the trajectory, and of braking: a position controller as numbers, a joint trajectory
+controller (`~/joint_trajectory` of ros2_control) as trajectories of one point, as MoveIt Servo does it. What it refuses
+the joints don't follow.
 """
 
 from __future__ import annotations
 
 import threading
 import time
-from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from grip_bt.base.failures import CanceledError, ExecutionAbortedError, SensorError, ServerTimeOutError
 from grip_bt.base.operation import Operation
@@ -23,7 +21,7 @@ from grip_bt.commanders.steering import spliced
 from grip_bt.commanders.trajectory.stopping import accelerations_of, jerks_of, stop_ramp
 
 from ..client.bus import Bus
-from ..client.types import load_type
+from ..client.types import Message, load_type
 from ..convert_values import trajectory_to_message
 from .joint_states import JointStates
 from .motion import START_TOLERANCE, RosExecutor, settle
@@ -32,6 +30,8 @@ PERIOD = 0.01
 """How often a set-point is sent [s]."""
 BEHIND = 0.5
 """How far joints, or what is heard of them, may be behind the set-points [s] and still count as on their way."""
+END_TOLERANCE = 0.05
+"""A motion has succeeded when the joints come to rest so near to its end [rad or m]."""
 
 
 class StreamedMotion:
@@ -91,16 +91,21 @@ class StreamedMotion:
             return True
 
 
-class TopicMotionExecutor(RosExecutor):
-    """An executor over a topic, but for how a motion is seen to.
+class StreamedExecutor(RosExecutor):
+    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint group position controller.
 
     Args:
         accelerations: joint -> limit, for braking; see `trajectory.braking.accelerations_of`.
-        jerks: joint -> limit, for braking with set-points; any where it names none.
+        jerks: joint -> limit, for braking; any where it names none.
     """
 
-    message: str
+    steerable = True
+    message = "std_msgs/msg/Float64MultiArray"
     """The topic's interface."""
+    ahead = PERIOD
+    """How long after a set-point was sent the joints are to be there [s]."""
+    judges = False
+    """Whether a motion is aborted when the robot is gone, or joints come to rest elsewhere than at its end."""
 
     def __init__(
         self,
@@ -113,8 +118,18 @@ class TopicMotionExecutor(RosExecutor):
     ):
         super().__init__(names, states)
         self._accelerations, self._jerks = accelerations or {}, jerks or {}
-        self._topic, self._writer, self._watchdog = topic, bus.writer(self.message, topic), bus.watchdog
+        self._topic, self._writer = topic, bus.writer(self.message, topic)
         self._current: StreamedMotion | None = None
+
+    def passed(self) -> float | None:
+        """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
+        way = self._current
+        return None if way is None or way.over else way.passed()
+
+    def amend(self, tail: Trajectory, at: float) -> bool:
+        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
+        way = self._current
+        return way is not None and way.amend(tail, at)
 
     def _begin(self, trajectory: Trajectory) -> Operation[None]:
         self._current = way = StreamedMotion(trajectory)
@@ -128,7 +143,7 @@ class TopicMotionExecutor(RosExecutor):
 
     def _run(self, way: StreamedMotion, done: Operation[None]) -> None:
         try:
-            self._follow(way)
+            self._follow(way, [way.trajectory.names.index(name) for name in self._names])
             if way.stop.is_set():
                 done.fail(CanceledError("the motion was stopped"))
             else:
@@ -140,43 +155,14 @@ class TopicMotionExecutor(RosExecutor):
         finally:
             way.leave()
 
-    def _order(self, trajectory: Trajectory) -> list[int]:
-        return [trajectory.names.index(name) for name in self._names]
-
-    def _limits(self, trajectory: Trajectory) -> NDArray[np.float64]:
-        return accelerations_of(trajectory.names, self._accelerations)
-
-    @abstractmethod
-    def _follow(self, way: StreamedMotion) -> None:
-        """Follow a motion until it has ended, or, on a stop, has braked.
+    def _follow(self, way: StreamedMotion, order: list[int]) -> None:
+        """Publish set-points in time; on a stop, those of a ramp.
 
         Raises:
             ServerTimeOutError: nobody listens.
-            SensorError: nothing is measured of the joints any more.
+            SensorError: the robot is gone.
             ExecutionAbortedError: the joints don't do it.
         """
-
-
-class StreamedExecutor(TopicMotionExecutor):
-    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint group position controller."""
-
-    steerable = True
-
-    message = "std_msgs/msg/Float64MultiArray"
-
-    def passed(self) -> float | None:
-        """Return for how long the motion under way has been followed [s]; see `ports.Steerable`."""
-        way = self._current
-        return None if way is None or way.over else way.passed()
-
-    def amend(self, tail: Trajectory, at: float) -> bool:
-        """Go on with another trajectory from a moment on; see `ports.Steerable`."""
-        way = self._current
-        return way is not None and way.amend(tail, at)
-
-    def _follow(self, way: StreamedMotion) -> None:
-        """Publish set-points in time; on a stop, those of a ramp."""
-        order = self._order(way.trajectory)
         first = self._publish(way.trajectory.positions[0][order], 1)
         if not first.wait(6.0):
             raise ServerTimeOutError(f"{self._topic}: there are no subscribers")
@@ -185,15 +171,19 @@ class StreamedExecutor(TopicMotionExecutor):
         while not way.ended():
             if way.stop.wait(PERIOD):
                 break
-            way.sent = way.passed() + PERIOD
-            self._publish(way.at(way.sent)[order].tolist(), 0)
+            way.sent = way.passed() + self.ahead
+            self._publish(way.at(way.sent)[order], 0)
+            if self.judges:
+                self.state()
         else:
             last, way.sent = way.trajectory.positions[-1][order], way.trajectory.duration
-            self._publish(last.tolist(), 0).wait(1.0)
+            self._publish(last, 0).wait(1.0)
             settle(self.state, last, way.stop)
         way.over = True
         if way.stop.is_set():
             self._brake(way, order)
+        elif self.judges:
+            self._judge(way.trajectory)
 
     def _brake(self, way: StreamedMotion, order: list[int]) -> None:
         """Stream the ramp from the last set-point on; where something keeps the joints off their way, they stay there.
@@ -202,14 +192,15 @@ class StreamedExecutor(TopicMotionExecutor):
         """
         held = self._held_back(way)
         if held is not None and not way.dropped.is_set():
-            self._publish(held[order].tolist(), 0)
+            self._publish(held[order], 0)
             return
-        jerks = jerks_of(way.trajectory.names, self._jerks)
-        ramp = stop_ramp(way.trajectory, way.sent, self._limits(way.trajectory), jerks)
+        names = way.trajectory.names
+        limits, jerks = accelerations_of(names, self._accelerations), jerks_of(names, self._jerks)
+        ramp = stop_ramp(way.trajectory, way.sent, limits, jerks)
         began, passed = time.monotonic(), 0.0
         while passed < ramp.duration and not way.dropped.wait(PERIOD):
             passed = time.monotonic() - began
-            self._publish(ramp.at(passed)[order].tolist(), 0)
+            self._publish(ramp.at(passed)[order], 0)
         settle(self.state, ramp.positions[-1][order], way.dropped)  # set-points may still be on their way
 
     def _held_back(self, way: StreamedMotion) -> np.ndarray | None:
@@ -222,68 +213,11 @@ class StreamedExecutor(TopicMotionExecutor):
         off = np.abs(lately - measured).max(axis=1).min()
         return measured if off > START_TOLERANCE else None
 
-    def _publish(self, positions: Sequence[float], subscribers: int) -> Operation[None]:
-        return self._writer.publish(load_type(self.message)(data=array("d", positions)), subscribers)
+    def _publish(self, positions: np.ndarray, subscribers: int) -> Operation[None]:
+        return self._writer.publish(self._set_point(positions), subscribers)
 
-
-END_TOLERANCE = 0.05
-"""A motion has succeeded when the joints come to rest so near to its end [rad or m]."""
-GENTLY = 0.8
-"""Part of the joints' acceleration limits that braking uses: when the controller hears of it isn't known exactly."""
-SOONEST = 0.05
-"""Joints are told to rest no sooner than this after a message [s]."""
-LOOK = 0.1
-"""How often it is looked at whether the joints are still measured [s]."""
-FOUND = 6.0
-"""How long the controller may take to be there [s]."""
-
-
-class TopicExecutor(TopicMotionExecutor):
-    """Implements `grip_bt.base.ports.Executor` over the topic of a joint trajectory controller.
-
-    A motion ends when the joints are measured to be at its end, or to stand still. Where that is elsewhere, it is
-    aborted, and `data` has `stopped_short`: how far off.
-    """
-
-    message = "trajectory_msgs/msg/JointTrajectory"
-
-    def _follow(self, way: StreamedMotion) -> None:
-        trajectory, stop = way.trajectory, way.stop
-        with ExitStack() as stack:
-            if self._watchdog is not None:
-                self._watchdog.trajectory_sent(self._topic, self._names)
-                stack.callback(self._watchdog.trajectory_ended, self._topic)
-            sent = self._writer.publish(trajectory_to_message(trajectory), 1, FOUND)
-            if not sent.wait(FOUND + 1.0):
-                raise ServerTimeOutError(f"{self._topic}: there are no subscribers")
-            sent.result()
-            began = time.monotonic()
-            while not stop.is_set() and (left := began + trajectory.duration - time.monotonic()) > 0:
-                stop.wait(min(left, LOOK))
-                self.state()  # a robot that is gone ends the motion
-            if not stop.is_set():
-                settle(self.state, trajectory.positions[-1][self._order(trajectory)], stop)
-            if not stop.is_set():
-                self._judge(trajectory)
-            elif not way.dropped.is_set():
-                self._brake(trajectory, time.monotonic() - began)
-
-    def _brake(self, trajectory: Trajectory, passed: float) -> None:
-        """Publish where and when the joints are at rest: further on their path, or where they are off that.
-
-        The controller goes there by a cubic from the position and the velocity that it has then, which for a ramp is
-        even braking, and forgives that nobody knows exactly when it hears of it.
-        """
-        ramp = stop_ramp(trajectory, passed, GENTLY * self._limits(trajectory))
-        rest, within = ramp.positions[-1], max(ramp.duration, SOONEST)
-        try:
-            measured = self._states.state(trajectory.names).position
-            if np.abs(measured - trajectory.at(passed)).max() > START_TOLERANCE:
-                rest = measured
-        except SensorError:
-            pass  # to rest on the path is the best that is known then
-        still = Trajectory(trajectory.names, np.zeros(1), rest[None], np.zeros((1, len(rest))))
-        self._writer.publish(trajectory_to_message(still, within), 0)
+    def _set_point(self, positions: np.ndarray) -> Message:
+        return load_type(self.message)(data=array("d", positions))
 
     def _judge(self, trajectory: Trajectory) -> None:
         off = np.abs(self._states.state(trajectory.names).position - trajectory.positions[-1])
@@ -292,5 +226,20 @@ class TopicExecutor(TopicMotionExecutor):
             return
         joint = trajectory.names[worst]
         reason = f"{self._topic}: joint {joint} stands {off[worst]:.3f} short of the end of the motion"
-        hint = "see the controller's log: it may have rejected or aborted the trajectory, be inactive, or be blocked"
+        hint = "see the controller's log: it may have rejected the set-points, be inactive, or be blocked"
         raise ExecutionAbortedError(f"{reason}; {hint}", stopped_short=float(off[worst]))
+
+
+class TopicExecutor(StreamedExecutor):
+    """Implements `grip_bt.base.ports.Executor` and `Steerable` over the topic of a joint trajectory controller.
+
+    A motion ends when the joints are measured to be at its end, or to stand still. Where that is elsewhere, it is
+    aborted, and `data` has `stopped_short`: how far off.
+    """
+
+    message = "trajectory_msgs/msg/JointTrajectory"
+    judges = True
+    ahead = 0.03  # the controller interpolates, so that a set-point which comes a bit late lets no joint stand still
+
+    def _set_point(self, positions: np.ndarray) -> Message:
+        return trajectory_to_message(Trajectory(self._names, np.zeros(1), positions[None]), self.ahead)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 
 from grip_bt.base.errors import UnknownNameError, listing
 from grip_bt.base.failures import (
@@ -18,36 +18,23 @@ from grip_bt.base.values import Trajectory
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.goal import GoalEnd
 from grip_bt.ros.controllers.following import Following
-from grip_bt.ros.controllers.joint_states import JointStates
-from grip_bt.ros.controllers.motion import RosExecutor
+from grip_bt.ros.controllers.motion import ActionExecutor
 from grip_bt.ros.convert_values import trajectory_to_message
 from grip_bt.ros.interfaces.build import ensure_package
 
-from ..client.types import Message, constant_name, load_type
+from ..client.types import Message, constant_name
 
-ACTION = "control_msgs/action/FollowJointTrajectory"
 LATE = 60.0
 """How long a controller may take beyond the duration of a trajectory [s]."""
 
 
-class TrajectoryExecutor(RosExecutor):
-    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint trajectory controller.
-
-    Args:
-        action: the controller's action, such as `/arm_controller/follow_joint_trajectory`.
-        wait: how long to wait for the controller to appear [s].
-    """
+class TrajectoryExecutor(ActionExecutor):
+    """Implements `grip_bt.base.ports.Executor` and `Steerable` over a joint trajectory controller."""
 
     steerable = True
-
-    def __init__(self, bus: Bus, action: str, names: Sequence[str], states: JointStates, wait: float = 5.0):
-        super().__init__(names, states)
-        ensure_package("control_msgs")
-        self._type = load_type(ACTION)
-        self._client, self._wait = bus.action(self._type, action), wait
-        self._action = action
-        self._following: Following | None = None
-        self._fixed = False
+    interface = "control_msgs/action/FollowJointTrajectory"
+    _following: Following | None = None
+    _fixed = False
 
     def passed(self) -> float | None:
         """Return for how long the motion under way has been followed [s]; see `ports.Steerable`.

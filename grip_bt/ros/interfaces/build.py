@@ -160,7 +160,7 @@ DEPENDENCIES: dict[str, tuple[str, ...]] = {
     "moveit_msgs": ("object_recognition_msgs", "octomap_msgs"),
 }
 """Packages that are written here, and which of them each needs."""
-_lock = threading.Lock()
+_lock = threading.RLock()
 _provided: dict[str, list[Path]] = {}
 
 
@@ -185,14 +185,10 @@ def ensure_package(package: str, cache: Path | None = None) -> list[Path]:
             return list(_provided[package])
         if importlib.util.find_spec(package) is not None:
             return []
-        prefixes: list[Path] = []
-        for name in (*DEPENDENCIES[package], package):
-            if name in _provided:
-                prefixes = [*_provided[name], *prefixes]
-            elif importlib.util.find_spec(name) is None:
-                (built,) = build_interfaces(FOLDER / name, cache, prefixes)
-                activate(built.prefix)
-                prefixes.insert(0, built.prefix)
+        prefixes = [prefix for needed in DEPENDENCIES[package] for prefix in ensure_package(needed, cache)][::-1]
+        (built,) = build_interfaces(FOLDER / package, cache, prefixes)
+        activate(built.prefix)
+        prefixes.insert(0, built.prefix)
         _provided[package] = prefixes
         return list(prefixes)
 

@@ -159,7 +159,7 @@ def _include_folders(generated: Generated, prefixes: Sequence[Path]) -> Iterator
         yield generated.folder / generator
     yield Path(sysconfig.get_path("include"))
     yield Path(np.get_include())
-    for prefix in dict.fromkeys([*prefixes, *generated.depends.values()]):
+    for prefix in prefixes:
         include = prefix / "include"
         if include.is_dir():  # headers of package p are in include/p/p, as ROS 2 installs them
             yield from sorted(p for p in include.iterdir() if (p / p.name).is_dir())
@@ -171,8 +171,7 @@ def _link(
 ) -> None:
     _, cxx = compilers()
     name, lib = generated.package.name, target / "lib"
-    roots = list(dict.fromkeys([*generated.depends.values(), *prefixes]))
-    search = [f for r in roots if (r / "lib").is_dir() for f in (f"-L{r}/lib", f"-Wl,-rpath,{r}/lib")]
+    search = [f for r in prefixes if (r / "lib").is_dir() for f in (f"-L{r}/lib", f"-Wl,-rpath,{r}/lib")]
     common = [*search, f"-L{lib}", "-Wl,--as-needed", "-Wl,-s"]
     runtime = [f"-l{r}" for r in _RUNTIME]
 

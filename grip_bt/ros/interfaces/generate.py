@@ -8,22 +8,17 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-import re
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from grip_bt.base.errors import DocumentError, GripError, MissingPartError
-from grip_bt.ros.interfaces.packages import Package, share_folder
+from grip_bt.base.errors import GripError, MissingPartError
+from grip_bt.ros.interfaces.packages import KINDS, Package
 
 TYPESUPPORTS = ("rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c")
 """Both are needed: with the first alone services work, but topics and actions can't register their types."""
-
-_INCLUDE = re.compile(r'^#include "([a-z0-9_]+)/', re.MULTILINE)
-_OF_EVERY_SERVICE = {"service_msgs", "builtin_interfaces"}
-_OF_EVERY_ACTION = {"action_msgs", "unique_identifier_msgs"}
 
 
 class InterfaceBuildError(GripError):
@@ -43,7 +38,7 @@ class Generated:
     Attributes:
         folder: holds `idl/`, `hash/` and one sub-folder per generator.
         idl: the .idl files, relative to `folder / "idl" / package.name`.
-        depends: every package that it needs, also indirectly, with the prefix where it is installed.
+        depends: every package with interfaces that it may need, with the prefix where it is installed.
     """
 
     package: Package
@@ -71,7 +66,6 @@ def generate(package: Package, folder: Path, prefixes: Sequence[Path]) -> Genera
     """Generate all sources of `package` below `folder`.
 
     Raises:
-        DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.
         InterfaceBuildError: a generator failed.
     """
@@ -130,15 +124,16 @@ def hash_types(package: Package, folder: Path, prefixes: Sequence[Path]) -> Gene
     """Write only the interfaces (`idl/`) and the hashes of their types (`hash/`) below `folder`.
 
     Raises:
-        DocumentError: the package needs another one that isn't in `prefixes`.
         MissingPartError: the generators aren't installed.
     """
     with _working(package.name, prefixes):
         from rosidl_generator_type_description.cli import HashTypeDescription
 
         idl = _write_idl(package, folder / "idl" / package.name)
-        texts = [(folder / "idl" / package.name / f).read_text(encoding="utf-8") for f in idl]
-        generated = Generated(package, folder, idl, _dependencies(package, texts, prefixes))
+        shares = [share for prefix in reversed(prefixes) for share in (prefix / "share").glob("*")]
+        there = {s.name: s.parent.parent for s in shares if any((s / kind).is_dir() for kind in KINDS)}
+        there.pop(package.name, None)
+        generated = Generated(package, folder, idl, there)
         hashes = folder / "hash" / package.name
         HashTypeDescription("").generate_type_hashes(package.name, generated.interfaces, generated.includes, hashes)
         return generated
@@ -151,28 +146,3 @@ def _write_idl(package: Package, folder: Path) -> tuple[Path, ...]:
         (folder / file.parent).mkdir(parents=True, exist_ok=True)
         convert_to_idl(package.folder, package.name, file, folder)
     return tuple(f.with_suffix(".idl") for f in package.files)
-
-
-def _dependencies(package: Package, texts: Sequence[str], prefixes: Sequence[Path]) -> dict[str, Path]:
-    """Return every package that the .idl texts include, directly or not, and its prefix."""
-    kinds = {f.parts[0] for f in package.files}
-    todo = {name for text in texts for name in _INCLUDE.findall(text)} | _implied(kinds)
-    found: dict[str, Path] = {}
-    while todo:
-        name = todo.pop()
-        if name == package.name or name in found:
-            continue
-        share = share_folder(name, prefixes)
-        if share is None:
-            raise DocumentError(f"needs the package {name!r}, which isn't installed or built", str(package.folder))
-        found[name] = share.parent.parent
-        files = list(share.glob("*/*.idl"))
-        todo |= {n for f in files for n in _INCLUDE.findall(f.read_text(encoding="utf-8"))}
-        todo |= _implied({f.parent.name for f in files})
-    return dict(sorted(found.items()))
-
-
-def _implied(kinds: set[str]) -> set[str]:
-    """Return the packages that a service or an action needs without naming them."""
-    services = _OF_EVERY_SERVICE if kinds & {"srv", "action"} else set()
-    return services | (_OF_EVERY_ACTION if "action" in kinds else set())

@@ -13,7 +13,7 @@ import os
 import re
 import sys
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from graphlib import CycleError, TopologicalSorter
@@ -74,18 +74,13 @@ def share_of(package: str) -> Path:
     return found
 
 
-def prefix_of(package: str) -> Path:
-    """Return the prefix in which a package is installed; raises PackageError likewise."""
-    return share_of(package).parent.parent
-
-
 def executable_of(package: str, name: str) -> Path:
     """Return the file of a package's program.
 
     Raises:
         PackageError: there is no such package, or it has no such program.
     """
-    folder = prefix_of(package) / "lib" / package
+    folder = share_of(package).parent.parent / "lib" / package
     file = folder / name
     if file.is_file() and os.access(file, os.X_OK):
         return file
@@ -260,19 +255,9 @@ def find_packages(folder: Path) -> list[Package]:
     if not packages:
         lacks = "package.xml is missing" if any((folder / kind).is_dir() for kind in KINDS) else "none is in here"
         raise DocumentError(f"{lacks}; {_WANTED}", str(folder))
-    return in_dependency_order(packages.values())
-
-
-def in_dependency_order(packages: Iterable[Package]) -> list[Package]:
-    """Return the packages so that each comes after those that it needs.
-
-    Raises:
-        DocumentError: they depend on each other in a circle.
-    """
-    by_name = {p.name: p for p in packages}
-    graph = {p.name: sorted(p.depends & by_name.keys()) for p in by_name.values()}
+    graph = {p.name: sorted(p.depends & packages.keys()) for p in packages.values()}
     try:
-        return [by_name[name] for name in TopologicalSorter(graph).static_order()]
+        return [packages[name] for name in TopologicalSorter(graph).static_order()]
     except CycleError as error:
         circle = " -> ".join(error.args[1])
         raise DocumentError(f"interface packages depend on each other in a circle: {circle}") from None

@@ -11,14 +11,14 @@ from xml.parsers import expat
 from grip_bt.base.errors import DocumentError, GripError
 from grip_bt.base.yaml.tree import YamlList, YamlMapping, YamlScalar, YamlValue, parse, read_file, to_data
 
+from ..process import text_of
+
 DEEPEST = 50
 """Elements in elements; what launch files need is a handful."""
 _MANY = {"param", "remap", "env", "arg", "let", "choice", "composable_node", "extra_arg"}
 """Keys of YAML whose list holds sub-elements."""
 
 
-_ON_GROUPS = ("launch", "group")
-"""Tags that hold a list of elements in YAML."""
 _LISTS = ("value", "default")
 """Keys of YAML that may hold a list of values."""
 _SUCH = "such as `- node: {pkg: P, exec: X}`"
@@ -95,9 +95,7 @@ def _from_yaml(text: str, source: str) -> Element:
     tree = parse(text, source)
     if not isinstance(tree, YamlMapping) or list(tree.entries) != ["launch"]:
         raise LaunchError(source, 1, f"a launch file in YAML holds the one key `launch`, with a list, {_SUCH}")
-    root = Element("launch", {}, line=tree.entries["launch"].line)
-    root.children = list(_listed(tree.entries["launch"].value, source))
-    return root
+    return _element("launch", tree.entries["launch"].value, tree.entries["launch"].line, source)
 
 
 def _listed(value: YamlValue, source: str) -> Iterator[Element]:
@@ -108,40 +106,32 @@ def _listed(value: YamlValue, source: str) -> Iterator[Element]:
         if not isinstance(inner, YamlMapping) or len(inner.entries) != 1:
             raise LaunchError(source, item.line, f"each item is one `tag: {{...}}`, {_SUCH}")
         ((tag, entry),) = inner.entries.items()
-        yield _tagged(tag, entry.value, entry.line, source)
+        yield _element(tag, entry.value, entry.line, source)
 
 
-def _tagged(tag: str, value: YamlValue, line: int, source: str) -> Element:
+def _element(tag: str, value: YamlValue, line: int, source: str) -> Element:
+    """Return an element; a key of its mapping is an attribute, or sub-elements where it holds a list."""
     element = Element(tag, {}, line=line)
-    if isinstance(value, YamlList) and tag in _ON_GROUPS:  # a group is a list of what is in it
+    if tag == "launch" or (tag == "group" and isinstance(value, YamlList)):  # a list of what is in it
         element.children = list(_listed(value, source))
-    elif isinstance(value, YamlMapping):
-        for key, entry in value.entries.items():
-            _add(element, key, entry.value, entry.line, source)
-    else:
+        return element
+    if not isinstance(value, YamlMapping):
         raise LaunchError(source, line, f"`{tag}` holds a mapping without dashes, {_SUCH}")
+    for key, entry in value.entries.items():
+        inner = entry.value
+        items = [item.value for item in inner.entries] if isinstance(inner, YamlList) else []
+        if isinstance(inner, YamlScalar):
+            element.attributes[key] = text_of(inner.value)
+        elif isinstance(inner, YamlList) and key == "children":
+            element.children += _listed(inner, source)
+        elif isinstance(inner, YamlList) and key in _MANY:
+            element.children += [_element(key, item.value, item.line, source) for item in inner.entries]
+        elif items and key in _LISTS and all(isinstance(item, YamlScalar) for item in items):
+            element.attributes[key] = "[" + ", ".join(text_of(word) for word in to_data(inner)) + "]"
+        else:
+            wanted = "a list of mappings" if key in _MANY else "one text"
+            raise LaunchError(source, entry.line, f"`{tag}`: `{key}` is {wanted}")
     return element
-
-
-def _add(element: Element, key: str, value: YamlValue, line: int, source: str) -> None:
-    """Add one key of a mapping: an attribute, or sub-elements where it holds a list."""
-    if isinstance(value, YamlScalar):
-        element.attributes[key] = text_of(value.value)
-    elif isinstance(value, YamlList) and key == "children":
-        element.children += _listed(value, source)
-    elif isinstance(value, YamlList) and key in _MANY:
-        for item in value.entries:
-            element.children.append(_tagged(key, item.value, item.line, source))
-    elif isinstance(value, YamlList) and key in _LISTS and all(isinstance(i.value, YamlScalar) for i in value.entries):
-        element.attributes[key] = "[" + ", ".join(text_of(word) for word in to_data(value)) + "]"
-    else:
-        wanted = "a list of mappings" if key in _MANY else "one text"
-        raise LaunchError(source, line, f"`{element.tag}`: `{key}` is {wanted}")
-
-
-def text_of(value: object) -> str:
-    """Return a scalar of YAML as a launch file's text."""
-    return "true" if value is True else "false" if value is False else "" if value is None else str(value)
 
 
 class LaunchError(GripError):
@@ -162,30 +152,3 @@ def check_not_legacy(text: str, path: Path) -> None:
     if found := _OF_ROS_1.search(text):
         line, change = text.count("\n", 0, found.start()) + 1, "docs/launching.md lists what to change"
         raise LaunchError(str(path), line, f"this is a ROS 1 launch file: {found[0].split()[-1]!r}; {change}")
-
-
-@dataclass(frozen=True)
-class Argument:
-    """An argument that a launch file declares."""
-
-    name: str
-    default: str | None
-    doc: str
-    choices: tuple[str, ...] = ()
-
-
-def read_arguments(path: Path) -> list[Argument]:
-    """Return the arguments that an XML or YAML launch file itself declares, with their defaults as they are written.
-
-    Raises:
-        LaunchError: it can't be read, or is one of ROS 1.
-    """
-    return [
-        Argument(
-            element.attributes.get("name", ""),
-            element.attributes.get("default"),
-            element.attributes.get("description", ""),
-            tuple(choice.attributes.get("value", "") for choice in element.of("choice")),
-        )
-        for element in read_elements(path).of("arg")
-    ]

@@ -112,15 +112,6 @@ class ProcessGroup:
         """Return how each process is."""
         return {name: running.state for name, running in self._all.items()}
 
-    def process(self, name: str) -> Process | None:
-        """Return a member's present process."""
-        return self._all[name].process
-
-    def log(self, name: str) -> Path | None:
-        """Return the log of a member's present process."""
-        logs = self._all[name].logs
-        return logs[-1] if logs else None
-
     def start(self) -> None:
         """Start all, each when those before it are ready.
 
@@ -291,8 +282,6 @@ class ProcessGroup:
         self._on_change(running.member.name, state, detail)
 
 
-FRESH = 0.25
-"""How long one look at the graph holds [s]."""
 LOOKING = 2.0
 """How long one look at the graph may take [s]."""
 
@@ -307,15 +296,22 @@ class GraphWatch:
     def __init__(self, domain_id: int | None = None):
         self._domain = domain_id
         self._connection: Connection | None = None
-        self._looked = float("-inf")
-        self._names: tuple[set[str], set[str]] = set(), set()
 
     def sees(self, ready: Ready) -> bool:
         """Tell whether a service or topic has somebody who serves it."""
-        if time.monotonic() - self._looked > FRESH:
-            self._look()
-        services, topics = self._names
-        return ready.service in services if ready.service else ready.topic in topics
+        from ..client.connection import Connection  # a launch without readiness signs loads no ROS
+
+        if self._connection is None:
+            self._connection = Connection("grip_launch", self._domain)
+        node, wanted = self._connection.node, {ready.service, f"{ready.service}/_action/send_goal"}
+
+        def there() -> bool:
+            if ready.topic:
+                return bool(node.count_publishers(ready.topic))
+            return any(name in wanted for name, _ in node.get_service_names_and_types())
+
+        asked = self._connection.post(there)
+        return asked.wait(LOOKING) and asked.result()
 
     def instead(self, ready: Ready) -> str:
         """Return which services or topics there are instead of one that didn't come, as the end of a sentence."""
@@ -331,14 +327,3 @@ class GraphWatch:
         """Leave the graph; harmless when repeated."""
         if self._connection is not None:
             self._connection.close()
-
-    def _look(self) -> None:
-        from ..client.connection import Connection  # a launch without readiness signs loads no ROS
-        from ..client.graph import served_names
-
-        if self._connection is None:
-            self._connection = Connection("grip_launch", self._domain)
-        node = self._connection.node
-        asked = self._connection.post(lambda: served_names(node))
-        if asked.wait(LOOKING):
-            self._names, self._looked = asked.result(), time.monotonic()

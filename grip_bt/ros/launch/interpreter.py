@@ -7,7 +7,7 @@ import os
 import shlex
 import shutil
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -77,14 +77,14 @@ class _Scope:
 
     Attributes:
         env: environment variables that were set; None for those that were taken away.
+        ros_args: remappings and parameters of all nodes.
         after: how long after the beginning it all happens [s].
     """
 
     variables: dict[str, str]
     env: dict[str, str | None]
     namespace: str = ""
-    remaps: tuple[tuple[str, str], ...] = ()
-    parameters: tuple[str, ...] = ()
+    ros_args: tuple[str, ...] = ()
     after: float = 0.0
 
     def copy(self) -> _Scope:
@@ -124,14 +124,14 @@ class _Element(LaunchContext):
         inner = _INNER.get(self.tag, {})
         for name in self.attributes:
             if name not in allowed:
-                instead = instead_of(name, allowed, inner)
-                supported = f"(supported: {listing(sorted(allowed))})"
-                raise self.error(f"<{self.tag}>: the attribute {name!r} is not supported{instead} {supported}")
+                inside = f"; inside of it: {listing(f'<{tag}>' for tag in inner)}" if inner else ""
+                supported = f"{nearest(name, allowed)} (supported: {listing(sorted(allowed))}{inside})"
+                raise self.error(f"<{self.tag}>: the attribute {name!r} is not supported{supported}")
         if self.tag in _OF_ELEMENTS:
             return
         for child in self.inner():
             if child.tag not in inner:
-                instead = f"{instead_of(child.tag, inner)} (available: {listing(sorted(inner))})"
+                instead = f"{nearest(child.tag, inner)} (available: {listing(sorted(inner))})"
                 raise child.error(f"<{child.tag}> can't stand in <{self.tag}> here{instead}")
             child.check(inner[child.tag])
 
@@ -207,9 +207,8 @@ class _Reader:
             at = _Element(element, scope, self._files[-1])
             handler = _HANDLERS.get(element.tag)
             if handler is None:
-                homes = [f"<{outer}>" for outer, inner in _INNER.items() if meant(element.tag) in inner]
-                stands = bool(homes) and meant(element.tag) not in _HANDLERS
-                instead = f"; it stands in {' or '.join(homes)}" if stands else instead_of(element.tag, _HANDLERS)
+                homes = [f"<{outer}>" for outer, inner in _INNER.items() if element.tag in inner]
+                instead = f"; it stands in {' or '.join(homes)}" if homes else nearest(element.tag, _HANDLERS)
                 raise at.error(
                     f"<{element.tag}> is not supported{instead} (supported: {listing(sorted(_HANDLERS))}); "
                     "with ROS's own tools on the path, files are run by `ros2 launch`"
@@ -238,17 +237,12 @@ class _Reader:
     def _let(self, at: _Element) -> None:
         at.scope.variables[at.text("name")] = at.text("value")
 
-    def _set_env(self, at: _Element) -> None:
-        at.scope.env[at.text("name")] = at.text("value")
-
-    def _unset_env(self, at: _Element) -> None:
-        at.scope.env[at.text("name")] = None
-
-    def _append_env(self, at: _Element) -> None:
-        name, words = at.text("name"), [at.text("value")]
-        if name in at.env:
-            words.insert(len(words) * at.flag("prepend", "false"), at.env[name])
-        at.scope.env[name] = at.text("separator", os.pathsep).join(words)
+    def _environment(self, at: _Element) -> None:
+        name, value = at.text("name"), None if at.tag == "unset_env" else at.text("value")
+        if at.tag == "append_env" and value is not None and name in at.env:
+            words = [value, at.env[name]] if at.flag("prepend", "false") else [at.env[name], value]
+            value = at.text("separator", os.pathsep).join(words)
+        at.scope.env[name] = value
 
     def _timer(self, at: _Element) -> None:
         inner = at.scope.copy()
@@ -266,17 +260,17 @@ class _Reader:
     def _namespace(self, at: _Element) -> None:
         at.scope.namespace = at.scope.within(at.text("namespace"))
 
-    def _set_remap(self, at: _Element) -> None:
-        at.scope.remaps += ((at.text("from"), at.text("to")),)
-
-    def _set_parameter(self, at: _Element) -> None:
-        at.scope.parameters += ("-p", f"{at.text('name')}:={at.text('value')}")
-
-    def _set_parameters_from_file(self, at: _Element) -> None:
-        at.scope.parameters += ("--params-file", at.file("filename"))
-
-    def _set_use_sim_time(self, at: _Element) -> None:
-        at.scope.parameters += ("-p", f"use_sim_time:={str(at.flag('value')).lower()}")
+    def _for_nodes(self, at: _Element) -> None:
+        match at.tag:
+            case "set_remap":
+                words = ("-r", f"{at.text('from')}:={at.text('to')}")
+            case "set_parameter":
+                words = ("-p", f"{at.text('name')}:={at.text('value')}")
+            case "set_use_sim_time":
+                words = ("-p", f"use_sim_time:={str(at.flag('value')).lower()}")
+            case _:
+                words = ("--params-file", at.file("filename"))
+        at.scope.ros_args += words
 
     def _group(self, at: _Element) -> None:
         scoped = at.flag("scoped", "true")
@@ -305,11 +299,12 @@ class _Reader:
         except PackageError as error:
             raise at.error(str(error)) from None
         name, namespace = at.text("name", ""), at.scope.within(at.text("namespace", ""))
-        own = [(source, target) for source, target in (("__node", name), ("__ns", namespace)) if target]
-        ros = []
-        for source, target in (*own, *at.scope.remaps, *((r.text("from"), r.text("to")) for r in at.of("remap"))):
-            ros += ["-r", f"{source}:={target}"]
-        ros += at.scope.parameters
+        own = [
+            word for own, said in (("__node", name), ("__ns", namespace)) if said for word in ("-r", f"{own}:={said}")
+        ]
+        ros = [*own, *at.scope.ros_args]
+        for remap in at.of("remap"):
+            ros += ["-r", f"{remap.text('from')}:={remap.text('to')}"]
         for parameter in at.of("param"):
             ros += self._parameters(parameter)
         ros += at.words("ros_args", "")
@@ -381,47 +376,22 @@ _COMMON |= {"emulate_tty"}  # where what is printed looks the same: it goes into
 _LOG = {"message", "level"}
 _OF_ELEMENTS = {"group", "timer"}
 _NAMED = {"name", "value"}
-_MEANT = {
-    **{"executable": "exec", "package": "pkg", "arguments": "args", "condition": "if", "ns": "namespace"},
-    **{"parameters": "param", "remappings": "remap", "environment": "env", "argument": "arg", "choices": "choice"},
-    **{"process": "executable", "setenv": "set_env", "push_namespace": "push_ros_namespace"},
-}
-"""What Python launch files and other people call it -> what it is called here."""
-
-
-def meant(name: str) -> str:
-    """Return what an attribute or an element that is called otherwise elsewhere is called here."""
-    return _MEANT.get(name, _MEANT.get(f"{name}s", name))
-
-
-def instead_of(name: str, allowed: Collection[str], inner: Collection[str] = ()) -> str:
-    """Return what to write instead of a name that isn't allowed, as the end of a sentence.
-
-    Args:
-        inner: elements that may stand inside.
-    """
-    wanted = meant(name)
-    if wanted in inner:
-        return f"; <{wanted}> is an element inside of it, in YAML a list `{wanted}: [{{...}}]`"
-    return f"; write {wanted!r}" if wanted in allowed else nearest(name, allowed)
-
-
 _HANDLERS: dict[str, tuple[Callable[[_Reader, _Element], None], set[str]]] = {
     "arg": (_Reader._arg, {"name", "default", "description", "value"}),
     "let": (_Reader._let, _NAMED),
-    "set_env": (_Reader._set_env, _NAMED),
-    "unset_env": (_Reader._unset_env, {"name"}),
+    "set_env": (_Reader._environment, _NAMED),
+    "unset_env": (_Reader._environment, {"name"}),
     "push_ros_namespace": (_Reader._namespace, {"namespace"}),
     "push-ros-namespace": (_Reader._namespace, {"namespace"}),
-    "append_env": (_Reader._append_env, _NAMED | {"prepend", "separator"}),
+    "append_env": (_Reader._environment, _NAMED | {"prepend", "separator"}),
     "timer": (_Reader._timer, {"period"}),
     "log": (_Reader._log, _LOG),
     **{f"log_{level}": (_Reader._log, {"message"}) for level in ("debug", "info", "warning", "error")},
     "shutdown": (_Reader._shutdown, {"reason"}),
-    "set_remap": (_Reader._set_remap, {"from", "to"}),
-    "set_parameter": (_Reader._set_parameter, _NAMED),
-    "set_parameters_from_file": (_Reader._set_parameters_from_file, {"filename"}),
-    "set_use_sim_time": (_Reader._set_use_sim_time, {"value"}),
+    "set_remap": (_Reader._for_nodes, {"from", "to"}),
+    "set_parameter": (_Reader._for_nodes, _NAMED),
+    "set_parameters_from_file": (_Reader._for_nodes, {"filename"}),
+    "set_use_sim_time": (_Reader._for_nodes, {"value"}),
     "group": (_Reader._group, {"scoped"}),
     "include": (_Reader._include, {"file"}),
     "node": (_Reader._node, _COMMON | {"pkg", "exec", "namespace", "args", "ros_args"}),

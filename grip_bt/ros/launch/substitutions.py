@@ -11,7 +11,7 @@ from pathlib import Path
 from grip_bt.base.errors import DocumentError, EvaluationError, ExpressionError, listing, nearest
 from grip_bt.base.evaluation import value_of
 from grip_bt.base.expression import parse_expression
-from grip_bt.ros.interfaces.packages import PackageError, executable_of, prefix_of, share_of
+from grip_bt.ros.interfaces.packages import PackageError, executable_of, share_of
 
 from .element import LaunchError
 
@@ -162,7 +162,7 @@ _KNOWN: dict[str, tuple[int, int, Callable[[list[str], LaunchContext], str]]] = 
     "dirname": (0, 0, lambda words, context: str(context.source.resolve().parent)),
     "filename": (0, 0, lambda words, context: context.source.name),
     "find-pkg-share": (1, 1, lambda words, context: str(share_of(words[0]))),
-    "find-pkg-prefix": (1, 1, lambda words, context: str(prefix_of(words[0]))),
+    "find-pkg-prefix": (1, 1, lambda words, context: str(share_of(words[0]).parent.parent)),
     "exec-in-pkg": (2, 2, lambda words, context: str(executable_of(words[1], words[0]))),
     "not": (1, 1, _logic(lambda one: not one)),
     "and": (2, 2, _logic(lambda one, other: one and other)),

@@ -5,8 +5,6 @@ MoveIt's error codes are the failures that tasks know; each keeps MoveIt's own n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from grip_bt.base.failures import (
     BadReplyError,
     CanceledError,
@@ -34,7 +32,7 @@ from ..client.bus import Bus
 from ..client.goal import GoalEnd
 from ..client.service import ServiceClient
 from ..client.types import Message, constant_name, load_type
-from ..controllers import JointStates, RosExecutor
+from ..controllers.motion import ActionExecutor
 from ..controllers.trajectory import LATE, follow_goal
 from ..convert_values import trajectory_to_message
 from ..interfaces.build import ensure_package
@@ -205,19 +203,10 @@ def failure(code: Message, what: str) -> ExpectedError | None:
     return kind(words, moveit=name.lower(), moveit_code=value, moveit_says=said)
 
 
-class MoveGroupExecutor(RosExecutor):
-    """Implements `grip_bt.base.ports.Executor` over move_group's action ExecuteTrajectory.
+class MoveGroupExecutor(ActionExecutor):
+    """Implements `grip_bt.base.ports.Executor` over move_group's action ExecuteTrajectory."""
 
-    Args:
-        wait: how long to wait for move_group to appear [s].
-    """
-
-    def __init__(self, bus: Bus, action: str, names: Sequence[str], states: JointStates, wait: float = 5.0):
-        super().__init__(names, states)
-        ensure_package("moveit_msgs")
-        self._type = load_type("moveit_msgs/action/ExecuteTrajectory")
-        self._client, self._wait = bus.action(self._type, action), wait
-        self._action = action
+    interface = "moveit_msgs/action/ExecuteTrajectory"
 
     def _begin(self, trajectory: Trajectory) -> Operation[GoalEnd]:
         goal = self._type.Goal()

@@ -6,8 +6,8 @@ new trajectory is due, the joints go there by a spline from the position and vel
 goal ends at once, and the joints then brake evenly, at `BRAKING` [rad/s^2]. A trajectory that ends beyond 3 rad is
 given up half-way, as a path tolerance that is violated; one of other joints, or of points that don't lie after one
 another, is rejected. Feedback tells where the joints should be. Joints go no further than `blocked`, where that is set;
-they end short of their goal then, and it is given up. What comes by the topic `joint_trajectory` is followed likewise,
-and nobody is told of its end.
+they end short of their goal then, and it is given up. What comes by the topic `joint_trajectory` is followed likewise
+and nobody is told of its end; what ends beyond 3 rad is passed over.
 """
 
 import threading
@@ -61,7 +61,8 @@ class TrajectoryController:
 
     def heard(self, trajectory):
         asked = SimpleNamespace(trajectory=trajectory)
-        if self.accepts(asked) == GoalResponse.ACCEPT:
+        beyond = any(abs(p) > 3 for point in trajectory.points for p in point.positions)
+        if self.accepts(asked) == GoalResponse.ACCEPT and not beyond:
             untold = dict.fromkeys(("publish_feedback", "succeed", "abort", "canceled"), lambda *_: None)
             handle = SimpleNamespace(request=asked, is_cancel_requested=False, **untold)
             self.latest = handle
