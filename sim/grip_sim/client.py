@@ -109,6 +109,9 @@ SILENCE = 120.0
 """A simulator that owes an answer and says nothing for so long is lost [s]; while it moves it tells its time."""
 
 
+def _unheard(name: str, words: str, over: bool) -> None: ...
+
+
 class SimClient(Closing):
     """Owns one simulator process.
 
@@ -126,7 +129,7 @@ class SimClient(Closing):
         self._pending: dict[int, tuple[Operation[Reply], bool]] = {}
         self._completions: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self.sent = 0
-        self.on_fault: Callable[[str, str, bool], None] = lambda name, words, over: None
+        self.on_fault: Callable[[str, str, bool], None] = _unheard
         self._in_turn: InTurnOf | None = None
         self._stood: Callable[[], None] = lambda: None
         self._lost: SimulatorLostError | None = None
@@ -172,6 +175,20 @@ class SimClient(Closing):
             raise
         operation.add_done_callback(self.clock.end)
         return operation if self._in_turn is None else self._in_turn(operation, holds=False)
+
+    def begin(self, spec: WorldSpec) -> None:
+        """Have another world in place of this one, as a new process would; nothing of the old one stays.
+
+        Raises:
+            SimulatorLostError, GripError: see `ask`.
+        """
+        self.on_fault, self._in_turn, self._stood = _unheard, None, lambda: None
+        self._await(self._send({"call": "begin", "spec": spec.to_json()}, waited_for=True), START_TIME)
+        self.clock = SimClock()  # after the answer, so that nothing tells it a time of the old world
+
+    def lives(self) -> bool:
+        """Tell whether it can be asked for anything."""
+        return self._lost is None
 
     def take_turns(self, in_turn: InTurnOf, stood: Callable[[], None]) -> None:
         """Have simulated time stand still but for `go`; see `grip_bt.base.ports.Stepped`."""

@@ -183,6 +183,8 @@ class Faults:
 
     def stepped(self) -> None:
         """Begin what is due, and end what is over."""
+        if not self._due:
+            return
         ready = [due for due in self._due if due.time <= self._world.time + 1e-9]
         self._due = [due for due in self._due if due not in ready]
         for due in ready:
@@ -192,6 +194,11 @@ class Faults:
         """Return what has happened since this was asked last."""
         events, self._told = self._told, []
         return events
+
+    @property
+    def any(self) -> bool:
+        """Whether there is one now."""
+        return bool(self._on)
 
     def aborted(self, groups: Iterable[str]) -> str:
         """Return why a controller of one of these groups gives up now, or an empty string."""

@@ -23,6 +23,8 @@ STILL_TIME = 0.1
 """Fingers have come to rest when they stood still for so long [s]."""
 NEARLY = 0.1
 """A hand presses as it is to when it does but for this part of the force."""
+AHEAD = 64
+"""A path is sampled for so many steps at once."""
 _PAST = 0.1
 """What was followed longer ago is forgotten when a motion is amended [s]."""
 
@@ -103,6 +105,7 @@ class Follow:
         self._path = Trajectory(robot.measure(rows).names, times, positions, velocities)
         self._since = 0.0
         """When `_path` begins, on the time of the motion [s]: what was followed long ago is forgotten."""
+        self._ahead: dict[int, tuple[Array, Array]] = {}
 
     def passed(self, time: float) -> float:
         """Return for how long it has been followed at a simulated time [s]."""
@@ -125,7 +128,7 @@ class Follow:
         old = path.times + since
         kept = (old < at - 1e-6) & (old > self.passed(time) - _PAST)
         whole = np.concatenate([old[kept], at + times])
-        self._since = float(whole[0])
+        self._since, self._ahead = float(whole[0]), {}
         told, speeds = (path.positions[kept], positions), (path.velocities[kept], velocities)
         self._path = Trajectory(path.names, whole - self._since, np.concatenate(told), np.concatenate(speeds))
         return True
@@ -142,8 +145,12 @@ class Follow:
         """Aim at where the path is one step from now; after its time, wait for the joints to arrive."""
         t = world.time - self._begun + world.spec.dt - self._since
         end = self._path.duration
-        position, velocity, _ = self._path.sampled(np.array([t]))
-        self._robot.drive(self.rows, position[0], velocity[0])
+        if world.steps not in self._ahead:  # many at once: that takes hardly longer than one
+            steps: Array = np.arange(world.steps, world.steps + AHEAD, dtype=float)
+            at = steps * world.spec.dt - self._begun + world.spec.dt - self._since
+            positions, velocities, _ = self._path.sampled(at)
+            self._ahead = dict(zip(steps.tolist(), zip(positions, velocities, strict=True), strict=True))
+        self._robot.drive(self.rows, *self._ahead[world.steps])
         if t <= end:
             return None
         error = np.abs(self._robot.positions()[self.rows] - self._path.positions[-1])

@@ -92,10 +92,10 @@ class SimRobot:
         """
         if not self._followers:
             return
-        positions, speeds = self.positions(), self.velocities()
+        positions, speeds = self.body.get_qpos(), self.body.get_qvel()
         for leader, followers in self._followers.items():
             for row, mimic in followers:
-                self._aim(row, mimic.multiplier * positions[leader] + mimic.offset, speeds[row])
+                self._aim(row, mimic.multiplier * float(positions[leader]) + mimic.offset, float(speeds[row]))
 
     def limit_torque(self, rows: Indices, limit: float | None) -> None:
         """Limit the drives' torque [N m]; None restores the description's limits."""
@@ -123,6 +123,8 @@ class SimRobot:
     def pressing(self) -> dict[str, list[int]]:
         """Return the hands whose force is regulated, each with the rows of its joints."""
         found: dict[str, list[int]] = {}
+        if not self._force.any():
+            return found
         for row in np.flatnonzero(self._force).tolist():
             found.setdefault(self.hand_of(row), []).append(row)
         return found

@@ -5,6 +5,7 @@ Physics advances only while something is under way; the process ends when its cl
 
 from __future__ import annotations
 
+import gc
 import os
 import select
 import signal
@@ -50,13 +51,21 @@ class Server:
         self, connection: socket.socket, spec: WorldSpec, pace: float | None, hold: socket.socket | None = None
     ):
         self._connection, self._pace, self._hold = connection, pace, hold
+        self._film: Film | None = None
+        self._motions: dict[int, Motion] = {}
+        self._begin(spec)
+
+    def _begin(self, spec: WorldSpec) -> None:
+        """Let a world begin in place of the one that was there, of which nothing stays."""
+        self._call_end_film()
+        for number, motion in self._motions.items():
+            self._tell_end(number, motion, Ended("canceled", "another world begins"))
+        self._motions = {}
         self._frozen = self._held = self._asked = False
         self._in_turns = self._going = False
         self._until: float | None = None
-        self.world = World(spec)
-        self._motions: dict[int, Motion] = {}
         self._told = self._due = 0.0
-        self._film: Film | None = None
+        self.world = World(spec)
 
     def serve(self) -> None:
         """Obey until the client is gone."""
@@ -166,8 +175,9 @@ class Server:
             self._send({"id": 0})
 
     def _advanced(self, motion: Motion) -> Ended | None:
-        if motion.rows.size and not isinstance(motion, Brake):
-            if why := self.world.faults.aborted(self.world.robot.groups_of(motion.rows)):
+        faults = self.world.faults
+        if faults.any and motion.rows.size and not isinstance(motion, Brake):
+            if why := faults.aborted(self.world.robot.groups_of(motion.rows)):
                 return Ended("aborted", why)
         return motion.advance(self.world)
 
@@ -201,6 +211,10 @@ class Server:
         self._connection.sendall(pack({"time": self.world.time, **fields}, arrays))
 
     # --- what may be called: `_call_` and the name of the call ---
+
+    def _call_begin(self, number: int, spec: dict[str, Any]) -> None:
+        self._begin(WorldSpec.from_json(spec))
+        gc.collect()  # a world is full of circles, and its physics is large where Python sees little
 
     def _call_pause(self, number: int) -> None:
         """Let no time pass; what moves stays where it is, as it is."""
@@ -349,6 +363,7 @@ def main() -> int:
     try:
         fields, _ = receive(connection)
         hold = socket.socket(fileno=int(sys.argv[2])) if len(sys.argv) > 2 else None
+        gc.freeze()  # what was imported is never looked through again
         server = Server(connection, WorldSpec.from_json(fields["spec"]), fields["pace"], hold)
         connection.sendall(pack({"id": fields["id"], "time": 0.0}))
     except (ClosedError, BrokenPipeError):

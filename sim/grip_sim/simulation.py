@@ -169,6 +169,17 @@ class Simulation(SimClient):
         super().__init__(spec, pace, hold)
         self.spec, self.referee = spec, SimReferee(self)
 
+    def begin(self, spec: WorldSpec) -> None:
+        """Have another world, whose objects come to rest, in this one's place; whatever ran in this one has to be over.
+
+        Raises:
+            SimulatorLostError, GripError, UnknownNameError: see `start_simulation`.
+        """
+        self._robot = load_robot(spec.robot)
+        super().begin(spec)
+        self.spec = spec
+        self.settle()
+
     def executor(self, group: str) -> SimExecutor:
         """Return what moves a group of joints. Raises UnknownNameError where the robot has no such group."""
         return SimExecutor(self, self._robot.group(group))

@@ -76,6 +76,8 @@ class World:
         still = [self._add_still(each) for each in fixtures]
         self.robot = SimRobot(self._scene, description or load_robot(spec.robot))
         check_names(spec, (link.name for link in self.robot.links))
+        hands = self.robot.description.hands.items()
+        self._fingers = {hand: {link for link in self.robot.links if link.name in names} for hand, names in hands}
         self._objects = {o.name: self._add_object(o) for o in spec.objects}
         self.articulated = {
             name: make_articulated(self._scene, name, said, lambda link, body: self.cameras.replaced(link, body))
@@ -83,7 +85,8 @@ class World:
         }
         mechanisms = self.articulated.values()
         self._touchable = frozenset(self._objects) | {link.name for each in mechanisms for link in each.links}
-        self._steps = 0
+        self.steps = 0
+        """How often it was advanced."""
         self._moved: set[str] = set()
         self.faults = Faults(spec.faults, spec.seed, self)
         links = [Target(link, link.name, c) for each in mechanisms for link, c in each.links.items()]
@@ -93,7 +96,7 @@ class World:
     @property
     def time(self) -> float:
         """Simulated time since the world was made [s]."""
-        return self._steps * self.spec.dt
+        return self.steps * self.spec.dt
 
     def step(self) -> None:
         """Advance by `spec.dt`."""
@@ -103,7 +106,7 @@ class World:
         for each in self.articulated.values():
             each.before_step()
         self._scene.step()
-        self._steps += 1
+        self.steps += 1
         self._moved.clear()
         for hand, rows in self.robot.pressing().items():
             self.robot.regulate(rows, self.pressed(hand), self.spec.dt)
@@ -174,11 +177,13 @@ class World:
 
     def pressed(self, hand: str) -> float:
         """Return how hard a hand presses on objects [N]: half of all forces, as two sides oppose each other."""
-        total, links, things = 0.0, self.robot.description.hands[hand], self._touchable
+        total, fingers = 0.0, self._fingers[hand]
         for contact in self._scene.get_contacts():
-            one, two = (body.entity.name for body in contact.bodies)
-            touches = (one in links and two in things) or (two in links and one in things)
-            if touches and self._moved.isdisjoint((one, two)):
+            one, two = contact.bodies
+            if (one in fingers) == (two in fingers):
+                continue  # names take their time, and most contacts are of others
+            other = (two if one in fingers else one).entity.name
+            if other in self._touchable and other not in self._moved:
                 total += float(np.linalg.norm(sum(point.impulse for point in contact.points))) / self.spec.dt
         return total / 2
 

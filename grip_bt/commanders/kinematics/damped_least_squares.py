@@ -140,6 +140,7 @@ TOLERANCE = 1e-4
 """Largest norm of the error: metres and radians together."""
 _DAMPING = 1e-4
 _MAX_STEP, _STEPS = 0.5, 30
+_ONES = {m: np.eye(m) for m in (3, 5, 6)}
 _NEAR = 1.0
 """A seed whose grasp frame is further from the target [m + rad] is no better a start than one from the atlas."""
 
@@ -153,10 +154,11 @@ def solve_from(chain: Chain, target: Target, start: Array) -> Array | None:
         squared = float(error @ error)
         if squared < TOLERANCE**2:
             return q
-        damping = _DAMPING * max(1e-2, squared) * np.eye(len(error))
+        damping = _DAMPING * max(1e-2, squared) * _ONES[len(error)]
         step = -jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + damping, error)
         largest = float(np.abs(step).max())
-        q = np.clip(q + (step * (_MAX_STEP / largest) if largest > _MAX_STEP else step), lower, upper)
+        q = q + (step * (_MAX_STEP / largest) if largest > _MAX_STEP else step)
+        q = np.minimum(np.maximum(q, lower), upper)  # a third of the time that `clip` takes
     return None
 
 

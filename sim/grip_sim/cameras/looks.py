@@ -6,7 +6,7 @@ import logging
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, lru_cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -54,12 +54,13 @@ class Target:
         return found or [shape_look(shape) for shape in self.body.collision_shapes]
 
 
+@lru_cache(maxsize=8)
 def visuals_of(urdf: str) -> Mapping[str, Looks]:
     """Return what reads the visuals of each link that has some; mesh paths are absolute."""
     robot = ET.fromstring(urdf)
     known = {str(m.get("name")): m for m in robot.findall("material")}
     links = {str(link.get("name")): link.findall("visual") for link in robot.findall("link")}
-    return {name: partial(_looks_of, visuals, known) for name, visuals in links.items() if visuals}
+    return {name: cache(partial(_looks_of, visuals, known)) for name, visuals in links.items() if visuals}
 
 
 def _looks_of(visuals: Sequence[ET.Element], known: Mapping[str, ET.Element]) -> list[Look]:

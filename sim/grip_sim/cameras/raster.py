@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import cv2
@@ -20,6 +21,7 @@ from grip_bt.base.values import CameraInfo, Pose
 from grip_sim.cameras import AMBIENT, BACKGROUND, DIFFUSE, LIGHT, NEAR, NOTHING, Frame, Places
 from grip_sim.cameras.looks import Target, box_corners
 from grip_sim.cameras.mesh_files import Look
+from grip_sim.specs import Colour
 
 FLIP = np.array([1, -1, -1], np.float32)
 """OpenCV draws along -z, y up."""
@@ -58,7 +60,7 @@ class RasterRenderer:
         looks: list[Look] = []
         boxes, count, first = [], 0, 0
         for target in targets:
-            mine = [_drawable(look, target) for look in target.looks(visual)]
+            mine = [_drawable(look, target.colour) for look in target.looks(visual)]
             start, begin = count, first
             for look in mine:
                 if look.texture is not None and look.uv is not None:
@@ -190,14 +192,16 @@ class RasterRenderer:
         image[hit[mine]] = texture.picture[lines, columns] * light[mine, None]
 
 
-def _drawable(look: Look, target: Target) -> Look:
+@lru_cache(maxsize=256)  # of a robot that is the same in another world
+def _drawable(look: Look, colour: Colour) -> Look:
     """Return it in a colour, without triangles that have no area, and so no plane."""
     one, two, three = look.points.astype(np.float32)[look.triangles].astype(float).transpose(1, 0, 2)
     whole = np.linalg.norm(np.cross(two - one, three - one), axis=1) > 0
     uv = None if look.uv is None else look.uv[whole]
-    return replace(look, triangles=look.triangles[whole], colour=look.colour or target.colour, uv=uv)
+    return replace(look, triangles=look.triangles[whole], colour=look.colour or colour, uv=uv)
 
 
+@lru_cache(maxsize=256)
 def _planes(look: Look) -> Array:
     """Return normal and offset of each triangle, shape (n, 4)."""
     one, two, three = look.points[look.triangles].transpose(1, 0, 2)

@@ -48,17 +48,25 @@ def read_world(name: str, project: Path | None = None) -> tuple[WorldFile, Path]
     return read_model(path, WorldFile), path
 
 
-def load_world(name: str, seed: int = 0, project: Path | None = None, robot: str = "") -> WorldSpec:
-    """Return a world with what a seed draws; see `arrange`.
+def load_world(name: str, seed: int = 0, project: Path | None = None, robot: str = "", object: str = "") -> WorldSpec:
+    """Return a world with what a seed draws, see `arrange`; with `object`, its objects are such ones instead.
 
     Raises:
         UnknownNameError, DocumentError: see `read_world`.
         ArrangementError: drawn objects don't fit.
     """
     world, path = read_world(name, project)
+    if object:
+        world = world.model_copy(update={"objects": {n: _other(thing, object) for n, thing in world.objects.items()}})
     own = "" if world.robot is None else world.robot if isinstance(world.robot, str) else str(path)
     home = project or path.parent.parent
     return arrange(world, seed, path.parent, robot or own, lambda each: object_file(each, home))
+
+
+def _other(thing: ObjectConfig, model: str) -> ObjectConfig:
+    if thing.draw:
+        return thing.model_copy(update={"of": (ShapeConfig(model=model),)})
+    return ObjectConfig(model=model, at=thing.at, yaw=thing.yaw, tilt=thing.tilt)
 
 
 TRIES, RESTARTS = 10_000, 30
