@@ -60,6 +60,14 @@ class Components(Closing):
             client.server_started()
             process.when_ended(lambda: client.server_ended(process.describe_end()))
 
+    @property
+    def settled(self) -> bool:
+        """Whether all processes live, and no server can be at work for a call or a goal any more."""
+        processes = [running.process for running in self._running.values() if running.process is not None]
+        clients = [running.client for running in self._running.values()]
+        calls = [client for client in clients if isinstance(client, (ServiceClient, ActionClient))]
+        return all(process.alive for process in processes) and all(client.settled for client in calls)
+
     def wait_ready(self) -> None:
         """Wait until every server is there.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import queue
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TextIO, TypedDict
@@ -51,6 +52,8 @@ class Control:
         self._runner: Runner | None = None
         self._early: list[Mapping[str, Any]] = []
         self._stopped = self.lost = False
+        self.order: queue.SimpleQueue[Mapping[str, Any] | None] = queue.SimpleQueue()
+        """The line that says what is to be run after this, which ends the control of this run; None: nothing will."""
 
     def start(self) -> None:
         threading.Thread(target=self._obey, name="grip_control", daemon=True).start()
@@ -81,6 +84,11 @@ class Control:
             runner.lose(GONE)
         else:
             runner.stop()
+
+    def leave(self) -> None:
+        """Control nothing any more: the run is over, and all that it had is closed."""
+        with self._lock:
+            self._runner, self._stopped = None, True
 
     def attach(self, runner: Runner) -> None:
         """Control this run from now on; obey what came before it."""
@@ -125,6 +133,8 @@ class Control:
         for line in _lines(self._commands):
             try:
                 command = json.loads(line)
+                if "task" in command:
+                    return self.order.put(command)
                 if command["command"] not in COMMANDS:
                     raise KeyError(command["command"])
             except (ValueError, KeyError, TypeError):
@@ -141,6 +151,7 @@ class Control:
             elif runner is not None:
                 self._do(runner, command)
         self.stop(lost=True)
+        self.order.put(None)
 
     def _do(self, runner: Runner, command: Mapping[str, Any]) -> None:
         try:

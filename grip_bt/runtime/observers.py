@@ -154,6 +154,7 @@ class Heartbeat(Observer):
         self._words, self._flags = memoryview(shared)[:_FLAGS].cast("I"), memoryview(shared)[_FLAGS:]
         self._numbers: Mapping[str, int] = {path: min(i, room) for i, path in enumerate(paths)}
         self._words[_LAST] = room
+        self._flags[: len(paths)] = bytes(min(len(paths), room + 1))  # of a run before
         self._over = threading.Event()
 
     def start(self) -> None:

@@ -124,7 +124,8 @@ def _plain(value: Any, arrays: list[bytes], size: list[int], depth: int) -> Any:
             return items
         return {"$dict": [[_plain(key, arrays, size, 0), item] for key, item in items.items()]}
     if type(value) in (list, tuple, set, frozenset):
-        row = [_plain(item, arrays, size, depth + 1) for item in value]
+        ordered = value if type(value) in (list, tuple) else sorted(value, key=repr)  # sets have an order a process
+        row = [_plain(item, arrays, size, depth + 1) for item in ordered]
         return row if type(value) is list else {f"${name}": row}
     return _opaque(value)
 

@@ -152,7 +152,7 @@ def test_a_node_that_does_not_return_is_ended_and_named(project: Path, how: str,
 def test_a_stop_that_is_not_acknowledged_ends_the_process_at_once(project: Path) -> None:
     run = Supervised(task(project, "hold"))
     run.until("started")
-    while not run.supervisor._pulse.where(run.supervisor._paths)[1] == ["inner/worse"]:
+    while not run.supervisor._process.pulse.where(run.supervisor._paths)[1] == ["inner/worse"]:
         time.sleep(0.001)
     run.supervisor.stop()
     end = run.supervisor.wait()
@@ -173,7 +173,7 @@ def test_the_robot_of_a_run_that_has_to_be_ended_is_said_to_rest_when_the_simula
     file.write_text(MOVING)
     run = Supervised(file, robot="sim", pace=1.0)
     run.until("started")
-    while "hangs/worse" not in run.supervisor._pulse.where(run.supervisor._paths)[1]:
+    while "hangs/worse" not in run.supervisor._process.pulse.where(run.supervisor._paths)[1]:
         time.sleep(0.001)
     run.supervisor.stop()
     end = run.supervisor.wait()
@@ -305,7 +305,7 @@ def test_a_stop_that_comes_while_a_refusal_is_told_does_not_cut_it_short(monkeyp
     monkeypatch.setattr(run_process, "_run", refuse)
     before = signal.signal(signal.SIGUSR1, run_process._interrupted)
     try:
-        assert run_process._run_or_say_why({}, {}, Stopped()) == 1
+        assert run_process._run_or_say_why({}, {}, Stopped(), None) == 1
     finally:
         signal.signal(signal.SIGUSR1, before)
     assert told == [("failed", "grip: no such thing")]

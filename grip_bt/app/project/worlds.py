@@ -27,9 +27,9 @@ from grip_sim.worlds import load_world
 _worlds: FileCache[tuple[str, str], WorldSpec | GripError] = FileCache()
 
 
-def world_of(project: Project, seed: int, world: str = "") -> WorldSpec:
+def world_of(project: Project, seed: int, world: str = "", object: str = "") -> WorldSpec:
     """Return a world, by default the project's own, with the project's robot, as a seed draws it; see `load_world`."""
-    spec = load_world(world or project.file.world or "", seed, project.folder)
+    spec = load_world(world or project.file.world or "", seed, project.folder, object=object)
     return replace(spec, robot=project.robot_source)
 
 

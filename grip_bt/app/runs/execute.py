@@ -20,6 +20,7 @@ from grip_bt.app.project.folder import Project, find_project
 from grip_bt.app.project.foreign_code import of_task, refuse
 from grip_bt.app.runs.mocks import apply_mocks, check_nodes, injected
 from grip_bt.app.runs.resume import Restored, ResumeRequest, changes, kept_parts, policy_of, start_resumed
+from grip_bt.app.wiring.equipment import Equipment
 from grip_bt.app.wiring.open import open_resources
 from grip_bt.app.wiring.parts import Opening, Progress, Resources, RobotKind, load_part, silent
 from grip_bt.app.world import World, in_world
@@ -57,6 +58,7 @@ class RunOptions:
         robot: simulated, fake parts that do as asked, or real controllers over ROS 2.
         seed: of the simulated world.
         world: name or file of the world that is simulated in place of the project's; empty for that.
+        object: of the library or a file; every object of the world is one.
         pace: simulated seconds per second for watching; None for as fast as it goes.
         data: initial values for the task's variables.
         journal: where to write; None for the project's own.
@@ -79,6 +81,7 @@ class RunOptions:
     robot: RobotKind = "sim"
     seed: int = 0
     world: str = ""
+    object: str = ""
     pace: float | None = None
     data: Mapping[str, Any] = field(default_factory=dict)
     journal: Path | None = None
@@ -99,20 +102,8 @@ class RunOptions:
 
 OPTIONS = TypeAdapter(RunOptions)
 """Writes and reads them as JSON, for other processes and for the journal."""
-_RECORDED = {
-    "robot",
-    "seed",
-    "world",
-    "pace",
-    "data",
-    "rate",
-    "watchdog",
-    "mocks",
-    "faults",
-    "target",
-    "stand_ins",
-    "ticks",
-}
+_RECORDED = {"robot", "seed", "world", "object", "pace", "data", "rate", "watchdog", "mocks", "faults", "target"}
+_RECORDED |= {"stand_ins", "ticks"}
 
 
 @dataclass
@@ -227,12 +218,17 @@ def _adopted(
 
 @contextmanager
 def open_session(
-    path: str | Path | Task, options: RunOptions, progress: Progress = silent, hold: int | None = None
+    path: str | Path | Task,
+    options: RunOptions,
+    progress: Progress = silent,
+    hold: int | None = None,
+    equipment: Equipment | None = None,
 ) -> Iterator[Session]:
     """Check a task, start what it needs, and compile it; everything is stopped and closed at the end.
 
     Args:
         hold: file descriptor of the channel over which somebody else may hold the robot; None for nobody.
+        equipment: what earlier runs have left for this one, which leaves it for the next.
 
     Raises:
         DocumentError, InvalidTaskError: the task or the project is wrong; nothing was started.
@@ -261,7 +257,8 @@ def open_session(
                 runner.tell(part, words)
 
         faults = options.faults if options.resume is None else None  # what has happened doesn't happen again
-        opening = Opening(project, options.seed, options.pace, told, hold, faults)
+        kept = equipment or Equipment()
+        opening = Opening(project, options.seed, options.pace, told, hold, faults, options.object, kept)
         parts = open_resources(opening, needs, options.robot, own)
         with parts as resources, Journal(options.journal or project.journal) as journal:
             runner = _runner(compiled, document, options, resources, journal, progress)

@@ -1,20 +1,31 @@
-"""`python -m grip_bt.app.runs.process`: the process in which a run executes, under `grip_bt.app.runs.supervisor`."""
+"""`python -m grip_bt.app.runs.process`: the process in which runs execute, under `grip_bt.app.runs.supervisor`.
+
+Whoever wants several runs, one after the other, says `more` in each order: planner, simulator and servers of components
+stay, and `idle` tells when the run before is over. What a run has of its own is made anew: the world, commanders, the
+compiled task, modules of the project's folder.
+"""
 
 from __future__ import annotations
 
 import faulthandler
+import gc
 import json
 import os
 import signal
 import sys
 import threading
 import traceback
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from grip_bt.base.errors import GripError
 
 if TYPE_CHECKING:
+    from grip_bt.app.wiring.equipment import Equipment
     from grip_bt.runtime.control import Control
+
+EARLY = 130
+"""Exit status after a stop that came before the run."""
 
 
 class _StoppedEarlyError(BaseException):
@@ -30,29 +41,57 @@ def main() -> int:
     os.environ["GRIP_WATCHDOG_REPORT"] = str(channels["report"])  # as `grip_bt.ros.watchdog` has it
     faulthandler.enable(os.fdopen(channels["trace"], "w"))
     commands, events = os.fdopen(channels["commands"]), os.fdopen(channels["events"], "w")
-    parent, line = os.getppid(), commands.readline()
+    line = commands.readline()
     if not line:
         return 1  # who would have told us what to run has gone
-    order = json.loads(line)
-    from grip_bt.runtime.control import Control  # after the signals: importing takes a moment
+    order: Mapping[str, Any] | None = json.loads(line)
+    from grip_bt.app.wiring.equipment import Equipment  # after the signals: importing takes a moment
+    from grip_bt.runtime.control import Control
 
-    main_thread = threading.get_ident()
-    control = Control(commands, events, lambda: signal.pthread_kill(main_thread, signal.SIGUSR1))
+    main_thread, status = threading.get_ident(), 1
+    with Equipment(lasting=True) as equipment:
+        while order is not None:
+            control = Control(commands, events, lambda: signal.pthread_kill(main_thread, signal.SIGUSR1))
+            status = _execute(order, channels, control, equipment)
+            if status == EARLY or not order.get("more"):
+                break
+            _forget_modules(order["task"])
+            gc.collect()
+            if not gc.get_freeze_count():
+                gc.freeze()  # what is there after the first run stays, and needn't be looked through again
+            control.leave()
+            control.send("idle")
+            order = control.order.get()
+    return status
+
+
+def _forget_modules(task: str) -> None:
+    """Have the next run import what belongs to the project anew: what modules keep is no business of another run's."""
+    from grip_bt.app.project.folder import find_project
+
+    folder = f"{find_project(task).folder}{os.sep}"
+    for name, module in list(sys.modules.items()):
+        if (getattr(module, "__file__", None) or "").startswith(folder):
+            del sys.modules[name]
+
+
+def _execute(order: Mapping[str, Any], channels: dict[str, int], control: Control, equipment: Equipment) -> int:
+    parent = os.getppid()
     try:
         signal.signal(signal.SIGUSR1, _interrupted)  # in here: a stop may be the very next command
         control.start()
         # Whoever ends what a parent has left behind doesn't stop the run; that the parent has gone is why it ends.
         signal.signal(signal.SIGTERM, lambda *_: control.stop(lost=os.getppid() != parent))
-        return _run_or_say_why(order, channels, control)
+        return _run_or_say_why(order, channels, control, equipment)
     except _StoppedEarlyError:
         status = "died" if control.lost else "stopped"
         control.send("ended", status=status, outcome=None, code=None, message="before the task began", zombies=[])
-        return 130
+        return EARLY
 
 
-def _run_or_say_why(order: dict[str, Any], channels: dict[str, int], control: Control) -> int:
+def _run_or_say_why(order: Mapping[str, Any], channels: dict[str, int], control: Control, equipment: Equipment) -> int:
     try:
-        return _run(order, channels, control)
+        return _run(order, channels, control, equipment)
     except _StoppedEarlyError:
         raise
     except BaseException as error:  # noqa: BLE001 - the parent has to know that it isn't a node's fault
@@ -66,7 +105,7 @@ def _interrupted(*_: object) -> None:
     raise _StoppedEarlyError
 
 
-def _run(order: dict[str, Any], channels: dict[str, int], control: Control) -> int:
+def _run(order: Mapping[str, Any], channels: dict[str, int], control: Control, equipment: Equipment) -> int:
     from grip_bt.compilers.binding import parts_of
     from grip_bt.runtime.observers import Heartbeat
 
@@ -79,7 +118,7 @@ def _run(order: dict[str, Any], channels: dict[str, int], control: Control) -> i
     def progress(part: str, detail: str) -> None:
         control.send("progress", part=part, detail=detail)
 
-    with open_session(order["task"], options, progress, hold=channels.get("hold")) as session:
+    with open_session(order["task"], options, progress, channels.get("hold"), equipment) as session:
         try:
             verdict = Verdict(session)
             paths = list(parts_of(session.runner.compiled))

@@ -11,7 +11,6 @@ import json
 import os
 import re
 import select
-import signal
 import socket
 import subprocess
 import sys
@@ -19,12 +18,13 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
 from grip_bt.app.runs.execute import OPTIONS, RunOptions
 from grip_bt.base.errors import GripError
+from grip_bt.base.files import Closing
 from grip_bt.base.interpreter import how_ended, python_command
 from grip_bt.runtime import Journal, RunLog
 from grip_bt.runtime.control import RunEnd
@@ -48,6 +48,79 @@ LOOK = 0.25
 Told = Callable[[Mapping[str, Any]], None]
 
 
+class RunProcess(Closing):
+    """A child process that executes runs, one after the other, and the channels to it; `idle` between two of them.
+
+    Args:
+        own_input: whether the child may read our standard input.
+
+    Raises:
+        GripError: it can't be started; it says what the system refuses.
+    """
+
+    def __init__(self, own_input: bool = True):
+        with ExitStack() as stack:  # of the child's ends
+            try:
+                commands, self.command_end = os.pipe()
+                event_end, events = os.pipe()
+                self.hold_end, hold = socket.socketpair()
+                report_end, report = os.pipe()
+                for each in (commands, events, report):
+                    stack.callback(os.close, each)
+                stack.callback(hold.close)
+                self.memory, self.trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
+                self.memory.truncate(LARGEST)
+                self.pulse = HeartbeatReader(self.memory.fileno())
+                files = {"hold": hold.fileno(), "pulse": self.memory.fileno(), "trace": self.trace.fileno()}
+                channels = {"commands": commands, "events": events, "report": report, **files}
+                self.child = subprocess.Popen(
+                    python_command("-m", "grip_bt.app.runs.process", json.dumps(channels)),
+                    pass_fds=list(channels.values()),
+                    stdin=None if own_input else subprocess.DEVNULL,
+                )
+            except OSError as error:
+                why = f"{error.strerror}; `ulimit -a` and the room in {tempfile.gettempdir()} (TMPDIR) tell more"
+                raise GripError(f"the run's process can't be started: {why}") from None
+        self.events, self.report = os.fdopen(event_end), os.fdopen(report_end, "rb", 0)
+        self.idle = True
+        self._lock = threading.RLock()
+        self._told_all = False
+
+    @property
+    def waits(self) -> bool:
+        """Whether it lives, and waits for a run."""
+        return self.idle and self.child.poll() is None
+
+    def send(self, command: Mapping[str, object]) -> None:
+        """Pass a command on, from any thread; one that has ended meanwhile is noticed elsewhere."""
+        line = json.dumps(command, default=str).encode() + b"\n"
+        with self._lock, suppress(OSError):
+            if not self._told_all:
+                os.write(self.command_end, line)
+
+    def say_no_more(self) -> None:
+        """Close the commands; a process that hears of it before a stop knows that it is on its own."""
+        with self._lock:
+            if not self._told_all:
+                self._told_all = True
+                os.close(self.command_end)
+
+    def close(self) -> None:
+        """Have it end; harmless when it has. One that executes a run is on its own then, see `say_no_more`."""
+        self.say_no_more()
+        try:
+            self.child.wait(WIND_DOWN)
+        except subprocess.TimeoutExpired:
+            self.child.kill()
+            self.child.wait()
+        if self.idle:
+            self.events.close()  # else by who reads them, at their end
+        self.hold_end.close()
+        self.report.close()
+        self.memory.close()
+        self.trace.close()
+
+
 class Supervisor:
     """Runs one task in a child process.
 
@@ -55,18 +128,27 @@ class Supervisor:
         told: called with each event of the run, in a thread of the supervisor.
         silence: how long [s] the process may stand still before it is ended; None for ever.
         own_input: whether the child may read our standard input.
+        process: one that is idle, and is idle again afterwards if nothing went wrong; None for one of the run's own.
     """
 
     def __init__(
-        self, task: str, options: RunOptions, told: Told, silence: float | None = None, own_input: bool = True
+        self,
+        task: str,
+        options: RunOptions,
+        told: Told,
+        silence: float | None = None,
+        own_input: bool = True,
+        process: RunProcess | None = None,
     ):
         self._told, self._silence = told, silence
-        self._order = {"task": task, "options": OPTIONS.dump_python(options, mode="json")}
+        more = process is not None
+        self._order = {"task": task, "options": OPTIONS.dump_python(options, mode="json"), "more": more}
         self._robot = options.robot
         self._own_input = own_input
+        self._given = process
         self._lock = threading.RLock()
         self._acknowledged, self._over = threading.Event(), threading.Event()
-        self._stopping = self._lost = self._told_all = False
+        self._stopping = self._lost = False
         self._why = ""
         self._begun = time.monotonic()
         self._paths: list[str] = []
@@ -79,36 +161,16 @@ class Supervisor:
 
     def start(self) -> None:
         """Start the process. Raises GripError where it can't be; it says what the system refuses."""
-        with ExitStack() as stack:  # of the child's ends
-            try:
-                commands, self._command_end = os.pipe()
-                self._event_end, events = os.pipe()
-                self._hold_end, hold = socket.socketpair()
-                self._report_end, report = os.pipe()
-                for each in (commands, events, report):
-                    stack.callback(os.close, each)
-                stack.callback(hold.close)
-                self._memory, self._trace = tempfile.TemporaryFile(), tempfile.TemporaryFile()
-                self._memory.truncate(LARGEST)
-                self._pulse = HeartbeatReader(self._memory.fileno())
-                files = {"hold": hold.fileno(), "pulse": self._memory.fileno(), "trace": self._trace.fileno()}
-                channels = {"commands": commands, "events": events, "report": report, **files}
-                self._process = subprocess.Popen(
-                    python_command("-m", "grip_bt.app.runs.process", json.dumps(channels)),
-                    pass_fds=list(channels.values()),
-                    stdin=None if self._own_input else subprocess.DEVNULL,
-                )
-            except OSError as error:
-                why = f"{error.strerror}; `ulimit -a` and the room in {tempfile.gettempdir()} (TMPDIR) tell more"
-                raise GripError(f"the run's process can't be started: {why}") from None
-        self._send(self._order)
+        self._process = self._given or RunProcess(self._own_input)
+        self._process.idle = False
+        self._process.send(self._order)
         self._reader = threading.Thread(target=self._read, name="grip_events", daemon=True)
         self._reader.start()
 
     @property
     def pid(self) -> int:
         """The child's process id."""
-        return self._process.pid
+        return self._process.child.pid
 
     @property
     def started(self) -> Mapping[str, Any] | None:
@@ -120,7 +182,7 @@ class Supervisor:
         if command.get("command") == "stop":
             self.stop()
         else:
-            self._send(command)
+            self._process.send(command)
 
     def stop(self, lost: bool = False) -> None:
         """Stop the run, or its start; whatever the process does. May be called from a signal handler.
@@ -143,46 +205,27 @@ class Supervisor:
         if self._ended is None:
             self._ended = self._obituary(status)
             self._told(self._ended)
-        self._say_no_more()
-        self._hold_end.close()
-        os.close(self._report_end)
-        self._memory.close()
-        self._trace.close()
+        if not self._process.idle:
+            self._process.close()
         return self._ended
 
     # --- its threads ---
 
-    def _send(self, command: Mapping[str, object]) -> None:
-        line = json.dumps(command, default=str).encode() + b"\n"
-        try:
-            with self._lock:
-                if not self._told_all:
-                    os.write(self._command_end, line)
-        except OSError:
-            return  # it has ended, which is noticed elsewhere
-
-    def _say_no_more(self) -> None:
-        """Close the commands; a process that hears of it before a stop knows that it is on its own."""
-        with self._lock:
-            if not self._told_all:
-                self._told_all = True
-                os.close(self._command_end)
-
     def _stop(self, called: float) -> None:
         if self._lost:
-            self._say_no_more()
+            self._process.say_no_more()
         else:
-            self._send({"command": "stop"})
+            self._process.send({"command": "stop"})
         if not self._acknowledged.wait(called + ACKNOWLEDGE - time.monotonic()):
             self._told({"event": "state", "state": "stopping"})
             self._hold()
             self._kill(f"did not acknowledge the stop within {1000 * ACKNOWLEDGE:.0f} ms")
             return
         while time.monotonic() < called + WIND_DOWN:
-            count = self._pulse.count
+            count = self._process.pulse.count
             if self._over.wait(STILL):
                 return
-            if self._run is not None and self._ended is None and self._pulse.count == count:
+            if self._run is not None and self._ended is None and self._process.pulse.count == count:
                 self._hold()
                 self._kill("hung after it had acknowledged the stop")
                 return
@@ -193,9 +236,9 @@ class Supervisor:
         if not self._simulated:
             return
         try:
-            self._hold_end.settimeout(HOLD)
-            self._hold_end.sendall(b"hold")
-            said = self._hold_end.recv(1024).decode() or "the simulator has gone"
+            self._process.hold_end.settimeout(HOLD)
+            self._process.hold_end.sendall(b"hold")
+            said = self._process.hold_end.recv(1024).decode() or "the simulator has gone"
         except OSError:
             said = f"the simulator did not confirm it within {HOLD:g} s"
         self._held = {"robot": "" if said == "held" else said}
@@ -203,19 +246,22 @@ class Supervisor:
     def _kill(self, why: str) -> None:
         self._why = why
         try:
-            self._process.send_signal(signal.SIGKILL)
+            self._process.child.kill()
         except OSError:
             return  # it has ended meanwhile
 
     def _watch(self) -> int:
         count, still, looked = -1, 0.0, time.monotonic()
         while True:
+            self._reader.join(LOOK)
+            if self._process.idle:
+                return 0
             try:
-                return self._process.wait(LOOK)
+                return self._process.child.wait(0 if self._reader.is_alive() else LOOK)
             except subprocess.TimeoutExpired:
                 pass
             step, looked = min(time.monotonic() - looked, 2 * LOOK), time.monotonic()  # not while we stood still
-            now = self._pulse.count
+            now = self._process.pulse.count
             still = 0.0 if now != count or self._run is None or self._ended is not None else still + step
             count = now
             if self._silence is not None and still > self._silence and not self._why:
@@ -224,31 +270,35 @@ class Supervisor:
                 self._kill(f"stood still for {self._silence:g} s: its code blocks every other thread")
 
     def _read(self) -> None:
-        with os.fdopen(self._event_end) as events:
-            for line in events:
-                event = json.loads(line)
-                match event["event"]:
-                    case "nodes":
-                        self._paths = event["paths"]
-                        continue
-                    case "progress" if event["part"] == "simulator":
-                        self._simulated = True
-                    case "started":
-                        self._run, self._begun = event, time.monotonic()
-                    case "state" if event["state"] == "stopping":
-                        self._acknowledged.set()
-                    case "ended" | "failed":
-                        self._acknowledged.set()
-                        self._ended = event
-                self._told(event)
+        for line in self._process.events:
+            event = json.loads(line)
+            match event["event"]:
+                case "idle":
+                    self._process.idle = True
+                    return
+                case "nodes":
+                    self._paths = event["paths"]
+                    continue
+                case "progress" if event["part"] == "simulator":
+                    self._simulated = True
+                case "started":
+                    self._run, self._begun = event, time.monotonic()
+                case "state" if event["state"] == "stopping":
+                    self._acknowledged.set()
+                case "ended" | "failed":
+                    self._acknowledged.set()
+                    self._ended = event
+            self._told(event)
+        self._process.events.close()
 
     # --- a death ---
 
     def _at_rest(self) -> dict[str, str]:
         """Return what watchdogs say of what moves over ROS: part or action -> why its rest isn't known, or nothing."""
         text, deadline = b"", time.monotonic() + REAPED
-        while (left := deadline - time.monotonic()) > 0 and select.select([self._report_end], [], [], left)[0]:
-            more = os.read(self._report_end, 1 << 16)
+        report = self._process.report
+        while (left := deadline - time.monotonic()) > 0 and select.select([report], [], [], left)[0]:
+            more = os.read(report.fileno(), 1 << 16)
             if not more:
                 break
             text += more
@@ -260,12 +310,12 @@ class Supervisor:
     def _obituary(self, status: int) -> RunEnd:
         """Return the event `ended` of a process that couldn't send it, and enter it into the journal."""
         stopped = self._stopping and not self._stood_still
-        last, active = self._pulse.where(self._paths)
+        last, active = self._process.pulse.where(self._paths)
         path = last if last in active or not active else active[-1]
         how = self._why or how_ended(status) + (" before the task had ended" if status >= 0 else "")
         message = f"the run's process {how}"
-        self._trace.seek(0)
-        trace = self._trace.read(1 << 16).decode(errors="replace")
+        self._process.trace.seek(0)
+        trace = self._process.trace.read(1 << 16).decode(errors="replace")
         if self._run is None:
             message = "before the task began" if stopped else f"{message}, and before it began"
         elif not stopped:

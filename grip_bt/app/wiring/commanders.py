@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 from grip_bt.app.project.faults import faults_of_faults, faults_of_simulation, jerks_of_arms
 from grip_bt.app.project.worlds import regions_of, room_of, world_of
 from grip_bt.runtime.lockstep import InTurn, Lockstep
-from grip_sim.simulation import start_simulation
+from grip_sim.simulation import Simulation, start_simulation
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,16 @@ class PlannedRobot:
     process: PlanningProcess
 
     @classmethod
-    def begin(cls, opening: Opening, stack: ExitStack) -> PlannedRobot:
+    def begin(cls, opening: Opening) -> PlannedRobot:
         """Verify what arms and hands name, and start the planner."""
         description = opening.project.description()
         check(faults_of_parts(opening.project, description))
-        process = stack.enter_context(PlanningProcess(description, partial(opening.progress, "planner")))
+
+        def start(stack: ExitStack) -> PlanningProcess:
+            return stack.enter_context(PlanningProcess(description))
+
+        process = opening.equipment.get(f"planner {description.name}", description, start)
+        process.told = partial(opening.progress, "planner")
         return cls(description, process)
 
     def wait_until_ready(self, opening: Opening) -> None:
@@ -87,7 +92,8 @@ def commanded(
     Regions are (edge lengths [m], pose of the middle in world) by name.
     """
     project, file = opening.project, opening.project.file
-    model, taught = RobotModel(description), TaughtStates(project.folder / TAUGHT)
+    model = opening.equipment.get(f"model {description.name}", description, lambda _: RobotModel(description))
+    taught = TaughtStates(project.folder / TAUGHT)
     hands = {
         name: HandCommander(
             name,
@@ -249,12 +255,18 @@ def open_simulated(opening: Opening, stack: ExitStack) -> Resources:
     project, file, progress = opening.project, opening.project.file, opening.progress
     check(faults_of_simulation(project))
     progress("starting", "the simulator and the planner")
-    robot = PlannedRobot.begin(opening, stack)
+    robot = PlannedRobot.begin(opening)
     jerks = jerks_of_arms(file.arms, robot.description)
-    spec = replace(world_of(project, opening.seed), jerks=jerks)
+    spec = replace(world_of(project, opening.seed, object=opening.object), jerks=jerks)
     spec = replace(spec, faults={} if opening.faults is None else {**spec.faults, **opening.faults})
     check(faults_of_faults(project, spec, robot.description))
-    simulation = stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
+
+    def start(stack: ExitStack) -> Simulation:
+        return stack.enter_context(start_simulation(spec, opening.pace, opening.hold))
+
+    simulation = opening.equipment.get("simulator", (opening.pace, opening.hold), start, Simulation.lives)
+    if simulation.spec is not spec:
+        simulation.begin(spec)
     objects = ", ".join(thing.name for thing in spec.objects)
     progress("simulator", f"SAPIEN in process {simulation.pid}, world {file.world!r}: {objects}")
     plans: PlanningService = with_move_group(opening, robot.description, robot.process, stack)

@@ -52,6 +52,8 @@ def open_resources(
     """
     project, asked, parts = opening.project, _parts_asked_for(own), Resources()
     with ExitStack() as stack:
+        if not opening.equipment.lasting:
+            stack.enter_context(opening.equipment)
         needs_robot = bool(asked & ROBOT) or any(_needs_robot(project, node) for node in needs)
         if needs_robot and (robot == "fake" or project.file.robot is not None):
             parts = backend_of(robot)(opening, stack)

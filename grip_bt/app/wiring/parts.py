@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import Any, Literal
 
 from grip_bt.app.project.folder import Project
+from grip_bt.app.wiring.equipment import Equipment
 from grip_bt.base.errors import MissingPartError, libraries_of
 from grip_bt.base.ports import Clock
 from grip_bt.commanders.fake import FakeArm, FakeComponent, FakeHand
@@ -130,6 +131,8 @@ class Opening:
         progress: told of each part that came up.
         hold: file descriptor over which somebody else may have the robot hold; None for nobody.
         faults: what goes wrong in the simulated world besides its own faults; None for nothing at all.
+        object: of the library or a file; every object of the simulated world is one, where it isn't empty.
+        equipment: what earlier runs of this process have left.
     """
 
     project: Project
@@ -138,6 +141,8 @@ class Opening:
     progress: Progress = silent
     hold: int | None = None
     faults: Mapping[str, Fault] | None = field(default_factory=dict)
+    object: str = ""
+    equipment: Equipment = field(default_factory=Equipment)
 
 
 OpenRobot = Callable[[Opening, ExitStack], Resources]

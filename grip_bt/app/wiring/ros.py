@@ -14,7 +14,7 @@ from grip_bt.base.failures import ServerLostError
 from grip_bt.commanders.description.robot import RobotDescription
 from grip_bt.ros.client.bus import Bus
 from grip_bt.ros.client.connection import TreeNode as TreeNode
-from grip_bt.ros.components import start_components
+from grip_bt.ros.components import Components, start_components
 from grip_bt.ros.environment import own_domain
 from grip_bt.ros.frames import mounted_frames
 from grip_bt.ros.interface import RosClock, RosInterface
@@ -44,7 +44,7 @@ def open_ros(
     project, progress = opening.project, opening.progress
     if "ros/lookup_transform" in needs or any(project.file.sensors[name].given_in for name in sensors):
         provide_frames(progress)
-    domain = _domain(project, names, sensors, needs, stack)
+    own = _has_own_domain(project, names, sensors, needs)
     poses, _ = mounted_frames(project.file.sensors)
     frames = robot_frames(project).with_poses(poses)
     folder = project.file.components or "components"
@@ -52,8 +52,18 @@ def open_ros(
     def begun(package: str) -> None:
         progress("interfaces", f"{package} is built now, once for all runs; this takes some seconds")
 
-    components = start_components(project.folder, names, domain, folder, frames, begun)
-    stack.callback(components.close)
+    def start(stack: ExitStack) -> tuple[int | None, Components]:
+        domain = stack.enter_context(own_domain()) if own else None
+        components = start_components(project.folder, names, domain, folder, frames, begun)
+        stack.callback(components.close)
+        return domain, components
+
+    folders = project.component_folders()
+    files = [load_component(folders[name]) for name in names if name in folders]
+    fresh = any(file.start is not None and file.start.fresh for file in files)
+    made_of = object() if fresh else (project.folder, files, own)
+    name = f"components {' '.join(names)}"
+    domain, components = opening.equipment.get(name, made_of, start, lambda kept: kept[1].settled)
     clock = simulated_clock(components.bus, stack) if project.file.simulated_time else None
     now = time.time if clock is None else clock.now
     ros = RosInterface(components.bus, Transforms(components.bus, frames), now)
@@ -85,18 +95,14 @@ def simulated_clock(bus: Bus, stack: ExitStack) -> RosClock:
     return clock
 
 
-def _domain(
-    project: Project, names: list[str], sensors: list[str], needs: Collection[str], stack: ExitStack
-) -> int | None:
-    """Return a domain of the run's own; None, which is the user's, when the task needs something that runs already."""
+def _has_own_domain(project: Project, names: list[str], sensors: list[str], needs: Collection[str]) -> bool:
+    """Tell whether the run may have a domain of its own: not when the task needs something that runs already."""
     folders = project.component_folders()
     if project.file.simulated_time:
-        return None
+        return False
     started = all(name in folders and _starts(load_component(folders[name]).start) for name in names)
     driven = all(_starts(project.file.sensors[name].driver) for name in sensors)
-    if started and driven and not any(node.startswith("ros/") for node in needs):
-        return stack.enter_context(own_domain())
-    return None
+    return started and driven and not any(node.startswith("ros/") for node in needs)
 
 
 def _starts(start: Start | None) -> bool:

@@ -54,7 +54,7 @@ def open_controllers(opening: Opening, stack: ExitStack) -> Resources:
     for name in groups:
         if name not in settings.controllers:
             raise UnknownNameError("controller of", name, settings.controllers, "grip.yaml: ros/controllers")
-    robot = PlannedRobot.begin(opening, stack)
+    robot = PlannedRobot.begin(opening)
     bus = stack.enter_context(Bus("grip_robot", watched=True))
     watchdog = bus.watchdog
     assert watchdog is not None, "it is open, and watched"

@@ -171,10 +171,12 @@ class RobotModel:
     def chain(self, group: str, *states: JointState) -> Chain:
         """Return the chain of a group, with the other joints where `states` say (else at home, open).
 
-        Chains are kept: a hand's posture changes far more seldom than plans are made.
+        Chains are kept: a hand's posture changes far more seldom than plans are made. The others are to 1 mrad where
+        `states` say, so that a chain doesn't depend on who asked for it first.
         """
         names, q = self._moved_and_rest([group], states)
-        key = (group, np.round(q, 3).tobytes())
+        q = np.round(q, 3)
+        key = (group, q.tobytes())
         if key not in self._chains:
             if len(self._chains) >= 16:
                 self._chains.pop(next(iter(self._chains)))

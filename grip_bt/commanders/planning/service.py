@@ -71,12 +71,12 @@ class PlanningProcess(Closing):
     The child is started at once and replaced when it dies; the request that it died over is sent once more. It ends
     when this process ends, however that ends, since its stdin does.
 
-    Args:
-        told: of each child that died and that another one takes the place of, in words; on a thread of our own.
+    Attributes:
+        told: called with words when a child has died and another one takes its place; on a thread of our own.
     """
 
     def __init__(self, robot: RobotDescription, told: Callable[[str], None] = lambda words: None):
-        self._robot, self._told = robot, told
+        self._robot, self.told = robot, told
         self._given_up: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
         self._jobs: dict[int, _Job] = {}
@@ -187,7 +187,7 @@ class PlanningProcess(Closing):
             job.operation.fail(_lost(dead))
         if dead is not self._given_up and other != dead.pid:
             again = ", and repeats the request" if wanted else ""
-            self._told(f"process {dead.pid} {how_ended(dead.returncode)}; process {other} replaces it{again}")
+            self.told(f"process {dead.pid} {how_ended(dead.returncode)}; process {other} replaces it{again}")
 
     def _lost_jobs(self) -> list[_Job]:
         """Take out the jobs that won't be sent again: the one that two children died over, or all if none can start."""

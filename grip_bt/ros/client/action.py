@@ -68,6 +68,11 @@ class ActionClient(ServedClient[_Entry]):
         """Whether a server still has a goal of ours that nobody waits for, and hasn't answered that it stops."""
         return any(e.machine.phase in ORPHANED for e in list(self._requests) if e.servers)
 
+    @property
+    def settled(self) -> bool:
+        """Whether every goal that was sent has ended."""
+        return not self._requests
+
     # --- from any thread ---
 
     def send(

@@ -38,6 +38,12 @@ class ServiceClient(ServedClient[_Call]):
     """The client of one service; made by `Bus.service`."""
 
     _new = _Call
+    _forsaken = False
+
+    @property
+    def settled(self) -> bool:
+        """Whether every call that was sent has been answered: no server can be at work for us."""
+        return not self._requests and not self._forsaken
 
     @property
     def in_flight(self) -> bool:
@@ -113,4 +119,5 @@ class ServiceClient(ServedClient[_Call]):
         """End a call that got no answer; a request under way is forgotten, else rclpy keeps it for ever."""
         if request in self._requests and request.future is not None:
             self._made.remove_pending_request(request.future)
+            self._forsaken = True
         super()._finish(request, error)

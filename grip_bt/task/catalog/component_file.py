@@ -82,6 +82,8 @@ class Start(Settings):
     """More environment variables."""
     run: bool = True
     """Whether we start it at all; `false` keeps what is written here for later."""
+    fresh: bool = False
+    """Whether a campaign starts it anew for every trial, because what it was asked before changes its answers."""
 
     @field_validator("command", mode="before")
     @classmethod
